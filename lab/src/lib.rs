@@ -1,0 +1,21 @@
+//! The lab: f64 oracles, error metrics, and studies of run time against error.
+//!
+//! `cargo run --release -p dolomite_lab -- noise` runs a study: methods against their oracles over a
+//! sweep of a knob, ours and others on the same inputs in the same run. It writes a CSV file and SVG
+//! charts, and prints a JSON object. Nothing but tests uses the lab.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`metrics`] | errors, times, hashes |
+//! | [`csv`], [`plot`] | the files that a study writes |
+//! | [`study`], [`studies`] | what a study is, and all of them |
+//! | [`gpu`] | compute shaders on whatever adapter there is, without a window |
+//! | [`cli`] | the command line |
+
+pub mod cli;
+pub mod csv;
+pub mod gpu;
+pub mod metrics;
+pub mod plot;
+pub mod studies;
+pub mod study;

@@ -1,0 +1,8 @@
+//! Every study, one folder each.
+
+pub mod noise;
+
+use crate::study::Study;
+
+/// All of them, in the order in which `all` runs them.
+pub const STUDIES: &[Study] = &[noise::STUDY];

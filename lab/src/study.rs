@@ -1,0 +1,198 @@
+//! What a study is, and how its results are written.
+
+use crate::csv::{Row, to_csv};
+use crate::plot::{Chart, PlotError, to_svg};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// What every study is told.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Of the inputs; same seed, same inputs.
+    pub seed: u32,
+    /// Samples of each measurement.
+    pub samples: usize,
+    /// Timed runs of each measurement; the median counts.
+    pub repeats: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { seed: 1, samples: 1 << 16, repeats: 9 }
+    }
+}
+
+/// A method against its oracle over a sweep of its knob.
+#[derive(Clone, Copy)]
+pub struct Study {
+    /// As it is named on the command line and in file names.
+    pub name: &'static str,
+    /// One line on what is asked.
+    pub about: &'static str,
+    /// Runs it; progress goes to standard error.
+    pub run: fn(&Options) -> Report,
+}
+
+/// A chart and the name of its file, without the ending.
+#[derive(Debug, Clone)]
+pub struct Figure {
+    /// File name without `.svg`.
+    pub name: String,
+    /// One paragraph below it.
+    pub caption: String,
+    /// What is drawn.
+    pub chart: Chart,
+}
+
+/// What came out.
+#[derive(Debug, Clone)]
+pub struct Report {
+    /// The study's name.
+    pub study: &'static str,
+    /// Every measurement.
+    pub rows: Vec<Row>,
+    /// What is drawn of them.
+    pub figures: Vec<Figure>,
+    /// Methods that are left out, or have no error, and why; and what else a reader must know.
+    pub notes: Vec<String>,
+    /// The figures that the study was made for: ratios, largest errors.
+    pub summary: Value,
+}
+
+/// Why nothing was written.
+#[derive(Debug, Error)]
+pub enum LabError {
+    /// A file or folder could not be written.
+    #[error("{}: {source}; choose another folder by --out", path.display())]
+    Write {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A chart could not be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+}
+
+impl Report {
+    /// The whole report as one JSON object.
+    pub fn to_json(&self) -> Value {
+        json!({
+            "study": self.study,
+            "summary": self.summary,
+            "notes": self.notes,
+            "rows": self.rows,
+        })
+    }
+
+    /// Writes `<study>.csv` and the figures into `folder`, which is made if need be, and gives the
+    /// paths.
+    ///
+    /// # Errors
+    /// [`LabError`].
+    pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, LabError> {
+        let mut files = vec![(format!("{}.csv", self.study), to_csv(&self.rows))];
+        for figure in &self.figures {
+            files.push((format!("{}.svg", figure.name), to_svg(&figure.chart)?));
+        }
+        files.into_iter().map(|(name, text)| write_file(folder, &name, &text)).collect()
+    }
+}
+
+/// Writes the page that shows the figures of `reports` into `folder`, where they lie.
+///
+/// # Errors
+/// [`LabError::Write`].
+pub fn write_index(folder: &Path, reports: &[Report]) -> Result<PathBuf, LabError> {
+    let mut page = String::from(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Dolomite lab</title>\n\
+         <style>body{font:16px/1.5 sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem}\
+         img{max-width:100%}</style></head><body>\n<h1>Dolomite lab</h1>\n",
+    );
+    for report in reports {
+        let study = report.study;
+        let mut section = format!("<h2>{study}</h2>\n<p><a href=\"{study}.csv\">{study}.csv</a></p>\n");
+        for figure in &report.figures {
+            let (name, caption) = (&figure.name, escaped(&figure.caption));
+            section += &format!("<p><img src=\"{name}.svg\" alt=\"{caption}\"></p>\n<p>{caption}</p>\n");
+        }
+        section += "<ul>\n";
+        for note in &report.notes {
+            writeln!(section, "<li>{}</li>", escaped(note))
+                .expect("a String takes everything that is written");
+        }
+        page += &section;
+        page += "</ul>\n";
+    }
+    page += "</body></html>\n";
+    write_file(folder, "index.html", &page)
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+fn write_file(folder: &Path, name: &str, text: &str) -> Result<PathBuf, LabError> {
+    let path = folder.join(name);
+    std::fs::create_dir_all(folder)
+        .and_then(|()| std::fs::write(&path, text))
+        .map_err(|source| LabError::Write { path: path.clone(), source })?;
+    Ok(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::Curve;
+
+    fn report() -> Report {
+        Report {
+            study: "example",
+            rows: Vec::new(),
+            figures: vec![Figure {
+                name: "example_time_error".into(),
+                caption: "time < error".into(),
+                chart: Chart {
+                    title: "t".into(),
+                    x_label: "x".into(),
+                    y_label: "y".into(),
+                    curves: vec![Curve { name: "a".into(), points: vec![(1.0, 2.0)] }],
+                },
+            }],
+            notes: vec!["a & b".into()],
+            summary: json!({ "ratio": 2.0 }),
+        }
+    }
+
+    fn scratch(name: &str) -> PathBuf {
+        std::env::temp_dir().join(format!("dolomite_lab_{}_{name}", std::process::id()))
+    }
+
+    #[test]
+    fn everything_is_written_and_the_page_shows_it() {
+        let folder = scratch("write");
+        let files = report().write(&folder).unwrap();
+        assert_eq!(files, [folder.join("example.csv"), folder.join("example_time_error.svg")]);
+        let page = std::fs::read_to_string(write_index(&folder, &[report()]).unwrap()).unwrap();
+        assert!(page.contains("example_time_error.svg") && page.contains("a &amp; b"));
+        assert!(page.contains("time &lt; error"));
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_made_is_named() {
+        let file = scratch("file");
+        std::fs::write(&file, "").unwrap();
+        let refusal = report().write(&file.join("below")).unwrap_err().to_string();
+        assert!(refusal.contains("below") && refusal.contains("--out"), "{refusal}");
+        std::fs::remove_file(file).unwrap();
+    }
+
+    #[test]
+    fn json_holds_the_summary() {
+        assert_eq!(report().to_json()["summary"]["ratio"], 2.0);
+    }
+}

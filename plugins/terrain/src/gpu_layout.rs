@@ -1,0 +1,217 @@
+//! The terrain as `shaders/src/terrain/bindings.wgsl` reads it.
+
+use crate::height_map::{Filter, HeightMap};
+use crate::hill::Hill;
+use crate::ground::GroundPoint;
+use crate::noise::sum::Scale;
+use crate::noise::{Octave, PreparedClassic, PreparedFractal};
+use crate::terrain::{MaskStep, Prepared, Terrain};
+use bytemuck::{Pod, Zeroable};
+
+/// What a [`GpuLayer`] is; the numbers are those of `shaders/src/terrain/layer.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum LayerKind {
+    /// Fractal: FBM. 0 to 3 are in the order of [`Sum`](crate::Sum).
+    Fbm = 0,
+    /// Fractal: ridged.
+    Ridged = 1,
+    /// Fractal: billow.
+    Billow = 2,
+    /// Fractal: eroded.
+    Eroded = 3,
+    /// Classic noise.
+    Classic = 4,
+    /// Height map, bilinear.
+    Bilinear = 5,
+    /// Height map, bicubic.
+    Bicubic = 6,
+    /// Hill.
+    Hill = 7,
+}
+
+/// One layer, the twin of the WGSL `Layer`: 20 words. Words that a kind does not use are 0.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuLayer {
+    /// A [`LayerKind`].
+    pub kind: u32,
+    /// Fractal, classic: octaves.
+    pub octaves: u32,
+    /// Fractal, classic: index in the data of the octave table (12 words an octave); the classic
+    /// permutation (256 words) follows it. Map: index of the first sample.
+    pub data: u32,
+    /// Fractal: octaves of the warp, 0 for none.
+    pub warp_octaves: u32,
+    /// Fractal: index of the warp's octave table for x; that for z follows it.
+    pub warp_data: u32,
+    /// Fractal: strength of erosion.
+    pub erosion: f32,
+    /// Height where the mask is 0, metres.
+    pub mask_low: f32,
+    /// 1 / (high − low) of the mask, 0 for no mask.
+    pub mask_scale: f32,
+    /// Map: columns, rows.
+    pub size: [u32; 2],
+    /// Map: place of the first sample; hill: centre. Whole metres x, z.
+    pub origin_cell: [i32; 2],
+    /// The same: steps of 2⁻³² m.
+    pub origin_frac: [u32; 2],
+    /// Map: mantissas of samples a metre along x, z.
+    pub mantissa: [u32; 2],
+    /// Map: shifts of the same.
+    pub shift: [u32; 2],
+    /// Map: samples a metre. Hill: 1/radius, and height in metres.
+    pub scale: [f32; 2],
+}
+
+/// The uniform beside the layers, the twin of the WGSL `TerrainUniform`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct GpuTerrainUniform {
+    /// Layers in use.
+    pub layer_count: u32,
+    /// Height before the first layer, metres.
+    pub base: f32,
+    /// Height of the water, metres; [`GpuTerrainUniform::NO_SEA`] if there is none.
+    pub sea_level: f32,
+    /// 0.
+    pub pad: u32,
+}
+
+impl GpuTerrainUniform {
+    /// Stands for no water.
+    pub const NO_SEA: f32 = -1e30;
+}
+
+/// Everything that `terrain_height` reads. Both lists hold at least one element, as a binding
+/// must not be empty.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GpuTerrain {
+    /// Binding 0.
+    pub layers: Vec<GpuLayer>,
+    /// Binding 1: octave tables, permutations, and samples as f32 bits.
+    pub data: Vec<u32>,
+    /// Binding 2.
+    pub uniform: GpuTerrainUniform,
+}
+
+impl Terrain {
+    /// Lays out the terrain for the GPU. Copies the samples of height maps.
+    #[must_use]
+    pub fn gpu(&self) -> GpuTerrain {
+        let mut data = Vec::new();
+        let mut layers: Vec<GpuLayer> = self
+            .prepared()
+            .map(|(source, mask)| {
+                let mask = MaskStep::new(mask);
+                let layer = match source {
+                    Prepared::Fractal(source) => fractal(source, &mut data),
+                    Prepared::Classic(source) => classic(source, &mut data),
+                    Prepared::Map(source) => map(source, &mut data),
+                    Prepared::Hill(source) => hill(source),
+                };
+                GpuLayer { mask_low: mask.low, mask_scale: mask.scale, ..layer }
+            })
+            .collect();
+        let uniform = GpuTerrainUniform {
+            layer_count: layers.len() as u32,
+            base: self.data().base,
+            sea_level: self.sea_level().unwrap_or(GpuTerrainUniform::NO_SEA),
+            pad: 0,
+        };
+        if layers.is_empty() {
+            layers.push(GpuLayer::default());
+        }
+        if data.is_empty() {
+            data.push(0);
+        }
+        GpuTerrain { layers, data, uniform }
+    }
+}
+
+/// Appends an octave table; returns its index. An octave is 12 words: mantissa, shift, seed, offset
+/// x (cell, fraction), offset z (cell, fraction), then as f32 bits amplitude, frequency, slope,
+/// relative slope, and one spare. `load_octave` in `bindings.wgsl` reads them.
+fn octave_table(octaves: &[Octave], data: &mut Vec<u32>) -> u32 {
+    let at = data.len() as u32;
+    for octave in octaves {
+        let scale = Scale::new(octave, &octaves[0]);
+        let [x, z] = octave.offset;
+        data.extend([
+            octave.frequency.mantissa,
+            octave.frequency.shift,
+            octave.seed,
+            (x >> 32) as u32,
+            x as u32,
+            (z >> 32) as u32,
+            z as u32,
+            scale.amplitude.to_bits(),
+            scale.frequency.to_bits(),
+            scale.slope.to_bits(),
+            scale.relative.to_bits(),
+            0,
+        ]);
+    }
+    at
+}
+
+fn fractal(source: &PreparedFractal, data: &mut Vec<u32>) -> GpuLayer {
+    let layer = GpuLayer {
+        kind: source.sum.code(),
+        octaves: source.octaves.len() as u32,
+        data: octave_table(&source.octaves, data),
+        erosion: source.erosion,
+        ..GpuLayer::default()
+    };
+    let Some(warp) = &source.warp else { return layer };
+    let warp_data = octave_table(&warp.x, data);
+    octave_table(&warp.z, data);
+    GpuLayer { warp_octaves: warp.x.len() as u32, warp_data, ..layer }
+}
+
+fn classic(source: &PreparedClassic, data: &mut Vec<u32>) -> GpuLayer {
+    let at = octave_table(&source.octaves, data);
+    data.extend(source.permutation.iter().map(|&p| u32::from(p)));
+    GpuLayer {
+        kind: LayerKind::Classic as u32,
+        octaves: source.octaves.len() as u32,
+        data: at,
+        ..GpuLayer::default()
+    }
+}
+
+fn map(source: &HeightMap, data: &mut Vec<u32>) -> GpuLayer {
+    let at = data.len() as u32;
+    data.extend(source.samples().iter().map(|s| s.to_bits()));
+    let lattice = source.lattice();
+    let kind = match source.filter() {
+        Filter::Bilinear => LayerKind::Bilinear,
+        Filter::Bicubic => LayerKind::Bicubic,
+    };
+    GpuLayer {
+        kind: kind as u32,
+        data: at,
+        size: [source.width(), source.height()],
+        mantissa: lattice.frequency.map(|frequency| frequency.mantissa),
+        shift: lattice.frequency.map(|frequency| frequency.shift),
+        scale: source.inverse_spacing().to_array(),
+        ..origin(lattice.origin)
+    }
+}
+
+fn hill(source: &Hill) -> GpuLayer {
+    GpuLayer {
+        kind: LayerKind::Hill as u32,
+        scale: [source.inverse_radius(), source.height],
+        ..origin(GroundPoint::new(source.centre))
+    }
+}
+
+fn origin(point: GroundPoint) -> GpuLayer {
+    GpuLayer {
+        origin_cell: point.cell.to_array(),
+        origin_frac: point.frac.to_array(),
+        ..GpuLayer::default()
+    }
+}

@@ -1,0 +1,206 @@
+//! Stored heights: a grid of samples, interpolated, with its gradient.
+//!
+//! Conventions: sample (column, row) lies at origin + (column, row) × spacing; columns run along
+//! +X (east), rows along +Z (south), so row 0 of a north-up picture is its northern edge. Beyond
+//! the border the border samples go on.
+
+mod error;
+mod file;
+mod geodesy;
+mod interpolate;
+mod pyramid;
+
+pub use error::HeightMapError;
+pub use file::{HeightMapFile, MapFormat, RawFormat};
+pub use geodesy::metres_per_degree;
+
+use crate::ground::{GroundPoint, GroundRect};
+use crate::noise::Frequency;
+use bevy::math::DVec2;
+use noise::NoiseFn;
+use pyramid::Pyramid;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// How heights between samples are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Filter {
+    /// Four samples; exact at samples, never beyond its neighbours; creases along the grid lines.
+    Bilinear,
+    /// Sixteen samples, Catmull-Rom (E. Catmull, R. Rom, 1974): exact at samples, smooth gradient;
+    /// may overshoot its neighbours by up to 28 % of their range.
+    #[default]
+    Bicubic,
+}
+
+/// A grid of heights on the ground. Immutable and cheap to clone.
+#[derive(Clone, Debug)]
+pub struct HeightMap(Arc<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    width: u32,
+    height: u32,
+    samples: Arc<[f32]>,
+    origin: DVec2,
+    spacing: DVec2,
+    filter: Filter,
+    lattice: Lattice,
+    pyramid: Pyramid,
+}
+
+/// The grid as the integer twins see it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lattice {
+    /// Place of sample (0, 0).
+    pub origin: GroundPoint,
+    /// Samples a metre along x and z.
+    pub frequency: [Frequency; 2],
+}
+
+impl HeightMap {
+    /// Most samples along a side.
+    pub const MAX_SIDE: u32 = 16_384;
+    /// Most samples of a map: 64 MiB of f32, half of what WebGPU grants a storage buffer.
+    pub const MAX_SAMPLES: usize = 1 << 24;
+    /// Smallest distance of samples, metres; with it every place within 1e8 m has its own cell.
+    pub const MIN_SPACING: f64 = 0.1;
+
+    /// A map from heights in metres, row after row.
+    ///
+    /// `origin`: place of the first sample (x, z), metres. `spacing`: distance of columns and of
+    /// rows, metres.
+    ///
+    /// # Errors
+    /// A size of 0 or beyond [`Self::MAX_SIDE`] or [`Self::MAX_SAMPLES`]; a number of samples
+    /// that is not width × height; a sample that is not a finite height of at most 1e6 m; an
+    /// unusable origin or spacing.
+    pub fn new(
+        width: u32,
+        height: u32,
+        samples: Vec<f32>,
+        origin: DVec2,
+        spacing: DVec2,
+        filter: Filter,
+    ) -> Result<Self, HeightMapError> {
+        Self::named("(made in memory)", [width, height], samples, (origin, spacing), filter)
+    }
+
+    /// As [`Self::new`], with the name that errors give.
+    fn named(
+        name: &str,
+        [width, height]: [u32; 2],
+        samples: Vec<f32>,
+        (origin, spacing): (DVec2, DVec2),
+        filter: Filter,
+    ) -> Result<Self, HeightMapError> {
+        let file = || name.to_owned();
+        error::check_size(name, width, height)?;
+        let expected = width as usize * height as usize;
+        if samples.len() != expected {
+            return Err(HeightMapError::SampleCount { file: file(), expected, found: samples.len() });
+        }
+        if let Some(at) = samples.iter().position(|s| !(s.is_finite() && s.abs() <= 1e6)) {
+            return Err(HeightMapError::NotAHeight {
+                file: file(),
+                column: at as u32 % width,
+                row: at as u32 / width,
+                value: samples[at],
+            });
+        }
+        let usable = |s: f64| (Self::MIN_SPACING..=1e6).contains(&s);
+        let frequency = [spacing.x, spacing.y].map(Frequency::from_wavelength);
+        let [Some(x), Some(z)] = frequency else {
+            return Err(HeightMapError::Spacing { file: file(), spacing });
+        };
+        if !usable(spacing.x) || !usable(spacing.y) {
+            return Err(HeightMapError::Spacing { file: file(), spacing });
+        }
+        if !(origin.is_finite() && origin.abs().max_element() <= 1e8) {
+            return Err(HeightMapError::Origin { file: file(), origin });
+        }
+        let pyramid = Pyramid::new(&samples, width as usize, height as usize);
+        let lattice = Lattice { origin: GroundPoint::new(origin), frequency: [x, z] };
+        let samples = samples.into();
+        Ok(Self(Arc::new(Inner { width, height, samples, origin, spacing, filter, lattice, pyramid })))
+    }
+
+    /// Samples any function of the `noise` crate over `rect`, every `spacing` metres or a little
+    /// less: height = `amplitude` × f(x / `wavelength`, z / `wavelength`), with the bicubic filter.
+    ///
+    /// The map then *is* the source, for the CPU and for the GPU alike: choose the spacing well
+    /// below the finest detail of the function.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; also a function that returns numbers that are not finite.
+    pub fn from_noise_fn(
+        function: &(impl NoiseFn<f64, 2> + ?Sized),
+        rect: &GroundRect,
+        spacing: f64,
+        wavelength: f64,
+        amplitude: f64,
+    ) -> Result<Self, HeightMapError> {
+        let name = "(noise function)";
+        let steps = (rect.size() / spacing).ceil();
+        let count = |steps: f64| (steps as u32).saturating_add(1);
+        let [width, height] = [count(steps.x), count(steps.y)];
+        error::check_size(name, width, height)?;
+        let step = rect.size() / steps;
+        let mut samples = Vec::with_capacity(width as usize * height as usize);
+        for row in 0..height {
+            for column in 0..width {
+                let xz = rect.min + step * DVec2::new(f64::from(column), f64::from(row));
+                let at = xz / wavelength;
+                samples.push((amplitude * function.get([at.x, at.y])) as f32);
+            }
+        }
+        Self::named(name, [width, height], samples, (rect.min, step), Filter::Bicubic)
+    }
+
+    /// Columns.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.0.width
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        self.0.height
+    }
+
+    /// The samples, metres, row after row.
+    #[must_use]
+    pub fn samples(&self) -> &[f32] {
+        &self.0.samples
+    }
+
+    /// Place of the first sample (x, z), metres.
+    #[must_use]
+    pub fn origin(&self) -> DVec2 {
+        self.0.origin
+    }
+
+    /// Distance of columns and of rows, metres.
+    #[must_use]
+    pub fn spacing(&self) -> DVec2 {
+        self.0.spacing
+    }
+
+    /// How heights between samples are found.
+    #[must_use]
+    pub fn filter(&self) -> Filter {
+        self.0.filter
+    }
+
+    /// The rectangle from the first to the last sample, metres.
+    #[must_use]
+    pub fn rect(&self) -> GroundRect {
+        let steps = DVec2::new(f64::from(self.0.width - 1), f64::from(self.0.height - 1));
+        GroundRect::new(self.0.origin, self.0.origin + steps * self.0.spacing)
+    }
+
+    pub(crate) fn lattice(&self) -> Lattice {
+        self.0.lattice
+    }
+}

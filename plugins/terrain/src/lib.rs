@@ -1,0 +1,43 @@
+//! Heights of the ground: noise, height maps and hills, with exact gradients.
+//!
+//! The simulation half of Dolomite's terrain: no window, no GPU. A [`Terrain`] is one function of
+//! the ground plane, given three times over: in f64 ([`Ground`], what gameplay stands on), in f32
+//! for one point, tiles and lists ([`Terrain::sample`], [`Terrain::fill_tile`]), and in WGSL
+//! (`dolomite_shaders`, folder `terrain`), for which [`Terrain::gpu`] lays out the data.
+//!
+//! ```
+//! use bevy::math::DVec2;
+//! use dolomite_terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
+//!
+//! let terrain = Terrain::new(TerrainData {
+//!     extent: GroundRect::square(DVec2::ZERO, 4000.0),
+//!     layers: vec![Layer { source: Source::Fractal(Fractal::default()), mask: None }],
+//!     base: 0.0,
+//!     sea_level: None,
+//! })?;
+//! let ground = terrain.height(DVec2::new(12.0, -7.5));
+//! assert!(ground.abs() < 200.0);
+//! # Ok::<(), dolomite_terrain::TerrainError>(())
+//! ```
+
+pub mod batch;
+pub mod bounds;
+mod gpu_layout;
+mod ground;
+mod height_map;
+mod hill;
+pub mod noise;
+mod plugin;
+mod terrain;
+
+pub use batch::{BatchError, HeightTile, Planes};
+pub use bounds::HeightBounds;
+pub use gpu_layout::{GpuLayer, GpuTerrain, GpuTerrainUniform, LayerKind};
+pub use ground::{Ground, GroundPoint, GroundRect, GroundSample, Height};
+pub use height_map::{
+    Filter, HeightMap, HeightMapError, HeightMapFile, MapFormat, RawFormat, metres_per_degree,
+};
+pub use hill::Hill;
+pub use noise::{Classic, Fractal, NoiseError, Sum, Warp};
+pub use plugin::{GroundProbe, TerrainPlugin};
+pub use terrain::{Layer, Mask, Source, Terrain, TerrainData, TerrainError};

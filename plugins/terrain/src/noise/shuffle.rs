@@ -1,0 +1,42 @@
+//! The permutation of the classic preset: 256 numbers shuffled by a seeded Mersenne Twister.
+
+use rand_mt::Mt;
+
+/// 0..=255 in an order that only depends on the seed: MT19937 (M. Matsumoto, T. Nishimura, 1998),
+/// then the shuffle of R. Durstenfeld (1964) from the top: for i = 255 down to 1 swap i with
+/// word mod (i + 1). The modulo's bias is below 2⁻²⁴.
+#[must_use]
+pub(crate) fn permutation(seed: u32) -> [u8; 256] {
+    let mut words = Mt::new(seed);
+    let mut table: [u8; 256] = core::array::from_fn(|i| i as u8);
+    for i in (1..256_usize).rev() {
+        table.swap(i, words.next_u32() as usize % (i + 1));
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn is_a_permutation_that_depends_on_the_seed() {
+        let (a, b) = (permutation(1), permutation(2));
+        for table in [a, b] {
+            let mut seen = [false; 256];
+            table.iter().for_each(|&p| seen[usize::from(p)] = true);
+            assert!(seen.iter().all(|&s| s));
+        }
+        assert_ne!(a, b);
+        assert_eq!(a, permutation(1));
+    }
+
+    #[test]
+    fn the_twister_is_mt19937() {
+        // The 10000th output of std::mt19937 with its default seed, from the C++ standard
+        // ([rand.predef]).
+        let mut words = Mt::new(5489);
+        let last = (0..10_000).map(|_| words.next_u32()).last();
+        assert_eq!(last, Some(4_123_659_995));
+    }
+}

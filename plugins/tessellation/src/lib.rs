@@ -1,0 +1,50 @@
+//! Terrain tessellation on the GPU, for Bevy: quad patches over the ground are refined by compute
+//! passes each time the view changes, and drawn into Bevy's G-buffer, so that Bevy lights them,
+//! shadows them and composites everything else with them.
+//!
+//! ```no_run
+//! use bevy::{math::DVec2, prelude::*};
+//! use dolomite_terrain::{Fractal, GroundRect, Layer, Source, Terrain, TerrainData};
+//! use dolomite_tessellation::{TerrainMaterial, TerrainTessellationPlugin, TerrainView};
+//!
+//! fn setup(mut commands: Commands, assets: Res<AssetServer>) -> Result {
+//!     let terrain = Terrain::new(TerrainData {
+//!         extent: GroundRect::square(DVec2::ZERO, 4000.0),
+//!         layers: vec![Layer { source: Source::Fractal(Fractal::default()), mask: None }],
+//!         base: 0.0,
+//!         sea_level: Some(0.0),
+//!     })?;
+//!     let albedo = assets.load("textures/terrain_albedo_height.png");
+//!     let normal = assets.load("textures/terrain_normal_roughness.png");
+//!     commands.spawn((terrain, TerrainMaterial::new(albedo, normal)));
+//!     commands.spawn((Camera3d::default(), Msaa::Off, TerrainView::default()));
+//!     Ok(())
+//! }
+//!
+//! # let mut app = App::new();
+//! app.add_plugins(TerrainTessellationPlugin).add_systems(Startup, setup);
+//! ```
+//!
+//! | part | what it does |
+//! |---|---|
+//! | [`cover`] | chooses the patches: a balanced quadtree around the focus; corners and edges have one owner |
+//! | [`twin`] | the compute passes in Rust, for tests and for machines without a GPU |
+//! | [`pattern`] | the triangles of one patch from the levels of its edges |
+//! | `render` | the same on the GPU, the G-buffer and shadow draws (feature `render`) |
+//!
+//! Cost: per camera one vertex and one index pool (16 MiB and 24 MiB by default, set in
+//! [`TerrainView`]); three dispatches in a frame whose view or terrain changed, none else.
+
+pub mod cover;
+pub mod layout;
+pub mod pattern;
+mod plugin;
+#[cfg(feature = "render")]
+pub mod render;
+mod settings;
+mod stats;
+pub mod twin;
+
+pub use plugin::{PatchBounds, TerrainCover, TerrainCoverSystems, TerrainTessellationPlugin};
+pub use settings::{MaterialBands, TerrainMaterial, TerrainView};
+pub use stats::TessellationStats;

@@ -1,0 +1,179 @@
+//! The relief map: gradient and sky occlusion of the whole terrain at a fixed spacing.
+//!
+//! Far away a triangle is larger than the relief within it. The map keeps that relief in the
+//! shading, filtered by mip levels: the means of gradients, as the normals of a rough surface
+//! should be averaged (Olano and Baker, "LEAN mapping", 2010, first moments).
+
+use bevy::asset::RenderAssetUsages;
+use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
+use bevy::prelude::*;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
+use dolomite_terrain::{GroundPoint, HeightTile, Planes, Terrain};
+use half::f16;
+
+/// The relief map of a terrain; made in the background by the plugin.
+#[derive(Component, Clone, Debug)]
+pub struct TerrainRelief {
+    /// `Rgba16Float` over a square from the extent's least corner: dh/dx, dh/dz, sky occlusion,
+    /// unused.
+    pub image: Handle<Image>,
+    /// Side of a texel, metres.
+    pub texel: f32,
+}
+
+/// Side of the relief map, texels: 32 MiB with its mip levels.
+pub const RELIEF_SIDE: u32 = 2048;
+
+/// A relief map being made for an entity.
+#[derive(Component)]
+pub struct ReliefTask(Task<Image>);
+
+/// Starts a relief map for every terrain that is new or has changed.
+pub fn start(mut commands: Commands, terrains: Query<(Entity, &Terrain), Changed<Terrain>>) {
+    for (entity, terrain) in &terrains {
+        let terrain = terrain.clone();
+        let task = AsyncComputeTaskPool::get().spawn(async move { relief_map(&terrain, RELIEF_SIDE) });
+        commands.entity(entity).remove::<TerrainRelief>().insert(ReliefTask(task));
+    }
+}
+
+/// Puts finished relief maps beside their terrains.
+pub fn finish(
+    mut commands: Commands,
+    mut tasks: Query<(Entity, &Terrain, &mut ReliefTask)>,
+    mut images: ResMut<Assets<Image>>,
+) {
+    for (entity, terrain, mut task) in &mut tasks {
+        if let Some(image) = block_on(poll_once(&mut task.0)) {
+            let texel = texel(terrain, RELIEF_SIDE) as f32;
+            let relief = TerrainRelief { image: images.add(image), texel };
+            commands.entity(entity).remove::<ReliefTask>().insert(relief);
+        }
+    }
+}
+
+/// Side of a texel of a square map over the longer side of the extent, metres.
+fn texel(terrain: &Terrain, side: u32) -> f64 {
+    terrain.extent().size().max_element() / f64::from(side)
+}
+
+/// Samples the terrain on `side` × `side` texel centres from the extent's least corner, on all
+/// cores.
+pub fn relief_map(terrain: &Terrain, side: u32) -> Image {
+    let n = side as usize;
+    let spacing = texel(terrain, side);
+    let origin = GroundPoint::new(terrain.extent().min + spacing * 0.5);
+    let tile = HeightTile { origin, spacing, width: n, height: n };
+    let mut heights = vec![0.0; n * n];
+    let (mut dx, mut dz) = (vec![0.0; n * n], vec![0.0; n * n]);
+    let planes = Planes { value: &mut heights, dx: &mut dx, dz: &mut dz };
+    let filled = terrain.fill_tile_parallel(&tile, planes);
+    debug_assert!(filled.is_ok(), "the planes have the tile's size");
+    if let Some(sea) = terrain.sea_level() {
+        for height in &mut heights {
+            *height = height.max(sea);
+        }
+    }
+    let occlusion = sky_occlusion(&heights, n, spacing);
+    let mut level: Vec<[f32; 3]> =
+        (0..n * n).map(|i| [dx[i], dz[i], occlusion[i]]).collect();
+    let mut data = Vec::with_capacity(n * n * 8 * 4 / 3 + 64);
+    let mut width = n;
+    loop {
+        for [x, z, o] in &level {
+            for value in [*x, *z, *o, 1.0] {
+                data.extend_from_slice(&f16::from_f32(value.clamp(-65504.0, 65504.0)).to_le_bytes());
+            }
+        }
+        if width == 1 {
+            break;
+        }
+        level = halve(&level, width);
+        width /= 2;
+    }
+    let size = Extent3d { width: side, height: side, depth_or_array_layers: 1 };
+    let mut image = Image::new_uninit(
+        size,
+        TextureDimension::D2,
+        TextureFormat::Rgba16Float,
+        RenderAssetUsages::RENDER_WORLD,
+    );
+    image.data = Some(data);
+    image.texture_descriptor.mip_level_count = side.ilog2() + 1;
+    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
+        label: Some("terrain_relief".into()),
+        anisotropy_clamp: 8,
+        address_mode_u: ImageAddressMode::ClampToEdge,
+        address_mode_v: ImageAddressMode::ClampToEdge,
+        mag_filter: ImageFilterMode::Linear,
+        min_filter: ImageFilterMode::Linear,
+        mipmap_filter: ImageFilterMode::Linear,
+        ..default()
+    });
+    image
+}
+
+fn halve(level: &[[f32; 3]], width: usize) -> Vec<[f32; 3]> {
+    let half = width / 2;
+    let mut out = Vec::with_capacity(half * half);
+    for z in 0..half {
+        for x in 0..half {
+            let at = |dx, dz| level[(2 * z + dz) * width + 2 * x + dx];
+            let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+            out.push([0, 1, 2].map(|c| four.iter().map(|texel| texel[c]).sum::<f32>() / 4.0));
+        }
+    }
+    out
+}
+
+/// Share of the sky that each texel sees: 1 − mean over eight directions of sin²(horizon), which
+/// is the cosine-weighted share of an evenly bright sky in a slice (Max, "Horizon mapping", 1988).
+///
+/// The horizon is looked for at distances of 1, 2, 4 … 128 texels.
+fn sky_occlusion(heights: &[f32], n: usize, spacing: f64) -> Vec<f32> {
+    const DIRECTIONS: [(isize, isize); 8] =
+        [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+    let row = |z: usize| {
+        (0..n).map(move |x| {
+            let here = heights[z * n + x];
+            let mut blocked = 0.0;
+            for (dx, dz) in DIRECTIONS {
+                let step = (((dx * dx + dz * dz) as f64).sqrt() * spacing) as f32;
+                let mut steepest = 0.0_f32;
+                for reach in (0..8).map(|power| 1_isize << power) {
+                    let (sx, sz) = (x as isize + dx * reach, z as isize + dz * reach);
+                    let (Ok(sx), Ok(sz)) = (usize::try_from(sx), usize::try_from(sz)) else { break };
+                    if sx >= n || sz >= n {
+                        break;
+                    }
+                    steepest = steepest.max((heights[sz * n + sx] - here) / (step * reach as f32));
+                }
+                // sin² of the angle whose tangent is `steepest`.
+                blocked += steepest * steepest / (1.0 + steepest * steepest);
+            }
+            1.0 - blocked / DIRECTIONS.len() as f32
+        })
+    };
+    (0..n).flat_map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flat_ground_sees_the_whole_sky() {
+        assert!(sky_occlusion(&[5.0; 256], 16, 1.0).iter().all(|&o| o == 1.0));
+    }
+
+    #[test]
+    fn the_bottom_of_a_shaft_sees_next_to_none() {
+        let mut heights = vec![1000.0; 256];
+        heights[8 * 16 + 8] = 0.0;
+        let occlusion = sky_occlusion(&heights, 16, 1.0);
+        // Walls 1000 times as high as far (√2 on the diagonals): cos² of the horizon is below 2e-6.
+        assert!(occlusion[8 * 16 + 8] < 2e-6);
+        assert_eq!(occlusion[0], 1.0, "the rim sees everything");
+    }
+}

@@ -1,0 +1,94 @@
+//! Every tessellation shader is valid WGSL, and its structs lie in memory as Rust's do.
+
+use std::mem::offset_of;
+
+use dolomite_tessellation::layout::{Corner, Edge, Patch, PlanResult, ViewParams};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{Module, TypeInner};
+
+fn composed(path: &str) -> Module {
+    dolomite_shaders::compose(path, &[]).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// Size, and (name, offset) of the members, of the struct whose name ends in `name`.
+fn wgsl_struct(module: &Module, name: &str) -> (u32, Vec<(String, u32)>) {
+    let found = module.types.iter().find_map(|(_, ty)| {
+        // Composition decorates the names of imported types.
+        let matches = ty.name.as_deref().is_some_and(|full| full.starts_with(name));
+        match &ty.inner {
+            TypeInner::Struct { members, span } if matches => Some((
+                *span,
+                members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(),
+            )),
+            _ => None,
+        }
+    });
+    found.unwrap_or_else(|| panic!("no struct {name}"))
+}
+
+/// Asserts that size and offsets of a Rust struct are those of its WGSL twin.
+macro_rules! same_layout {
+    ($module:expr, $rust:ident { $($field:ident),* $(,)? }) => {{
+        let (size, members) = wgsl_struct($module, stringify!($rust));
+        assert_eq!(size as usize, size_of::<$rust>(), "size of {}", stringify!($rust));
+        let ours = [$((stringify!($field), offset_of!($rust, $field) as u32)),*];
+        for (name, offset) in ours {
+            let theirs = members.iter().find(|(theirs, _)| theirs == name || theirs.starts_with(&format!("{name}0")));
+            assert_eq!(theirs.map(|m| m.1), Some(offset), "{}.{name}", stringify!($rust));
+        }
+    }};
+}
+
+#[test]
+fn compute_shaders_are_valid() {
+    for path in ["tessellation/levels.wgsl", "tessellation/plan.wgsl", "tessellation/emit.wgsl"] {
+        let module = composed(path);
+        Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .unwrap_or_else(|error| panic!("{path}: {error:?}"));
+        assert_eq!(module.entry_points.len(), 1, "{path}");
+        // WebGPU's default limits.
+        let storage = module
+            .global_variables
+            .iter()
+            .filter(|(_, v)| matches!(v.space, naga::AddressSpace::Storage { .. }))
+            .count();
+        assert!(storage <= 8, "{path} binds {storage} storage buffers");
+        assert!(module.entry_points[0].workgroup_size.iter().product::<u32>() <= 256, "{path}");
+    }
+}
+
+#[test]
+fn records_lie_as_in_rust() {
+    let plan = composed("tessellation/plan.wgsl");
+    same_layout!(&plan, Corner { cell, frac, patches, vertex, pad });
+    same_layout!(&plan, Edge { corners, patches, wanted, level, vertex, pad });
+    same_layout!(&plan, Patch { corners, edges, min_height, max_height, visible, vertex, triangle, inner, pad });
+    same_layout!(&plan, ViewParams {
+        planes, sweep, eye, segments_per_radian, anchor, corner_count, edge_count, patch_count,
+        max_vertices, max_triangles, sea_level,
+    });
+    same_layout!(&plan, PlanResult { indexed, plain, vertices, triangles, drawn, culled, lowered, pad });
+}
+
+#[test]
+#[should_panic(expected = "size of Edge")]
+fn a_changed_struct_is_seen() {
+    #[expect(dead_code, reason = "only its layout matters")]
+    struct Edge {
+        corners: [u32; 2],
+    }
+    same_layout!(&composed("tessellation/plan.wgsl"), Edge { corners });
+}
+
+#[cfg(feature = "render")]
+#[test]
+fn draw_parameters_lie_as_in_rust() {
+    use dolomite_tessellation::render::DrawParams;
+    let draw = composed("tessellation/draw.wgsl");
+    same_layout!(&draw, DrawParams {
+        clip_from_anchor, previous_clip_from_anchor, camera, time, anchor, near_offset, far_offset,
+        viewport, sea_level, tile, sand_top, tree_line, snow_line, blend, rock_slope, snow_slope,
+        flags, relief_texel, relief_offset, relief_scale, pad,
+    });
+}

@@ -1,0 +1,111 @@
+//! From a file to a naga module, imports and all.
+
+use crate::{ALL, ShaderFile};
+use naga_oil::compose::{
+    ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderDefValue,
+};
+use std::collections::HashMap;
+use thiserror::Error;
+
+/// A file that does not become a module.
+#[derive(Debug, Error)]
+#[error("{file}: {reason}")]
+pub struct ComposeError {
+    /// Path of the file in which it went wrong.
+    pub file: String,
+    /// What naga_oil or naga said, with the place.
+    pub reason: String,
+}
+
+/// Composes the file at `path` with everything of ours that it imports; `defs` are the shader
+/// definitions that are set. The result is validated by naga.
+///
+/// # Errors
+/// An unknown path, an import that is not ours, or WGSL that is not valid.
+pub fn compose(path: &str, defs: &[&str]) -> Result<naga::Module, ComposeError> {
+    let error = |reason: String| ComposeError { file: path.to_owned(), reason };
+    let file = ALL.iter().find(|file| file.path == path).ok_or_else(|| error("no such file".into()))?;
+    let defs: HashMap<String, ShaderDefValue> =
+        defs.iter().map(|name| ((*name).to_owned(), ShaderDefValue::Bool(true))).collect();
+    let mut composer = Composer::default();
+    for module in imports(file) {
+        add(&mut composer, module, &defs)?;
+    }
+    let module = composer.make_naga_module(NagaModuleDescriptor {
+        source: file.source,
+        file_path: file.path,
+        shader_defs: defs,
+        ..Default::default()
+    });
+    module.map_err(|oil| error(oil.emit_to_string(&composer)))
+}
+
+/// The modules of ours that a file imports.
+fn imports(file: &ShaderFile) -> impl Iterator<Item = &'static ShaderFile> {
+    let lines = file.source.lines().filter_map(|line| line.trim().strip_prefix("#import "));
+    let paths: Vec<&str> = lines.map(|import| import.trim().trim_end_matches(';')).collect();
+    ALL.iter().filter(move |module| {
+        module.import_path().is_some_and(|module| {
+            paths.iter().any(|path| {
+                path.strip_prefix(module).is_some_and(|rest| rest.is_empty() || rest.starts_with([':', ' ']))
+            })
+        })
+    })
+}
+
+/// Adds a module to the composer, after the modules that it imports.
+fn add(
+    composer: &mut Composer,
+    file: &ShaderFile,
+    defs: &HashMap<String, ShaderDefValue>,
+) -> Result<(), ComposeError> {
+    if file.import_path().is_some_and(|path| composer.contains_module(path)) {
+        return Ok(());
+    }
+    for module in imports(file) {
+        add(composer, module, defs)?;
+    }
+    let added = composer.add_composable_module(ComposableModuleDescriptor {
+        source: file.source,
+        file_path: file.path,
+        shader_defs: defs.clone(),
+        ..Default::default()
+    });
+    match added {
+        Ok(_) => Ok(()),
+        Err(oil) => Err(ComposeError {
+            file: file.path.to_owned(),
+            reason: oil.emit_to_string(composer),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    #[test]
+    fn every_file_is_valid_wgsl() {
+        for file in ALL {
+            let module = compose(file.path, &[]).unwrap_or_else(|error| panic!("{error}"));
+            let valid = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+            assert!(valid.is_ok(), "{}: {valid:?}", file.path);
+            assert_eq!(file.is_module(), module.entry_points.is_empty(), "{}", file.path);
+        }
+    }
+
+    #[test]
+    fn a_wrong_file_is_refused() {
+        let error = compose("terrain/none.wgsl", &[]).expect_err("no such file");
+        assert_eq!(error.file, "terrain/none.wgsl");
+        let mut composer = Composer::default();
+        let broken = ShaderFile {
+            path: "terrain/broken.wgsl",
+            source: "#define_import_path dolomite::terrain::broken\nfn f() -> u32 { return 1.5; }",
+        };
+        let error = add(&mut composer, &broken, &HashMap::new()).expect_err("a float is no u32");
+        assert_eq!(error.file, "terrain/broken.wgsl");
+        assert!(!error.reason.is_empty());
+    }
+}

@@ -1,0 +1,117 @@
+//! Every WGSL file of Dolomite, and how they become one module.
+//!
+//! Files are plain WGSL but for `#define_import_path` and `#import` lines. A file with an import
+//! path is a module that others import; one without holds entry points. [`ALL`] lists both, in
+//! folders named after the plugins.
+
+#[cfg(feature = "compose")]
+mod compose;
+#[cfg(feature = "compose")]
+pub use compose::{ComposeError, compose};
+
+/// One WGSL file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShaderFile {
+    /// Path below `shaders/src`, with `/`: `terrain/height.wgsl`.
+    pub path: &'static str,
+    /// Its text.
+    pub source: &'static str,
+}
+
+impl ShaderFile {
+    /// The path that other files import it by, if it is a module: `dolomite::terrain::height`.
+    #[must_use]
+    pub fn import_path(&self) -> Option<&'static str> {
+        let line = self.source.lines().next()?;
+        line.strip_prefix("#define_import_path ").map(str::trim)
+    }
+
+    /// Whether other files can import it.
+    #[must_use]
+    pub fn is_module(&self) -> bool {
+        self.import_path().is_some()
+    }
+}
+
+macro_rules! files {
+    ($($path:literal),* $(,)?) => {
+        &[$(ShaderFile { path: $path, source: include_str!($path) }),*]
+    };
+}
+
+/// Every file.
+pub const ALL: &[ShaderFile] = files![
+    "terrain/bindings.wgsl",
+    "terrain/classic.wgsl",
+    "terrain/fixed.wgsl",
+    "terrain/fractal.wgsl",
+    "terrain/hash.wgsl",
+    "terrain/height.wgsl",
+    "terrain/height_map.wgsl",
+    "terrain/layer.wgsl",
+    "terrain/noise.wgsl",
+    "terrain/probe.wgsl",
+    "tessellation/draw.wgsl",
+    "tessellation/draw_types.wgsl",
+    "tessellation/emit.wgsl",
+    "tessellation/levels.wgsl",
+    "tessellation/material.wgsl",
+    "tessellation/pattern.wgsl",
+    "tessellation/plan.wgsl",
+    "tessellation/texturing.wgsl",
+    "tessellation/types.wgsl",
+    "tessellation/water.wgsl",
+];
+
+/// The file at `path`, which must be one of [`ALL`].
+///
+/// # Panics
+/// If there is no such file: the path is part of the program, not input.
+#[must_use]
+pub fn find(path: &str) -> ShaderFile {
+    match ALL.iter().find(|file| file.path == path) {
+        Some(file) => *file,
+        None => panic!("no shader file {path}; the files are listed in dolomite_shaders::ALL"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn import_paths_follow_the_folders() {
+        for file in ALL {
+            if let Some(path) = file.import_path() {
+                let expected = file.path.trim_end_matches(".wgsl").replace('/', "::");
+                assert_eq!(path, format!("dolomite::{expected}"), "{}", file.path);
+            } else {
+                assert!(!file.source.contains("#define_import_path"), "{}", file.path);
+            }
+        }
+    }
+
+    #[test]
+    fn the_list_is_complete() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+        let mut found = Vec::new();
+        for folder in std::fs::read_dir(&root).expect("src").flatten() {
+            if folder.path().is_dir() {
+                for file in std::fs::read_dir(folder.path()).expect("folder").flatten() {
+                    let name = file.file_name().into_string().expect("UTF-8");
+                    found.push(format!("{}/{name}", folder.file_name().to_string_lossy()));
+                }
+            }
+        }
+        found.sort();
+        let mut listed: Vec<_> = ALL.iter().map(|file| file.path.to_owned()).collect();
+        listed.sort();
+        assert_eq!(listed, found);
+    }
+
+    #[test]
+    #[should_panic(expected = "no shader file terrain/none.wgsl")]
+    fn an_unknown_file_is_named() {
+        let _ = find("terrain/none.wgsl");
+    }
+}

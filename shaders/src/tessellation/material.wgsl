@@ -1,0 +1,182 @@
+#define_import_path dolomite::tessellation::material
+
+// What the ground is made of, by height, slope and the sea, and how it looks there.
+// Slopes are rise over run; heights and lengths metres.
+
+#import dolomite::tessellation::draw_types::DrawParams
+#import dolomite::tessellation::texturing::{Surface, mix_surface, sample_once, sample_varied, value_noise}
+#import dolomite::tessellation::water::water_surface
+
+@group(1) @binding(0) var albedo_height: texture_2d_array<f32>;
+@group(1) @binding(1) var normal_roughness: texture_2d_array<f32>;
+@group(1) @binding(2) var textures: sampler;
+@group(1) @binding(3) var relief: texture_2d<f32>;
+@group(1) @binding(4) var relief_sampler: sampler;
+
+struct Shaded {
+    albedo: vec3<f32>,
+    roughness: f32,
+    reflectance: f32,
+    occlusion: f32,
+    normal: vec3<f32>,
+}
+
+const SAND: u32 = 0u;
+const GRASS: u32 = 1u;
+const ROCK: u32 = 2u;
+const SNOW: u32 = 3u;
+const SCREE: u32 = 4u;
+
+// The far scale of the textures, in near tiles: not a whole number, so that the two never align.
+const FAR_TILES: f32 = 11.3;
+
+// Share of each material, not normalised: sand, grass, rock, snow in xyzw; scree is returned by
+// `scree_weight` as what is left.
+fn material_weights(draw: DrawParams, height: f32, slope: f32, patchiness: vec2<f32>) -> array<f32, 5> {
+    let above_sea = height - draw.sea_level;
+    let uneven = patchiness.x - 0.5;
+    let fine = patchiness.y - 0.5;
+    let sand = 1.0 - smoothstep(draw.sand_top * 0.5, draw.sand_top * 1.5, above_sea + 3.0 * fine + 40.0 * max(slope - 0.35, 0.0));
+    // Snow lies lower in hollows of the noise and slides off steep ground.
+    let snow_height = smoothstep(draw.snow_line - draw.blend, draw.snow_line + draw.blend, height + draw.blend * 1.6 * uneven + draw.blend * 0.5 * fine);
+    let snow_hold = 1.0 - smoothstep(draw.snow_slope * 0.7, draw.snow_slope * 1.15, slope + 0.25 * fine);
+    let snow = snow_height * snow_hold;
+    let rock = smoothstep(draw.rock_slope * 0.8, draw.rock_slope * 1.25, slope + 0.3 * uneven + 0.15 * fine);
+    let grassy = 1.0 - smoothstep(draw.tree_line - draw.blend, draw.tree_line + draw.blend, height + draw.blend * 1.4 * uneven + draw.blend * fine);
+    // Earth shows through the grass where it is steeper and in patches.
+    let bare = smoothstep(draw.rock_slope * 0.45, draw.rock_slope * 0.9, slope + 0.35 * uneven + 0.3 * fine);
+    var left = 1.0;
+    var weights: array<f32, 5>;
+    weights[SNOW] = snow;
+    left -= snow;
+    weights[ROCK] = left * rock;
+    left *= 1.0 - rock;
+    weights[SAND] = left * sand;
+    left *= 1.0 - sand;
+    weights[GRASS] = left * grassy * (1.0 - bare);
+    weights[SCREE] = left * (1.0 - grassy * (1.0 - bare));
+    return weights;
+}
+
+// Near texture scale mixed with the far one by the size of a pixel on the ground.
+fn sample_layer(layer: u32, near: vec2<f32>, far: vec2<f32>, dx: vec2<f32>, dy: vec2<f32>, index: f32, farness: f32) -> Surface {
+    if farness >= 1.0 {
+        return sample_varied(albedo_height, normal_roughness, textures, layer, far, dx / FAR_TILES, dy / FAR_TILES, index * 0.37);
+    }
+    let close = sample_varied(albedo_height, normal_roughness, textures, layer, near, dx, dy, index);
+    if farness <= 0.0 {
+        return close;
+    }
+    let wide = sample_varied(albedo_height, normal_roughness, textures, layer, far, dx / FAR_TILES, dy / FAR_TILES, index * 0.37);
+    return mix_surface(close, wide, farness);
+}
+
+struct Blend {
+    albedo: vec3<f32>,
+    roughness: f32,
+    occlusion: f32,
+    // Offset of the normal in world space.
+    bump: vec3<f32>,
+    total: f32,
+}
+
+fn add(blend: Blend, s: Surface, bump: vec3<f32>, weight: f32) -> Blend {
+    return Blend(
+        blend.albedo + s.albedo * weight,
+        blend.roughness + s.roughness * weight,
+        blend.occlusion + s.occlusion * weight,
+        blend.bump + bump * weight,
+        blend.total + weight,
+    );
+}
+
+fn shade(draw: DrawParams, position: vec3<f32>, ground: f32, vertex_gradient: vec2<f32>, dx: vec3<f32>, dy: vec3<f32>) -> Shaded {
+    let camera_distance = length(position - draw.camera);
+    let pixel = max(length(dx.xz), length(dy.xz));
+    var gradient = vertex_gradient;
+    var relief_occlusion = 1.0;
+    if draw.relief_texel > 0.0 {
+        // The relief map takes over where its texels are finer than the triangles.
+        let uv = draw.relief_offset + position.xz * draw.relief_scale;
+        let map = textureSampleGrad(relief, relief_sampler, uv, dx.xz * draw.relief_scale, dy.xz * draw.relief_scale);
+        let share = smoothstep(60.0, 160.0, camera_distance / draw.relief_texel);
+        gradient = mix(gradient, map.xy, share);
+        relief_occlusion = map.z;
+    }
+    let slope = length(gradient);
+    let base_normal = normalize(vec3(-gradient.x, 1.0, -gradient.y));
+
+    let world = draw.anchor + position.xz;
+    let wide_noise = 0.65 * value_noise(world / 173.0, 1u) + 0.35 * value_noise(world / 47.0, 2u);
+    let fine_noise = 0.6 * value_noise(world / 11.0, 3u) + 0.4 * value_noise(world / 2.9, 4u);
+    let weights = material_weights(draw, ground, slope, vec2(wide_noise, fine_noise));
+
+    let near = draw.near_offset + position.xz / draw.tile;
+    let far = draw.far_offset + position.xz / (draw.tile * FAR_TILES);
+    let ddx = dx.xz / draw.tile;
+    let ddy = dy.xz / draw.tile;
+    let index = 9.0 * value_noise(world / (draw.tile * 2.3), 5u);
+    // From 3 cm a pixel on the near texture is only an average: the far one takes over.
+    let farness = smoothstep(0.015, 0.12, pixel) * 0.85;
+
+    var layers: array<Surface, 5>;
+    var bumps: array<vec3<f32>, 5>;
+    var highest = 0.0;
+    for (var i = 0u; i < 5u; i++) {
+        if weights[i] < 0.004 {
+            continue;
+        }
+        if i == ROCK {
+            // Steep ground: from the side that it faces most, or from above.
+            let facing = base_normal * base_normal;
+            let side_z = facing.z > facing.x;
+            let side = vec2(select(position.z, position.x, side_z), -position.y);
+            let side_dx = vec2(select(dx.z, dx.x, side_z), -dx.y);
+            let side_dy = vec2(select(dy.z, dy.x, side_z), -dy.y);
+            let s = sample_layer(i, side / draw.tile, side / (draw.tile * FAR_TILES), side_dx / draw.tile, side_dy / draw.tile, index, farness);
+            let t = sample_layer(i, near, far, ddx, ddy, index, farness);
+            let upright = smoothstep(0.45, 0.75, base_normal.y);
+            let along = select(vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0), side_z);
+            layers[i] = mix_surface(s, t, upright);
+            bumps[i] = mix(along * s.normal.x - vec3(0.0, 1.0, 0.0) * s.normal.y, vec3(t.normal.x, 0.0, t.normal.y), upright);
+        } else {
+            layers[i] = sample_layer(i, near, far, ddx, ddy, index, farness);
+            bumps[i] = vec3(layers[i].normal.x, 0.0, layers[i].normal.y);
+        }
+        highest = max(highest, weights[i] + layers[i].height * 0.6);
+    }
+    // Height blending: what stands highest shows; 0.25 is the depth of the mixed zone.
+    var blend = Blend(vec3(0.0), 0.0, 0.0, vec3(0.0), 0.0);
+    for (var i = 0u; i < 5u; i++) {
+        if weights[i] < 0.004 {
+            continue;
+        }
+        let weight = max(weights[i] + layers[i].height * 0.6 - highest + 0.25, 0.0) * weights[i];
+        blend = add(blend, layers[i], bumps[i], weight);
+    }
+    let scale = 1.0 / max(blend.total, 1e-6);
+    var out: Shaded;
+    // Large-scale light and dark, and warm and cool, that no tile can have.
+    let tint = mix(vec3(0.82, 0.86, 0.84), vec3(1.14, 1.1, 1.04), wide_noise) * (0.9 + 0.2 * fine_noise);
+    out.albedo = clamp(blend.albedo * scale * tint, vec3(0.0), vec3(1.0));
+    out.roughness = clamp(blend.roughness * scale, 0.05, 1.0);
+    out.occlusion = blend.occlusion * scale * relief_occlusion;
+    out.reflectance = 0.4;
+    out.normal = normalize(base_normal + blend.bump * scale * 0.9);
+
+    // Wet sand just above the water line, and the water itself.
+    let depth = draw.sea_level - ground;
+    let wet = smoothstep(-0.7, 0.0, depth);
+    out.albedo *= 1.0 - 0.45 * wet;
+    out.roughness = mix(out.roughness, 0.35, wet * 0.7);
+    if depth > 0.0 {
+        let water = water_surface(draw, position, depth, pixel, out.albedo);
+        let shore = smoothstep(0.0, 0.12, depth);
+        out.albedo = mix(out.albedo, water.albedo, shore);
+        out.roughness = mix(out.roughness, water.roughness, shore);
+        out.normal = normalize(mix(out.normal, water.normal, shore));
+        out.reflectance = mix(out.reflectance, 0.35, shore); // F0 = 0.16 r^2 = 0.02: water.
+        out.occlusion = mix(out.occlusion, 1.0, shore);
+    }
+    return out;
+}

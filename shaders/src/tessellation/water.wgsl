@@ -1,0 +1,46 @@
+#define_import_path dolomite::tessellation::water
+
+// The sea: an opaque surface whose colour follows the depth below it. Lengths metres.
+
+#import dolomite::tessellation::draw_types::DrawParams
+
+struct Water {
+    albedo: vec3<f32>,
+    roughness: f32,
+    normal: vec3<f32>,
+}
+
+// Slope of a sum of travelling waves (deep water: omega^2 = g k). `pixel` is the size of a pixel
+// on the water: shorter waves than two of them turn into roughness.
+fn wave_slope(p: vec2<f32>, time: f32, pixel: f32) -> vec3<f32> {
+    var slope = vec2(0.0);
+    var lost = 0.0;
+    var k = 0.35;
+    var direction = vec2(0.8, 0.6);
+    for (var i = 0u; i < 7u; i++) {
+        let steepness = 0.035;
+        let omega = sqrt(9.81 * k);
+        let keep = 1.0 - smoothstep(0.35, 1.2, pixel * k / 3.1415927);
+        // Wrapped, since WGSL's cos is only accurate within -pi..pi.
+        let phase = fract((k * dot(direction, p) - omega * time + f32(i) * 1.7) / 6.2831853 + 0.5) - 0.5;
+        slope += direction * (steepness * cos(phase * 6.2831853)) * keep;
+        lost += steepness * steepness * 0.5 * (1.0 - keep * keep);
+        k *= 1.73;
+        // Turn by a golden angle so that crests never line up: cos and sin of 137.5 degrees.
+        direction = vec2(-0.7373 * direction.x - 0.6755 * direction.y, 0.6755 * direction.x - 0.7373 * direction.y);
+    }
+    return vec3(slope, lost);
+}
+
+fn water_surface(draw: DrawParams, position: vec3<f32>, depth: f32, pixel: f32, bed: vec3<f32>) -> Water {
+    let waves = wave_slope(draw.anchor + position.xz, draw.time, pixel);
+    // Absorption by depth (Beer-Lambert), per metre: red goes first.
+    let through = exp(-vec3(0.55, 0.16, 0.11) * depth * 1.4);
+    let deep = vec3(0.004, 0.022, 0.035);
+    var out: Water;
+    out.albedo = mix(deep, bed * vec3(0.75, 0.95, 0.95), through);
+    // Roughness from the variance of the slopes that the pixel averages (alpha^2 = 2 sigma^2).
+    out.roughness = clamp(sqrt(sqrt(0.0016 + 2.0 * waves.z)), 0.05, 0.6);
+    out.normal = normalize(vec3(-waves.x, 1.0, -waves.y));
+    return out;
+}

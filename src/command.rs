@@ -1,0 +1,375 @@
+//! The command line: what can be asked for, and how it becomes a setup.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use bevy::math::{DVec3, UVec2};
+use clap::{Args, Parser, Subcommand};
+use dolomite::game::bench_path;
+use dolomite::game::camera::{PITCH_LIMIT, Pose};
+use dolomite::game::keys;
+use dolomite::game::scenes::{MapOptions, SceneRequest};
+use dolomite::game::settings::{MAX_SIDE, Settings};
+use dolomite::game::setup::{GameError, Setup};
+use dolomite::terrain::RawFormat;
+
+/// A mountain to fly and walk over, refined on the GPU.
+///
+/// Without a command, plays.
+#[derive(Parser)]
+#[command(version, after_help = after_help(), after_long_help = after_help())]
+#[command(args_conflicts_with_subcommands = true)]
+pub struct Line {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    #[command(flatten)]
+    pub play: Play,
+}
+
+fn after_help() -> String {
+    format!(
+        "Keys:\n{}\nExamples:\n  \
+         dolomite --scene jacksboro --detail 8\n  \
+         dolomite --scene alps.png --spacing 25 --height-scale 0.08\n  \
+         dolomite shot --scene mountain --size 1920x1080 --out mountain.png\n  \
+         dolomite bench --scene mountain --path fly --frames 600 --json fly.json\n\n\
+         Environment:\n  \
+         DOLOMITE_ASSETS    the assets folder, where it is not found\n  \
+         WGPU_ADAPTER_NAME  part of the name of the Vulkan device to use\n  \
+         RUST_LOG           what is logged, for example info\n",
+        indented(&keys::table())
+    )
+}
+
+fn indented(text: &str) -> String {
+    text.lines().map(|line| format!("  {}\n", line.trim_end())).collect()
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Play in a window (the default).
+    Play(Play),
+    /// Render one picture without a window.
+    Shot(Shot),
+    /// Fly a fixed path without a window and write what each frame cost, as JSON.
+    Bench(Bench),
+    /// Print the default settings as a file, with a comment on each.
+    Settings,
+}
+
+/// What is shown; the same for every command.
+#[derive(Args)]
+pub struct SceneArgs {
+    /// `mountain`, `jacksboro`, a scene file (.ron), or a height map (.png, .raw, .r16, .f32).
+    #[arg(long, default_value = "mountain")]
+    scene: String,
+    /// Height map: metres between samples.
+    #[arg(long, value_name = "METRES", default_value_t = 30.0, help_heading = "Height map")]
+    spacing: f64,
+    /// Height map: columns and rows, needed for all but PNG.
+    #[arg(long, value_name = "COLUMNSxROWS", help_heading = "Height map")]
+    size_of_raw: Option<Size>,
+    /// Height map: the little-endian numbers of a raw file, where the ending does not tell (.raw is
+    /// i16, .r16 is u16, .f32 is f32).
+    #[arg(long, value_enum, help_heading = "Height map")]
+    raw_type: Option<RawType>,
+    /// Height map: metres for one unit of a sample [default: 1; 0.1 for PNG].
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true, help_heading = "Height map")]
+    height_scale: Option<f32>,
+    /// Height map: metres added to the scaled sample.
+    #[arg(
+        long,
+        value_name = "METRES",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        help_heading = "Height map"
+    )]
+    height_offset: f32,
+    /// Settings file [default: ~/.config/dolomite/settings.ron, where there is one].
+    #[arg(long, value_name = "FILE", help_heading = "Settings")]
+    settings: Option<PathBuf>,
+    /// Amplitude of the detail below the sample spacing, for scenes that have some (jacksboro).
+    #[arg(long, value_name = "METRES", help_heading = "Settings")]
+    detail: Option<f32>,
+    /// Sun: azimuth clockwise from north, elevation above the horizon.
+    #[arg(
+        long,
+        value_name = "AZIMUTH,ELEVATION",
+        allow_hyphen_values = true,
+        help_heading = "Settings"
+    )]
+    sun: Option<Degrees2>,
+    /// Vertical field of view.
+    #[arg(long, value_name = "DEGREES", help_heading = "Settings")]
+    fov: Option<f32>,
+    /// Wanted length of a triangle edge on the screen.
+    #[arg(long, value_name = "PIXELS", help_heading = "Settings")]
+    pixels_per_edge: Option<f32>,
+    /// Side of the smallest patch.
+    #[arg(long, value_name = "METRES", help_heading = "Settings")]
+    finest_patch: Option<f32>,
+    /// Start at this camera: metres, and degrees. Yaw 0 looks north and grows to the left, pitch
+    /// grows upwards. [default: that of the scene]
+    #[arg(long, value_name = "X,Y,Z,YAW,PITCH", allow_hyphen_values = true)]
+    camera: Option<Camera>,
+    /// Draw triangle edges.
+    #[arg(long)]
+    lines: bool,
+    /// Do not fill triangles.
+    #[arg(long)]
+    no_fill: bool,
+}
+
+impl SceneArgs {
+    fn setup(&self, change: impl FnOnce(&mut Settings)) -> Result<Setup, GameError> {
+        let mut settings = Settings::load(self.settings.as_deref())?;
+        settings.detail = self.detail.or(settings.detail);
+        settings.sun = self.sun.map(|Degrees2(a, b)| (a, b)).or(settings.sun);
+        settings.fov = self.fov.unwrap_or(settings.fov);
+        settings.pixels_per_edge = self.pixels_per_edge.unwrap_or(settings.pixels_per_edge);
+        settings.finest_patch = self.finest_patch.unwrap_or(settings.finest_patch);
+        change(&mut settings);
+        settings.check(Path::new("command line"))?;
+        let request = SceneRequest {
+            scene: self.scene.clone(),
+            map: MapOptions {
+                spacing: self.spacing,
+                size: self.size_of_raw.map(|Size(size)| (size.x, size.y)),
+                raw: self.raw_type.map(RawFormat::from),
+                scale: self.height_scale,
+                offset: self.height_offset,
+            },
+            detail: settings.detail,
+        };
+        let mut setup = Setup::load(settings, request, self.camera.map(|Camera(pose)| pose))?;
+        setup.switches.lines = self.lines;
+        setup.switches.fill = !self.no_fill;
+        Ok(setup)
+    }
+}
+
+/// Play in a window.
+#[derive(Args)]
+pub struct Play {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Size of the window [default: 1600x900, or that of the settings].
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    size: Option<Size>,
+    /// Do not wait for the display between frames.
+    #[arg(long)]
+    no_vsync: bool,
+    /// Do not show the panel of frame times and counts.
+    #[arg(long)]
+    no_hud: bool,
+}
+
+impl Play {
+    /// Settings and scene.
+    ///
+    /// # Errors
+    /// [`GameError`], naming the file and the reason.
+    pub fn setup(&self) -> Result<Setup, GameError> {
+        self.scene.setup(|settings| {
+            if let Some(Size(size)) = self.size {
+                settings.window = (size.x, size.y);
+            }
+            settings.vsync &= !self.no_vsync;
+            settings.panel &= !self.no_hud;
+        })
+    }
+}
+
+/// Render one picture without a window.
+#[derive(Args)]
+pub struct Shot {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Size of the picture.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720")]
+    pub size: Size,
+    /// Steps of a sixtieth of a second that are played before the picture is taken.
+    #[arg(long, default_value_t = 1)]
+    pub frames: u32,
+    /// The PNG to write.
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Show the panel of frame times and counts.
+    #[arg(long)]
+    hud: bool,
+}
+
+impl Shot {
+    /// Settings and scene.
+    ///
+    /// # Errors
+    /// [`GameError`], naming the file and the reason.
+    pub fn setup(&self) -> Result<Setup, GameError> {
+        let mut setup = self.scene.setup(|settings| settings.panel = self.hud)?;
+        setup.panels = self.hud;
+        Ok(setup)
+    }
+}
+
+/// Fly a fixed path without a window and write what each frame cost.
+#[derive(Args)]
+pub struct Bench {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// The path to fly.
+    #[arg(long, value_enum)]
+    pub path: bench_path::Path,
+    /// Size of the picture.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1920x1080")]
+    pub size: Size,
+    /// Number of frames, a sixtieth of a second of the path each.
+    #[arg(long, default_value_t = 300)]
+    pub frames: u32,
+    /// The report to write.
+    #[arg(long, value_name = "FILE")]
+    pub json: PathBuf,
+}
+
+impl Bench {
+    /// Settings and scene.
+    ///
+    /// # Errors
+    /// [`GameError`], naming the file and the reason.
+    pub fn setup(&self) -> Result<Setup, GameError> {
+        let mut setup = self.scene.setup(|settings| settings.panel = false)?;
+        setup.panels = false;
+        Ok(setup)
+    }
+}
+
+/// The numbers of a raw height map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum RawType {
+    /// Signed 16-bit.
+    I16,
+    /// Unsigned 16-bit.
+    U16,
+    /// 32-bit float.
+    F32,
+}
+
+impl From<RawType> for RawFormat {
+    fn from(raw: RawType) -> Self {
+        match raw {
+            RawType::I16 => Self::I16,
+            RawType::U16 => Self::U16,
+            RawType::F32 => Self::F32,
+        }
+    }
+}
+
+/// Width and height in pixels, or columns and rows: `1280x720`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size(pub UVec2);
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("write WIDTHxHEIGHT, each 1 to {MAX_SIDE}, for example 1280x720");
+        let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
+        let side = |text: &str| {
+            text.parse::<u32>()
+                .ok()
+                .filter(|side| (1..=MAX_SIDE).contains(side))
+                .ok_or_else(wrong)
+        };
+        Ok(Self(UVec2::new(side(width)?, side(height)?)))
+    }
+}
+
+/// Two angles in degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Degrees2(pub f32, pub f32);
+
+impl FromStr for Degrees2 {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let [azimuth, elevation] = numbers(text)?;
+        Ok(Self(azimuth as f32, elevation as f32))
+    }
+}
+
+/// Position in metres, yaw and pitch in degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera(pub Pose);
+
+impl FromStr for Camera {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let [x, y, z, yaw, pitch] = numbers(text)?;
+        let limit = f64::from(PITCH_LIMIT.to_degrees());
+        if pitch.abs() > limit {
+            return Err(format!("the pitch must be -{limit:.0} to {limit:.0} degrees"));
+        }
+        // What f32 view matrices can still hold to a metre.
+        if [x, y, z].iter().any(|metres| metres.abs() > 1e7) {
+            return Err("the position must be within 10000 km of the origin".to_owned());
+        }
+        Ok(Self(Pose {
+            position: DVec3::new(x, y, z),
+            yaw: (yaw as f32).to_radians(),
+            pitch: (pitch as f32).to_radians(),
+        }))
+    }
+}
+
+/// `N` finite numbers between commas.
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|part| part.trim().parse().ok().filter(|number: &f64| number.is_finite()))
+        .collect::<Option<_>>()
+        .ok_or_else(|| format!("write {N} numbers with commas between them"))?;
+    numbers
+        .try_into()
+        .map_err(|numbers: Vec<f64>| format!("write {N} numbers, not {}", numbers.len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Line::command().debug_assert();
+    }
+
+    #[test]
+    fn without_a_command_it_plays() {
+        let line = Line::try_parse_from(["dolomite", "--scene", "jacksboro", "--lines"]).unwrap();
+        assert!(line.command.is_none());
+        assert_eq!(line.play.scene.scene, "jacksboro");
+        assert!(line.play.scene.lines);
+    }
+
+    #[test]
+    fn help_names_every_key() {
+        let help = Line::command().render_long_help().to_string();
+        for key in keys::KEYS {
+            assert!(help.contains(key.keys) && help.contains(key.does), "{}", key.keys);
+        }
+    }
+
+    #[test]
+    fn sizes_and_cameras_are_checked() {
+        assert_eq!("64x32".parse(), Ok(Size(UVec2::new(64, 32))));
+        for wrong in ["0x10", "10x0", "10", "10x", "-4x4", "99999x4", "4x4x4"] {
+            assert!(wrong.parse::<Size>().is_err(), "{wrong} was accepted");
+        }
+        let Camera(pose) = "1,2,-3,90,-45".parse().unwrap();
+        assert_eq!(pose.position, DVec3::new(1.0, 2.0, -3.0));
+        assert!((pose.yaw - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
+        for wrong in ["1,2,3,4", "1,2,3,4,5,6", "1,2,3,4,90", "1,2,x,4,5", "NaN,0,0,0,0"] {
+            assert!(wrong.parse::<Camera>().is_err(), "{wrong} was accepted");
+        }
+    }
+}

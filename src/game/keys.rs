@@ -1,0 +1,63 @@
+//! What every key does: the one table behind `--help`, the F1 panel and the README.
+
+/// A key, or a group of keys, and what it does; for keyboard and mouse, then for the gamepad.
+pub struct Key {
+    /// Keyboard or mouse.
+    pub keys: &'static str,
+    /// Gamepad; empty where it has none.
+    pub pad: &'static str,
+    /// What it does.
+    pub does: &'static str,
+}
+
+/// All keys of the game, in the order they are shown.
+pub const KEYS: &[Key] = &[
+    key("W A S D", "left stick", "fly forward, left, back, right"),
+    key("Space, left Shift", "right, left shoulder", "fly up, down"),
+    key("Ctrl", "right trigger", "faster, flying and walking"),
+    key("mouse", "right stick", "look around"),
+    key("wheel", "left trigger + right stick", "zoom"),
+    key("right mouse", "", "free the cursor, take it again"),
+    key("arrows", "directional pad", "walk the figure"),
+    key("L", "west button", "lines on, off"),
+    key("F", "north button", "fill on, off"),
+    key("Tab", "south button", "detail follows the camera or the figure"),
+    key("F1", "start", "these keys on, off"),
+    key("Esc", "select", "leave"),
+];
+
+const fn key(keys: &'static str, pad: &'static str, does: &'static str) -> Key {
+    Key { keys, pad, does }
+}
+
+/// The table as text, a line a key, columns aligned for a monospaced font.
+pub fn table() -> String {
+    let keys = width(|key| key.keys);
+    let pad = width(|key| key.pad);
+    let mut text = format!("{:keys$}  {:pad$}  \n", "keyboard, mouse", "gamepad");
+    for key in KEYS {
+        text += &format!("{:keys$}  {:pad$}  {}\n", key.keys, key.pad, key.does);
+    }
+    text
+}
+
+fn width(column: fn(&Key) -> &str) -> usize {
+    KEYS.iter().map(|key| column(key).len()).max().unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_aligned_and_whole() {
+        let table = table();
+        assert_eq!(table.lines().count(), KEYS.len() + 1);
+        let column = table.find("gamepad").unwrap();
+        for (line, key) in table.lines().skip(1).zip(KEYS) {
+            assert!(line.is_ascii(), "the built-in font holds ASCII: {line}");
+            assert_eq!(&line[column..column + key.pad.len()], key.pad);
+            assert!(line.ends_with(key.does));
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! The game: a mountain to fly and walk over. One file a concern.
+//!
+//! | file | concern |
+//! |---|---|
+//! | [`simulation`] | the half that needs no renderer: scene, figure, camera, switches |
+//! | [`input`], [`keys`] | from devices to [`input::PlayerInput`]; the table of keys |
+//! | [`camera`], [`player`] | the free camera; the walking figure |
+//! | [`scenes`], [`scene_file`], [`hot_reload`] | from a name or file to a terrain; taking over changes |
+//! | [`settings`], [`paths`] | what the player may set; where files lie |
+//! | [`view`], [`sky`], [`textures`], [`hud`] | what is drawn |
+//! | [`device`], [`setup`] | is there a device; what every run needs, and all errors |
+//! | [`play`], [`shot`], [`bench`] | the three ways to run it; [`offscreen`] is under the last two |
+
+pub mod bench;
+pub mod bench_path;
+pub mod camera;
+pub mod device;
+pub mod hot_reload;
+pub mod hud;
+pub mod input;
+pub mod keys;
+pub mod offscreen;
+pub mod passes;
+pub mod paths;
+pub mod play;
+pub mod player;
+mod scene_build;
+pub mod scene_file;
+pub mod scenes;
+pub mod settings;
+pub mod setup;
+pub mod shot;
+pub mod simulation;
+pub mod sky;
+pub mod textures;
+pub mod view;

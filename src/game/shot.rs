@@ -1,0 +1,33 @@
+//! One picture, without a window.
+
+use std::path::Path;
+
+use bevy::prelude::*;
+
+use super::offscreen::{Offscreen, OffscreenError, STEP};
+use super::setup::{GameError, Setup};
+
+/// Renders `setup` into a PNG of `size` pixels: settles, plays `frames` steps of a sixtieth of a
+/// second, and takes the picture. Returns the name of the device that drew it.
+///
+/// The same setup on the same device gives the same picture.
+///
+/// # Errors
+/// [`GameError`]: no device, a wrong size, a failed pipeline, a file that cannot be written.
+pub fn shot(setup: Setup, size: UVec2, frames: u32, file: &Path) -> Result<String, GameError> {
+    let mut offscreen = Offscreen::new(setup, size)?;
+    offscreen.settle()?;
+    for _ in 0..frames {
+        offscreen.step(STEP)?;
+    }
+    // The steps may have moved what the ground's detail follows.
+    offscreen.settle()?;
+    let picture = offscreen.capture()?;
+    picture
+        .save_with_format(file, image::ImageFormat::Png)
+        .map_err(|source| OffscreenError::Write {
+            path: file.to_owned(),
+            source,
+        })?;
+    Ok(offscreen.device.name)
+}

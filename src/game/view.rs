@@ -1,0 +1,198 @@
+//! What the scene looks like: the camera's pipeline, the ground's material, the figure's body.
+
+use bevy::anti_alias::smaa::Smaa;
+use bevy::camera::{Exposure, Hdr, RenderTarget};
+use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::pbr::DefaultOpaqueRendererMethod;
+use bevy::post_process::bloom::Bloom;
+use bevy::prelude::*;
+use dolomite_terrain::Ground;
+use dolomite_tessellation::{MaterialBands, TerrainMaterial, TerrainView};
+
+use super::camera::{CameraSystems, FreeCamera};
+use super::hud::UiCamera;
+use super::player::Figure;
+use super::scene_file::BandsFile;
+use super::scenes::CurrentScene;
+use super::settings::Settings;
+use super::simulation::{DetailFocus, Landscape, Switches};
+use super::sky::{SkyPlugin, sky_view};
+
+/// Radius of the capsule, metres.
+const RADIUS: f32 = 0.28;
+
+/// Height of the capsule, metres: that of a grown person.
+const HEIGHT: f32 = 1.8;
+
+/// Exposure of the camera, EV at ISO 100. Sunlit ground is metered at 15; a stop and a half more
+/// light opens the shadows and lets snow come near white without burning out under AgX.
+const EV100: f32 = 13.4;
+
+/// Distances that the camera sees, metres. Depth is infinite; `far` bounds culling only.
+const NEAR: f32 = 0.15;
+const FAR: f32 = 100_000.0;
+
+/// Where the camera draws to when there is no window.
+#[derive(Resource, Clone)]
+pub struct OffscreenTarget(pub Handle<Image>);
+
+/// The two texture arrays of the ground, read before the app starts.
+#[derive(Resource, Clone)]
+pub struct GroundTextures {
+    /// Colour and height.
+    pub albedo_height: Handle<Image>,
+    /// Normal, roughness and occlusion.
+    pub normal_roughness: Handle<Image>,
+}
+
+/// Draws what the simulation holds. Expects the resource [`GroundTextures`], and
+/// [`OffscreenTarget`] where there is no window.
+pub struct ViewPlugin;
+
+impl Plugin for ViewPlugin {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(DefaultOpaqueRendererMethod::deferred())
+            .add_plugins(SkyPlugin)
+            .add_systems(Startup, (dress_camera, dress_figure, dress_landscape))
+            .add_systems(
+                Update,
+                (
+                    follow_switches.after(CameraSystems),
+                    dress_landscape.run_if(resource_changed::<CurrentScene>),
+                ),
+            );
+    }
+}
+
+fn dress_camera(
+    mut commands: Commands,
+    target: Option<Res<OffscreenTarget>>,
+    settings: Res<Settings>,
+    cameras: Query<(Entity, &FreeCamera)>,
+) {
+    for (entity, camera) in &cameras {
+        let mut entity = commands.entity(entity);
+        entity.insert((
+            Camera3d::default(),
+            Projection::Perspective(PerspectiveProjection {
+                fov: camera.fov.to_radians(),
+                near: NEAR,
+                far: FAR,
+                ..default()
+            }),
+            Hdr,
+            // The G-buffer has one sample; edges are smoothed afterwards.
+            Msaa::Off,
+            (DepthPrepass, DeferredPrepass),
+            Exposure { ev100: EV100 },
+            Tonemapping::AgX,
+            Bloom::NATURAL,
+            Smaa::default(),
+            sky_view(),
+            TerrainView {
+                pixels_per_edge: settings.pixels_per_edge,
+                finest_patch: settings.finest_patch,
+                ..default()
+            },
+            UiCamera,
+        ));
+        if let Some(target) = &target {
+            entity.insert(RenderTarget::Image(target.0.clone().into()));
+        }
+    }
+}
+
+fn dress_figure(
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    figures: Query<Entity, With<Figure>>,
+) {
+    let body = meshes.add(Capsule3d::new(RADIUS, HEIGHT - 2.0 * RADIUS));
+    let visor = meshes.add(Capsule3d::new(0.07, 0.22));
+    let jacket = materials.add(StandardMaterial {
+        base_color: Color::srgb(0.80, 0.16, 0.07),
+        perceptual_roughness: 0.75,
+        ..default()
+    });
+    let glass = materials.add(StandardMaterial {
+        base_color: Color::srgb(0.02, 0.03, 0.05),
+        perceptual_roughness: 0.15,
+        ..default()
+    });
+    for entity in &figures {
+        commands.entity(entity).insert(children![
+            (
+                Mesh3d(body.clone()),
+                MeshMaterial3d(jacket.clone()),
+                Transform::from_xyz(0.0, HEIGHT / 2.0, 0.0),
+            ),
+            // Eyes at the front, so that one sees which way it walks.
+            (
+                Mesh3d(visor.clone()),
+                MeshMaterial3d(glass.clone()),
+                Transform::from_xyz(0.0, HEIGHT - RADIUS, -RADIUS * 0.86)
+                    .with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2)),
+            ),
+        ]);
+    }
+}
+
+/// Gives the landscape its material, and again when the scene was loaded anew.
+fn dress_landscape(
+    mut commands: Commands,
+    textures: Res<GroundTextures>,
+    scene: Res<CurrentScene>,
+    landscapes: Query<Entity, With<Landscape>>,
+) {
+    for entity in &landscapes {
+        commands.entity(entity).insert(TerrainMaterial {
+            bands: bands(scene.bands),
+            ..TerrainMaterial::new(
+                textures.albedo_height.clone(),
+                textures.normal_roughness.clone(),
+            )
+        });
+    }
+}
+
+fn bands(file: BandsFile) -> MaterialBands {
+    MaterialBands {
+        sand_top: file.sand_top,
+        tree_line: file.tree_line,
+        snow_line: file.snow_line,
+        blend: file.blend,
+        rock_slope: file.rock_slope,
+        snow_slope: file.snow_slope,
+    }
+}
+
+/// Hands switches and settings to the tessellation. The view is written only when it differs, so
+/// that a still camera stays unchanged and costs no dispatch.
+fn follow_switches(
+    switches: Res<Switches>,
+    settings: Res<Settings>,
+    scene: Res<CurrentScene>,
+    figures: Query<&Figure>,
+    mut views: Query<&mut TerrainView>,
+) {
+    let focus = match switches.focus {
+        DetailFocus::Camera => None,
+        DetailFocus::Figure => figures.iter().next().map(|figure| {
+            let place = figure.now.place;
+            bevy::math::DVec3::new(place.x, scene.terrain.height(place), place.y)
+        }),
+    };
+    for mut view in &mut views {
+        let next = TerrainView {
+            pixels_per_edge: settings.pixels_per_edge,
+            finest_patch: settings.finest_patch,
+            focus,
+            fill: switches.fill,
+            lines: switches.lines,
+            ..view.clone()
+        };
+        view.set_if_neq(next);
+    }
+}

@@ -1,0 +1,50 @@
+//! Dolomite: a data-oriented 3D engine layer on Bevy, and the game made with it.
+//!
+//! Each part is a Bevy plugin in a crate of its own, which an app can add without the others.
+//! This crate gathers them:
+//!
+//! | plugin | crate | gives | needs a renderer |
+//! |---|---|---|---|
+//! | [`TerrainPlugin`](terrain::TerrainPlugin) | [`terrain`] | heights, slopes and ground answers from noise and height maps, in f64 | no |
+//! | [`TerrainTessellationPlugin`](tessellation::TerrainTessellationPlugin) | [`tessellation`] | terrain refined and drawn on the GPU | yes |
+//!
+//! [`DolomitePlugins`] adds all of them, [`DolomiteMinimalPlugins`] those that need no renderer.
+//! A plugin with none of its components in the world adds nothing to the GPU.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use dolomite::DolomiteMinimalPlugins;
+//! use dolomite::terrain::{Ground, GroundProbe};
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, DolomiteMinimalPlugins));
+//! ```
+//!
+//! Coordinates everywhere: metres and radians, right-handed, +Y up, −Z forward (north).
+
+pub use dolomite_terrain as terrain;
+pub use dolomite_tessellation as tessellation;
+
+pub mod game;
+
+use bevy::app::{PluginGroup, PluginGroupBuilder};
+
+/// Every plugin of Dolomite. Add after Bevy's `DefaultPlugins`.
+pub struct DolomitePlugins;
+
+impl PluginGroup for DolomitePlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>()
+            .add_group(DolomiteMinimalPlugins)
+            .add(tessellation::TerrainTessellationPlugin)
+    }
+}
+
+/// The plugins of Dolomite that need no renderer. Add after Bevy's `MinimalPlugins`.
+pub struct DolomiteMinimalPlugins;
+
+impl PluginGroup for DolomiteMinimalPlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>().add(terrain::TerrainPlugin)
+    }
+}

@@ -1,0 +1,63 @@
+//! The command `dolomite`: play, shot, bench, settings.
+
+mod command;
+
+use std::process::ExitCode;
+
+use bevy::app::AppExit;
+use clap::Parser;
+use dolomite::game::{bench, play, settings, setup::GameError, shot};
+
+use command::{Command, Line};
+
+fn main() -> ExitCode {
+    let line = match Line::try_parse() {
+        Ok(line) => line,
+        Err(message) => {
+            // Help and version are no errors. Nothing better can be done if printing fails.
+            let _ = message.print();
+            return ExitCode::from(u8::from(message.use_stderr()));
+        }
+    };
+    match run(line) {
+        Ok(AppExit::Success) => ExitCode::SUCCESS,
+        Ok(AppExit::Error(code)) => ExitCode::from(code.get()),
+        Err(error) => {
+            eprintln!("dolomite: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(line: Line) -> Result<AppExit, GameError> {
+    match line.command.unwrap_or(Command::Play(line.play)) {
+        Command::Play(play) => play::play(play.setup()?),
+        Command::Shot(shot) => {
+            let device = shot::shot(shot.setup()?, shot.size.0, shot.frames, &shot.out)?;
+            eprintln!("dolomite: wrote {} (drawn by {device})", shot.out.display());
+            Ok(AppExit::Success)
+        }
+        Command::Bench(bench) => {
+            let report = bench::bench(
+                bench.setup()?,
+                bench.path,
+                bench.size.0,
+                bench.frames,
+                &bench.json,
+            )?;
+            let time = report.summary.frame_ms;
+            eprintln!(
+                "dolomite: wrote {} (median {:.2} ms, p99 {:.2} ms, {})",
+                bench.json.display(),
+                time.median,
+                time.p99,
+                report.summary.device,
+            );
+            Ok(AppExit::Success)
+        }
+        Command::Settings => {
+            print!("{}", settings::DEFAULT_SETTINGS);
+            Ok(AppExit::Success)
+        }
+    }
+}

@@ -1,0 +1,314 @@
+//! The game without renderer and window: figure, camera, switches and hot reload, stepped by
+//! hand under `MinimalPlugins`.
+
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use dolomite::DolomiteMinimalPlugins;
+use dolomite::game::camera::{CLEARANCE, FreeCamera, PITCH_LIMIT};
+use dolomite::game::hot_reload::{AssetsDir, SceneFault, reload_changed};
+use dolomite::game::input::PlayerInput;
+use dolomite::game::player::{EDGE, Figure, WADING_DEPTH, depth};
+use dolomite::game::scenes::{self, CurrentScene, MapOptions, SceneRequest};
+use dolomite::game::settings::Settings;
+use dolomite::game::simulation::{DetailFocus, Landscape, SimulationPlugin, Switches};
+use dolomite::terrain::{Ground, Terrain};
+
+/// Greatest distance of the drawn feet from the f64 ground, metres.
+const FEET: f64 = 1e-3;
+
+fn assets() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
+}
+
+fn game(scene: &str) -> App {
+    let request = SceneRequest {
+        scene: scene.to_owned(),
+        map: MapOptions::default(),
+        detail: None,
+    };
+    let loaded = scenes::load(&request, &assets()).expect("the scene is good");
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, DolomiteMinimalPlugins))
+        .insert_resource(AssetsDir(assets()))
+        .insert_resource(request)
+        .insert_resource(CurrentScene(loaded))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(23)))
+        .add_plugins(SimulationPlugin);
+    app.finish();
+    app.cleanup();
+    app.update();
+    app
+}
+
+fn wish(app: &mut App, input: PlayerInput) {
+    *app.world_mut().resource_mut::<PlayerInput>() = input;
+}
+
+fn terrain(app: &mut App) -> Terrain {
+    app.world().resource::<CurrentScene>().terrain.clone()
+}
+
+fn figure(app: &mut App) -> (Figure, Transform) {
+    let world = app.world_mut();
+    let (figure, transform) = world
+        .query::<(&Figure, &Transform)>()
+        .single(world)
+        .expect("there is one figure");
+    (*figure, *transform)
+}
+
+fn camera(app: &mut App) -> FreeCamera {
+    let world = app.world_mut();
+    *world.query::<&FreeCamera>().single(world).expect("there is one camera")
+}
+
+/// Puts the figure somewhere, as after a jump.
+fn put(app: &mut App, place: DVec2) {
+    let terrain = terrain(app);
+    let world = app.world_mut();
+    let mut figure = world.query::<&mut Figure>().single_mut(world).expect("there is one figure");
+    *figure = Figure::at(place, &terrain);
+}
+
+/// A reproducible sequence of numbers in [0, 1): a linear congruential generator with the
+/// constants of Knuth's MMIX, upper 32 bits.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 32) as f64 / 4_294_967_296.0
+    }
+}
+
+/// Random walks from random places: in every frame drawn, the feet are on the f64 ground, the
+/// figure is inside the extent, and the water is not too deep.
+fn walk_about(scene: &str) {
+    let mut app = game(scene);
+    let terrain = terrain(&mut app);
+    let extent = terrain.extent();
+    let mut numbers = Numbers(7);
+    let mut worst: f64 = 0.0;
+    let mut walked = 0.0;
+    for _ in 0..60 {
+        let share = DVec2::new(numbers.next(), numbers.next());
+        put(&mut app, extent.min + (extent.max - extent.min) * share);
+        for _ in 0..8 {
+            let angle = (numbers.next() * TAU) as f32;
+            wish(
+                &mut app,
+                PlayerInput {
+                    walk: Vec2::from_angle(angle),
+                    fast: numbers.next() < 0.5,
+                    ..default()
+                },
+            );
+            let from = figure(&mut app).0.now.place;
+            for _ in 0..12 {
+                app.update();
+                let (figure, transform) = figure(&mut app);
+                let feet = transform.translation.as_dvec3();
+                worst = worst.max((terrain.height(feet.xz()) - feet.y).abs());
+                assert!(depth(figure.now.place, &terrain) <= WADING_DEPTH);
+                let inside = figure.now.place.clamp(extent.min + EDGE, extent.max - EDGE);
+                assert_eq!(inside, figure.now.place);
+            }
+            walked += figure(&mut app).0.now.place.distance(from);
+        }
+    }
+    println!("{scene}: {walked:.0} m walked, feet at most {:.4} mm off the ground", worst * 1e3);
+    assert!(worst <= FEET, "feet {worst} m off the ground");
+    // Half of the walks are fast (32 m/s): standing still would prove nothing.
+    assert!(walked > 500.0, "only {walked} m walked");
+}
+
+#[test]
+fn feet_stay_on_the_mountain() {
+    walk_about("mountain");
+}
+
+#[test]
+fn feet_stay_on_jacksboro() {
+    walk_about("jacksboro");
+}
+
+#[test]
+fn the_figure_wades_but_does_not_swim() {
+    let mut app = game("mountain");
+    let terrain = terrain(&mut app);
+    let start = figure(&mut app).0.now.place;
+    // Outwards from the middle: an island ends in the sea.
+    let away = start.normalize().as_vec2();
+    let yaw = camera(&mut app).pose.yaw;
+    let (sin, cos) = yaw.sin_cos();
+    // The wish is as the camera sees it: right is (cos, -sin), away (-sin, -cos) on the ground.
+    let walk = Vec2::new(away.dot(Vec2::new(cos, -sin)), away.dot(Vec2::new(-sin, -cos)));
+    wish(&mut app, PlayerInput { walk, fast: true, ..default() });
+    let mut deepest = f64::NEG_INFINITY;
+    for _ in 0..6000 {
+        app.update();
+        deepest = deepest.max(depth(figure(&mut app).0.now.place, &terrain));
+    }
+    assert!(deepest > 0.0, "never reached the water ({deepest} m)");
+    assert!(deepest <= WADING_DEPTH, "{deepest} m deep");
+}
+
+#[test]
+fn the_figure_faces_where_it_walks_and_leans_with_the_slope() {
+    let mut app = game("mountain");
+    let terrain = terrain(&mut app);
+    let before = figure(&mut app).0.now.place;
+    wish(&mut app, PlayerInput { walk: Vec2::X, ..default() });
+    for _ in 0..120 {
+        app.update();
+    }
+    let (figure, transform) = figure(&mut app);
+    let went = (figure.now.place - before).normalize();
+    let faces = (transform.rotation * Vec3::NEG_Z).as_dvec3();
+    assert!(faces.xz().normalize().dot(went) > 0.95, "faces {faces}, went {went}");
+    let up = (transform.rotation * Vec3::Y).as_dvec3();
+    let normal = terrain.normal(figure.now.place);
+    let (lean, slope) = (up.angle_between(bevy::math::DVec3::Y), normal.angle_between(bevy::math::DVec3::Y));
+    assert!(lean <= slope + 0.1, "leans {lean} on a slope of {slope}");
+    // It leans downhill normal-wards, never against it.
+    assert!(up.xz().dot(normal.xz()) >= 0.0);
+}
+
+#[test]
+fn a_standing_figure_and_a_still_camera_do_not_change() {
+    let mut app = game("mountain");
+    for _ in 0..200 {
+        app.update();
+    }
+    let (figure_before, camera_before) = (figure(&mut app), camera(&mut app));
+    let tick = app.world_mut().change_tick();
+    app.update();
+    assert_eq!((figure(&mut app), camera(&mut app)), (figure_before, camera_before));
+    let world = app.world_mut();
+    let mut transforms = world.query::<Ref<Transform>>();
+    for transform in transforms.iter(world) {
+        assert!(!transform.last_changed().is_newer_than(tick, world.read_change_tick()));
+    }
+}
+
+#[test]
+fn the_camera_stays_above_ground_and_sea_and_within_its_pitch() {
+    let mut app = game("mountain");
+    let terrain = terrain(&mut app);
+    let sea = f64::from(terrain.sea_level().expect("the mountain has a sea"));
+    let mut numbers = Numbers(3);
+    for _ in 0..400 {
+        let input = PlayerInput {
+            fly: Vec3::new(
+                numbers.next() as f32 * 2.0 - 1.0,
+                -1.0,
+                numbers.next() as f32 * 2.0 - 1.0,
+            ),
+            fast: numbers.next() < 0.5,
+            look: Vec2::new(numbers.next() as f32 - 0.5, numbers.next() as f32 * 4.0 - 2.0),
+            ..default()
+        };
+        wish(&mut app, input);
+        app.update();
+        let pose = camera(&mut app).pose;
+        let floor = terrain.height(pose.position.xz()).max(sea);
+        assert!(pose.position.y >= floor + CLEARANCE, "{} under {floor}", pose.position.y);
+        assert!(pose.pitch.abs() <= PITCH_LIMIT);
+    }
+}
+
+#[test]
+fn switches_switch_and_switch_back() {
+    let mut app = game("mountain");
+    let start = Switches::default();
+    let input = PlayerInput {
+        switch_lines: true,
+        switch_fill: true,
+        switch_focus: true,
+        switch_keys: true,
+        ..default()
+    };
+    wish(&mut app, input);
+    app.update();
+    let switched = *app.world().resource::<Switches>();
+    assert_eq!(
+        switched,
+        Switches { lines: true, fill: false, focus: DetailFocus::Figure, keys: true }
+    );
+    app.update();
+    assert_eq!(*app.world().resource::<Switches>(), start);
+}
+
+#[test]
+fn a_broken_scene_keeps_the_last_good_one_and_a_mended_one_is_taken_over() {
+    let folder = std::env::temp_dir().join(format!("dolomite-reload-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("the temporary folder can be written");
+    let file = folder.join("scene.ron");
+    let hill = |height: f32, more: &str| {
+        let text = format!(
+            "(extent: ((-99.0, -99.0), (99.0, 99.0)), layers: [(source: Hill(centre: (0.0, 0.0), \
+             radius: 90.0, height: {height:.1}))]{more})"
+        );
+        std::fs::write(&file, text).expect("the scene can be written");
+    };
+    // File systems may keep times as coarse as a few milliseconds.
+    let wait = || std::thread::sleep(Duration::from_millis(30));
+    hill(20.0, "");
+    let mut app = game(&file.to_string_lossy());
+    let top = |app: &mut App| {
+        let world = app.world_mut();
+        world
+            .query_filtered::<&Terrain, With<Landscape>>()
+            .single(world)
+            .expect("there is one landscape")
+            .height(DVec2::ZERO)
+    };
+    let reload = |app: &mut App| {
+        app.world_mut().run_system_cached(reload_changed).expect("the system runs");
+        app.update();
+    };
+    assert_eq!(top(&mut app), 20.0);
+
+    wait();
+    hill(50.0, ", nonsense: 1");
+    reload(&mut app);
+    assert_eq!(top(&mut app), 20.0);
+    let fault = app.world().resource::<SceneFault>().0.clone().expect("the fault is told");
+    assert!(fault.contains("nonsense") && fault.contains("scene.ron"), "{fault}");
+
+    wait();
+    hill(50.0, "");
+    reload(&mut app);
+    assert_eq!(top(&mut app), 50.0);
+    assert_eq!(app.world().resource::<SceneFault>().0, None);
+    // The figure was set back on the new ground.
+    app.update();
+    let feet = figure(&mut app).1.translation.as_dvec3();
+    let ground = terrain(&mut app).height(feet.xz());
+    assert!((ground - feet.y).abs() <= FEET);
+    std::fs::remove_dir_all(&folder).expect("the temporary folder can be removed");
+}
+
+#[test]
+fn settings_shape_the_speed() {
+    let mut app = game("jacksboro");
+    let distance = |app: &mut App| {
+        put(app, DVec2::ZERO);
+        let from = figure(app).0.now.place;
+        for _ in 0..50 {
+            app.update();
+        }
+        figure(app).0.now.place.distance(from)
+    };
+    wish(&mut app, PlayerInput { walk: Vec2::Y, ..default() });
+    let slow = distance(&mut app);
+    app.world_mut().resource_mut::<Settings>().walk_speed *= 3.0;
+    let quick = distance(&mut app);
+    // The slope differs along the way; the speed along the surface does not.
+    assert!((2.0..4.0).contains(&(quick / slow)), "{slow} m, then {quick} m");
+}
