@@ -33,7 +33,11 @@ const SAMPLES: std::ops::RangeInclusive<usize> = 256..=1 << 23;
 fn sample_count(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count) if SAMPLES.contains(&count) => Ok(count),
-        _ => Err(format!("a number from {} to {} is needed", SAMPLES.start(), SAMPLES.end())),
+        _ => Err(format!(
+            "a number from {} to {} is needed",
+            SAMPLES.start(),
+            SAMPLES.end()
+        )),
     }
 }
 
@@ -59,8 +63,11 @@ fn study_list() -> String {
 /// # Errors
 /// [`LabError`].
 pub fn run(arguments: &Arguments) -> Result<Vec<Report>, LabError> {
-    let options =
-        Options { seed: arguments.seed, samples: arguments.samples, repeats: arguments.repeats };
+    let options = Options {
+        seed: arguments.seed,
+        samples: arguments.samples,
+        repeats: arguments.repeats,
+    };
     let all = arguments.study == "all";
     let chosen = |study: &&Study| all || study.name == arguments.study;
     let mut reports = Vec::new();
@@ -73,7 +80,10 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Report>, LabError> {
         reports.push(report);
     }
     if all {
-        eprintln!("written: {}", write_index(&arguments.out, &reports)?.display());
+        eprintln!(
+            "written: {}",
+            write_index(&arguments.out, &reports)?.display()
+        );
     }
     Ok(reports)
 }
@@ -86,14 +96,17 @@ mod tests {
     #[test]
     fn the_command_line_holds_together() {
         Arguments::command().debug_assert();
-        let parsed = Arguments::try_parse_from(["lab", "noise", "--seed", "7", "--out", "x"]).unwrap();
+        let parsed =
+            Arguments::try_parse_from(["lab", "noise", "--seed", "7", "--out", "x"]).unwrap();
         assert_eq!((parsed.seed, parsed.out), (7, PathBuf::from("x")));
         assert!(Arguments::try_parse_from(["lab", "all"]).is_ok());
     }
 
     #[test]
     fn what_does_not_exist_is_refused() {
-        let refusal = Arguments::try_parse_from(["lab", "nothing"]).unwrap_err().to_string();
+        let refusal = Arguments::try_parse_from(["lab", "nothing"])
+            .unwrap_err()
+            .to_string();
         assert!(refusal.contains("noise, all"), "{refusal}");
         assert!(Arguments::try_parse_from(["lab", "noise", "--samples", "3"]).is_err());
         assert!(Arguments::try_parse_from(["lab"]).is_err());

@@ -44,7 +44,11 @@ pub struct ErrorNumbers {
 
 impl From<ErrorStats> for ErrorNumbers {
     fn from(stats: ErrorStats) -> Self {
-        Self { max: stats.max, rms: stats.rms, p99: stats.p99 }
+        Self {
+            max: stats.max,
+            rms: stats.rms,
+            p99: stats.p99,
+        }
     }
 }
 
@@ -95,7 +99,11 @@ mod tests {
             parameter: "octaves=8".into(),
             parameter_value: 8.0,
             quantity: "value".into(),
-            error: Some(ErrorNumbers { max: 0.1, rms: 0.25, p99: 1e-7 }),
+            error: Some(ErrorNumbers {
+                max: 0.1,
+                rms: 0.25,
+                p99: 1e-7,
+            }),
             error_unit: "amplitude".into(),
             time_ns: Some(12.5),
             bytes: Some(64),
@@ -111,7 +119,10 @@ mod tests {
         row.time_ns = None;
         let text = to_csv(&[row]);
         let line = text.lines().nth(1).unwrap();
-        assert_eq!(line, "octaves,a,octaves=8,value,,,,amplitude,,64,00000000000000ab,CPU");
+        assert_eq!(
+            line,
+            "octaves,a,octaves=8,value,,,,amplitude,,64,00000000000000ab,CPU"
+        );
         assert_eq!(line.split(',').count(), HEADER.split(',').count());
     }
 }

@@ -74,7 +74,9 @@ impl Gpu {
             backends: Backends::VULKAN,
             ..InstanceDescriptor::new_without_display_handle_from_env()
         });
-        let wanted = std::env::var("WGPU_ADAPTER_NAME").unwrap_or_default().to_lowercase();
+        let wanted = std::env::var("WGPU_ADAPTER_NAME")
+            .unwrap_or_default()
+            .to_lowercase();
         let named = (!wanted.is_empty())
             .then(|| block_on(instance.enumerate_adapters(Backends::VULKAN)))
             .into_iter()
@@ -94,7 +96,10 @@ impl Gpu {
             required_limits: Limits::default(),
             ..Default::default()
         }))
-        .map_err(|error| GpuError::Device { adapter: info.name.clone(), reason: error.to_string() })?;
+        .map_err(|error| GpuError::Device {
+            adapter: info.name.clone(),
+            reason: error.to_string(),
+        })?;
         Ok(Self {
             device,
             queue,
@@ -113,14 +118,16 @@ impl Gpu {
             label: Some(entry),
             source: ShaderSource::Naga(Cow::Owned(module)),
         });
-        let pipeline = self.device.create_compute_pipeline(&ComputePipelineDescriptor {
-            label: Some(entry),
-            layout: None,
-            module: &shader,
-            entry_point: Some(entry),
-            compilation_options: Default::default(),
-            cache: None,
-        });
+        let pipeline = self
+            .device
+            .create_compute_pipeline(&ComputePipelineDescriptor {
+                label: Some(entry),
+                layout: None,
+                module: &shader,
+                entry_point: Some(entry),
+                compilation_options: Default::default(),
+                cache: None,
+            });
         match block_on(scope.pop()) {
             Some(error) => Err(GpuError::Validation(error.to_string())),
             None => Ok(Kernel(pipeline)),
@@ -154,14 +161,19 @@ impl Gpu {
         repeats: usize,
     ) -> Result<Duration, GpuError> {
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let buffers: Vec<Vec<Buffer>> =
-            groups.iter().map(|group| group.iter().map(|binding| self.upload(binding)).collect()).collect();
+        let buffers: Vec<Vec<Buffer>> = groups
+            .iter()
+            .map(|group| group.iter().map(|binding| self.upload(binding)).collect())
+            .collect();
         let bind_groups: Vec<_> = (0_u32..)
             .zip(&buffers)
             .map(|(index, group)| {
                 let entries: Vec<_> = (0_u32..)
                     .zip(group)
-                    .map(|(binding, buffer)| BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+                    .map(|(binding, buffer)| BindGroupEntry {
+                        binding,
+                        resource: buffer.as_entire_binding(),
+                    })
                     .collect();
                 self.device.create_bind_group(&BindGroupDescriptor {
                     label: None,
@@ -175,7 +187,9 @@ impl Gpu {
         }
         let mut times = Vec::with_capacity(repeats.max(1));
         for _ in 0..repeats.max(1) {
-            let mut encoder = self.device.create_command_encoder(&CommandEncoderDescriptor::default());
+            let mut encoder = self
+                .device
+                .create_command_encoder(&CommandEncoderDescriptor::default());
             let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
             pass.set_pipeline(pipeline);
             for (index, group) in (0_u32..).zip(&bind_groups) {
@@ -212,12 +226,19 @@ impl Gpu {
         let (bytes, usage) = match binding {
             Binding::Uniform(bytes) => (*bytes, BufferUsages::UNIFORM),
             Binding::Read(bytes) => (*bytes, BufferUsages::STORAGE),
-            Binding::Write(bytes) => (bytes.as_slice(), BufferUsages::STORAGE | BufferUsages::COPY_SRC),
+            Binding::Write(bytes) => (
+                bytes.as_slice(),
+                BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+            ),
         };
         // A binding may not be empty, and copies come in words.
         let mut contents = bytes.to_vec();
         contents.resize(bytes.len().next_multiple_of(16).max(16), 0);
-        self.device.create_buffer_init(&BufferInitDescriptor { label: None, contents: &contents, usage })
+        self.device.create_buffer_init(&BufferInitDescriptor {
+            label: None,
+            contents: &contents,
+            usage,
+        })
     }
 
     fn download(&self, buffer: &Buffer) -> Result<Vec<u8>, GpuError> {
@@ -227,7 +248,9 @@ impl Gpu {
             usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let mut encoder = self.device.create_command_encoder(&CommandEncoderDescriptor::default());
+        let mut encoder = self
+            .device
+            .create_command_encoder(&CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, Some(buffer.size()));
         self.queue.submit([encoder.finish()]);
         let (sender, receiver) = std::sync::mpsc::channel();
@@ -253,7 +276,10 @@ pub fn for_test() -> Option<Gpu> {
     match Gpu::new() {
         Ok(gpu) => Some(gpu),
         Err(error) => {
-            assert!(std::env::var_os("CI").is_none(), "CI must not skip GPU tests: {error}");
+            assert!(
+                std::env::var_os("CI").is_none(),
+                "CI must not skip GPU tests: {error}"
+            );
             eprintln!("skipped: {error}");
             None
         }

@@ -6,7 +6,7 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`metrics`] | errors, times, hashes |
+//! | [`metrics`] | errors, medians, hashes |
 //! | [`csv`], [`plot`] | the files that a study writes |
 //! | [`study`], [`studies`] | what a study is, and all of them |
 //! | [`gpu`] | compute shaders on whatever adapter there is, without a window |

@@ -1,6 +1,4 @@
-//! Errors, times and hashes: what every study measures, computed in one place.
-
-use std::time::Instant;
+//! Errors, medians and hashes: what every study measures, computed in one place.
 
 /// What a set of errors comes to. Errors are absolute, in whatever unit the caller names.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,8 +17,10 @@ impl ErrorStats {
     /// Of absolute errors. One that is not a number counts as infinite, so that it is never lost in
     /// a comparison; no errors at all are `None`.
     pub fn of(errors: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let mut sorted: Vec<f64> =
-            errors.into_iter().map(|e| if e.is_nan() { f64::INFINITY } else { e.abs() }).collect();
+        let mut sorted: Vec<f64> = errors
+            .into_iter()
+            .map(|e| if e.is_nan() { f64::INFINITY } else { e.abs() })
+            .collect();
         sorted.sort_by(f64::total_cmp);
         let max = *sorted.last()?;
         let squares: f64 = sorted.iter().map(|e| e * e).sum();
@@ -43,20 +43,6 @@ pub fn median(mut numbers: Vec<f64>) -> Option<f64> {
         n if n % 2 == 1 => Some(numbers[middle]),
         _ => Some((numbers[middle - 1] + numbers[middle]) / 2.0),
     }
-}
-
-/// Wall time of `work`, nanoseconds per item: the median of `repeats` runs (at least one) after one
-/// that is not counted, which fills the caches.
-pub fn nanoseconds_per_item(repeats: usize, items: usize, mut work: impl FnMut()) -> f64 {
-    work();
-    let times = (0..repeats.max(1))
-        .map(|_| {
-            let begin = Instant::now();
-            work();
-            begin.elapsed().as_secs_f64() * 1e9 / items.max(1) as f64
-        })
-        .collect();
-    median(times).expect("there is at least one repeat")
 }
 
 /// FNV-1a (Fowler, Noll, Vo; 64 bits) over the bits of the results: equal hashes, equal results.
@@ -110,24 +96,13 @@ mod tests {
     }
 
     #[test]
-    fn time_grows_with_the_work() {
-        let spin = |rounds: u64| {
-            nanoseconds_per_item(5, 1, || {
-                let mut hash = Hash64::default();
-                (0..rounds).for_each(|i| hash.add(std::hint::black_box(i)));
-                std::hint::black_box(hash.finish());
-            })
-        };
-        // 400 times the work takes more than 20 times the time, whatever else the machine does.
-        assert!(spin(400_000) > 20.0 * spin(1000));
-    }
-
-    #[test]
     fn hash_of_known_bytes() {
         // FNV-1a of eight zero bytes: the offset basis times the prime, eight times.
         let mut hash = Hash64::default();
         hash.add(0);
-        let expected = (0..8).fold(0xcbf2_9ce4_8422_2325_u64, |h, _| h.wrapping_mul(0x100_0000_01b3));
+        let expected = (0..8).fold(0xcbf2_9ce4_8422_2325_u64, |h, _| {
+            h.wrapping_mul(0x100_0000_01b3)
+        });
         assert_eq!(hash.finish(), expected);
         let mut other = Hash64::default();
         other.add(1);

@@ -12,6 +12,8 @@ use thiserror::Error;
 pub struct Curve {
     /// As the legend says it.
     pub name: String,
+    /// Which of the ten colours; the same method takes the same in every chart of a study.
+    pub colour: usize,
     /// (x, y), in the order in which they are joined.
     pub points: Vec<(f64, f64)>,
 }
@@ -96,14 +98,29 @@ fn decades(numbers: impl Iterator<Item = f64>) -> Range<f64> {
 /// # Errors
 /// [`PlotError`].
 pub fn to_svg(chart: &Chart) -> Result<String, PlotError> {
-    let points = || chart.curves.iter().flat_map(|c| c.points.iter()).filter(|p| drawable(p));
+    let points = || {
+        chart
+            .curves
+            .iter()
+            .flat_map(|c| c.points.iter())
+            .filter(|p| drawable(p))
+    };
     if points().next().is_none() {
-        return Err(PlotError::Empty { title: chart.title.clone() });
+        return Err(PlotError::Empty {
+            title: chart.title.clone(),
+        });
     }
     let mut text = String::new();
-    draw(chart, decades(points().map(|p| p.0)), decades(points().map(|p| p.1)), &mut text).map_err(
-        |error| PlotError::Drawing { title: chart.title.clone(), reason: error.to_string() },
-    )?;
+    draw(
+        chart,
+        decades(points().map(|p| p.0)),
+        decades(points().map(|p| p.1)),
+        &mut text,
+    )
+    .map_err(|error| PlotError::Drawing {
+        title: chart.title.clone(),
+        reason: error.to_string(),
+    })?;
     Ok(text)
 }
 
@@ -121,22 +138,34 @@ fn draw(
         .caption(&chart.title, ("sans-serif", 20))
         .margin(12)
         .x_label_area_size(48)
-        .y_label_area_size(76)
+        .y_label_area_size(90)
         .build_cartesian_2d(x.log_scale(), y.log_scale())?;
     area.configure_mesh()
         .x_desc(&chart.x_label)
         .y_desc(&chart.y_label)
-        .x_label_formatter(&|v| format!("{v:e}"))
-        .y_label_formatter(&|v| format!("{v:e}"))
+        .x_label_formatter(&|v| format!("{v:.0e}"))
+        .y_label_formatter(&|v| format!("{v:.0e}"))
         .light_line_style(RGBColor(240, 240, 240))
         .draw()?;
     for (i, curve) in chart.curves.iter().enumerate() {
-        let colour = COLOURS[i % COLOURS.len()];
+        let colour = COLOURS[curve.colour % COLOURS.len()];
+        // Rings of different sizes: where curves lie on each other, each still shows.
+        let ring = 3 + 2 * (i as i32 % 4);
         let points: Vec<(f64, f64)> = curve.points.iter().copied().filter(drawable).collect();
-        area.draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(2)))?;
-        area.draw_series(points.iter().map(|p| Circle::new(*p, 3, colour.filled())))?;
+        area.draw_series(LineSeries::new(
+            points.iter().copied(),
+            colour.stroke_width(2),
+        ))?;
+        area.draw_series(
+            points
+                .iter()
+                .map(|p| Circle::new(*p, ring, colour.stroke_width(2))),
+        )?;
         let line = 60 + 22 * i as i32;
-        legend.draw(&PathElement::new([(4, line), (28, line)], colour.stroke_width(3)))?;
+        legend.draw(&PathElement::new(
+            [(4, line), (28, line)],
+            colour.stroke_width(3),
+        ))?;
         let name = match points.len() {
             0 => format!("{} (error 0: not drawn)", curve.name),
             _ => curve.name.clone(),
@@ -156,17 +185,30 @@ mod tests {
             title: "time against error".into(),
             x_label: "error (m)".into(),
             y_label: "time (ns)".into(),
-            curves: vec![Curve { name: "ours & <theirs>".into(), points }],
+            curves: vec![Curve {
+                name: "ours & <theirs>".into(),
+                colour: 0,
+                points,
+            }],
         }
     }
 
     #[test]
     fn a_chart_is_svg_and_the_same_each_time() {
-        let chart = chart(vec![(1e-6, 10.0), (1e-3, 200.0), (f64::INFINITY, 1.0), (0.0, 5.0)]);
+        let chart = chart(vec![
+            (1e-6, 10.0),
+            (1e-3, 200.0),
+            (f64::INFINITY, 1.0),
+            (0.0, 5.0),
+        ]);
         let svg = to_svg(&chart).unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
         assert!(svg.contains("error (m)") && svg.contains("ours &amp; &lt;theirs&gt;"));
-        assert_eq!(svg.matches("<circle").count(), 2, "only what has a place on the axes is drawn");
+        assert_eq!(
+            svg.matches("<circle").count(),
+            2,
+            "only what has a place on the axes is drawn"
+        );
         assert_eq!(svg, to_svg(&chart).unwrap());
     }
 

@@ -20,7 +20,11 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 1, samples: 1 << 16, repeats: 9 }
+        Self {
+            seed: 1,
+            samples: 1 << 16,
+            repeats: 9,
+        }
     }
 }
 
@@ -98,7 +102,10 @@ impl Report {
         for figure in &self.figures {
             files.push((format!("{}.svg", figure.name), to_svg(&figure.chart)?));
         }
-        files.into_iter().map(|(name, text)| write_file(folder, &name, &text)).collect()
+        files
+            .into_iter()
+            .map(|(name, text)| write_file(folder, &name, &text))
+            .collect()
     }
 }
 
@@ -114,10 +121,12 @@ pub fn write_index(folder: &Path, reports: &[Report]) -> Result<PathBuf, LabErro
     );
     for report in reports {
         let study = report.study;
-        let mut section = format!("<h2>{study}</h2>\n<p><a href=\"{study}.csv\">{study}.csv</a></p>\n");
+        let mut section =
+            format!("<h2>{study}</h2>\n<p><a href=\"{study}.csv\">{study}.csv</a></p>\n");
         for figure in &report.figures {
             let (name, caption) = (&figure.name, escaped(&figure.caption));
-            section += &format!("<p><img src=\"{name}.svg\" alt=\"{caption}\"></p>\n<p>{caption}</p>\n");
+            section +=
+                &format!("<p><img src=\"{name}.svg\" alt=\"{caption}\"></p>\n<p>{caption}</p>\n");
         }
         section += "<ul>\n";
         for note in &report.notes {
@@ -132,14 +141,20 @@ pub fn write_index(folder: &Path, reports: &[Report]) -> Result<PathBuf, LabErro
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
 }
 
 fn write_file(folder: &Path, name: &str, text: &str) -> Result<PathBuf, LabError> {
     let path = folder.join(name);
     std::fs::create_dir_all(folder)
         .and_then(|()| std::fs::write(&path, text))
-        .map_err(|source| LabError::Write { path: path.clone(), source })?;
+        .map_err(|source| LabError::Write {
+            path: path.clone(),
+            source,
+        })?;
     Ok(path)
 }
 
@@ -159,7 +174,11 @@ mod tests {
                     title: "t".into(),
                     x_label: "x".into(),
                     y_label: "y".into(),
-                    curves: vec![Curve { name: "a".into(), points: vec![(1.0, 2.0)] }],
+                    curves: vec![Curve {
+                        name: "a".into(),
+                        colour: 0,
+                        points: vec![(1.0, 2.0)],
+                    }],
                 },
             }],
             notes: vec!["a & b".into()],
@@ -175,7 +194,13 @@ mod tests {
     fn everything_is_written_and_the_page_shows_it() {
         let folder = scratch("write");
         let files = report().write(&folder).unwrap();
-        assert_eq!(files, [folder.join("example.csv"), folder.join("example_time_error.svg")]);
+        assert_eq!(
+            files,
+            [
+                folder.join("example.csv"),
+                folder.join("example_time_error.svg")
+            ]
+        );
         let page = std::fs::read_to_string(write_index(&folder, &[report()]).unwrap()).unwrap();
         assert!(page.contains("example_time_error.svg") && page.contains("a &amp; b"));
         assert!(page.contains("time &lt; error"));
@@ -187,7 +212,10 @@ mod tests {
         let file = scratch("file");
         std::fs::write(&file, "").unwrap();
         let refusal = report().write(&file.join("below")).unwrap_err().to_string();
-        assert!(refusal.contains("below") && refusal.contains("--out"), "{refusal}");
+        assert!(
+            refusal.contains("below") && refusal.contains("--out"),
+            "{refusal}"
+        );
         std::fs::remove_file(file).unwrap();
     }
 

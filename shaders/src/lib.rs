@@ -86,7 +86,11 @@ mod tests {
                 let expected = file.path.trim_end_matches(".wgsl").replace('/', "::");
                 assert_eq!(path, format!("dolomite::{expected}"), "{}", file.path);
             } else {
-                assert!(!file.source.contains("#define_import_path"), "{}", file.path);
+                assert!(
+                    !file.source.contains("#define_import_path"),
+                    "{}",
+                    file.path
+                );
             }
         }
     }

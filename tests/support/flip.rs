@@ -43,10 +43,14 @@ pub fn compare(test: &RgbImage, reference: &RgbImage) -> Result<Difference, Stri
     let (width, height) = reference.dimensions();
     if test.dimensions() != (width, height) {
         let (w, h) = test.dimensions();
-        return Err(format!("the picture is {w}x{h}, its reference {width}x{height}"));
+        return Err(format!(
+            "the picture is {w}x{h}, its reference {width}x{height}"
+        ));
     }
     if width == 0 || height == 0 {
-        return Err(format!("there is nothing to compare in {width}x{height} pixels"));
+        return Err(format!(
+            "there is nothing to compare in {width}x{height} pixels"
+        ));
     }
     let mut max_abs = 0;
     let mut squares = 0.0;
@@ -99,7 +103,11 @@ impl Difference {
         .filter(|(_, is, may_be)| is.is_nan() || is > may_be)
         .map(|(name, is, may_be)| format!("{name} is {is:.4}, the limit {may_be}"))
         .collect();
-        if beyond.is_empty() { Ok(()) } else { Err(beyond.join("; ")) }
+        if beyond.is_empty() {
+            Ok(())
+        } else {
+            Err(beyond.join("; "))
+        }
     }
 }
 
@@ -134,7 +142,12 @@ mod tests {
     #[test]
     fn equal_pictures_differ_by_nothing() {
         let picture = pattern(96, 64);
-        let none = Difference { max_abs: 0, rmse: 0.0, flip_mean: 0.0, flip_p99: 0.0 };
+        let none = Difference {
+            max_abs: 0,
+            rmse: 0.0,
+            flip_mean: 0.0,
+            flip_p99: 0.0,
+        };
         assert_eq!(compare(&picture, &picture), Ok(none));
     }
 
@@ -158,17 +171,36 @@ mod tests {
         assert_eq!((difference.max_abs, difference.rmse), (255, 255.0));
         // FLIP sets its scale so that the largest colour difference, of green and blue, is 1; black
         // and white come close to it.
-        assert!(difference.flip_mean > 0.95 && difference.flip_mean <= 1.0, "{difference:?}");
+        assert!(
+            difference.flip_mean > 0.95 && difference.flip_mean <= 1.0,
+            "{difference:?}"
+        );
     }
 
     #[test]
     fn more_damage_is_a_larger_difference() {
         let picture = pattern(120, 80);
-        let mean = |factor| compare(&darker(&picture, factor), &picture).unwrap().flip_mean;
+        let mean = |factor| {
+            compare(&darker(&picture, factor), &picture)
+                .unwrap()
+                .flip_mean
+        };
         let (slight, plain, strong) = (mean(0.97), mean(0.9), mean(0.7));
-        assert!(0.0 < slight && slight < plain && plain < strong, "{slight} {plain} {strong}");
-        let moved = |pixels| compare(&shifted(&picture, pixels), &picture).unwrap().flip_mean;
-        assert!(0.0 < moved(1) && moved(1) < moved(6), "{} {}", moved(1), moved(6));
+        assert!(
+            0.0 < slight && slight < plain && plain < strong,
+            "{slight} {plain} {strong}"
+        );
+        let moved = |pixels| {
+            compare(&shifted(&picture, pixels), &picture)
+                .unwrap()
+                .flip_mean
+        };
+        assert!(
+            0.0 < moved(1) && moved(1) < moved(6),
+            "{} {}",
+            moved(1),
+            moved(6)
+        );
     }
 
     #[test]
@@ -187,20 +219,41 @@ mod tests {
     #[test]
     fn sizes_that_do_not_fit_are_refused() {
         let refusal = compare(&pattern(30, 20), &pattern(20, 30)).unwrap_err();
-        assert!(refusal.contains("30x20") && refusal.contains("20x30"), "{refusal}");
+        assert!(
+            refusal.contains("30x20") && refusal.contains("20x30"),
+            "{refusal}"
+        );
         assert!(compare(&RgbImage::new(0, 4), &RgbImage::new(0, 4)).is_err());
     }
 
     #[test]
     fn each_number_is_held_to_its_own_limit() {
-        let limit = Limit { rmse: 2.0, flip_mean: 0.02, flip_p99: 0.2 };
-        let good = Difference { max_abs: 255, rmse: 2.0, flip_mean: 0.02, flip_p99: 0.2 };
+        let limit = Limit {
+            rmse: 2.0,
+            flip_mean: 0.02,
+            flip_p99: 0.2,
+        };
+        let good = Difference {
+            max_abs: 255,
+            rmse: 2.0,
+            flip_mean: 0.02,
+            flip_p99: 0.2,
+        };
         assert_eq!(good.within(&limit), Ok(()));
         for bad in [
             Difference { rmse: 2.1, ..good },
-            Difference { flip_mean: 0.021, ..good },
-            Difference { flip_p99: 0.21, ..good },
-            Difference { flip_mean: f64::NAN, ..good },
+            Difference {
+                flip_mean: 0.021,
+                ..good
+            },
+            Difference {
+                flip_p99: 0.21,
+                ..good
+            },
+            Difference {
+                flip_mean: f64::NAN,
+                ..good
+            },
         ] {
             assert!(bad.within(&limit).is_err(), "{bad:?}");
         }

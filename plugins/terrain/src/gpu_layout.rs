@@ -1,9 +1,8 @@
 //! The terrain as `shaders/src/terrain/bindings.wgsl` reads it.
 
+use crate::ground::GroundPoint;
 use crate::height_map::{Filter, HeightMap};
 use crate::hill::Hill;
-use crate::ground::GroundPoint;
-use crate::noise::sum::Scale;
 use crate::noise::{Octave, PreparedClassic, PreparedFractal};
 use crate::terrain::{MaskStep, Prepared, Terrain};
 use bytemuck::{Pod, Zeroable};
@@ -111,7 +110,11 @@ impl Terrain {
                     Prepared::Map(source) => map(source, &mut data),
                     Prepared::Hill(source) => hill(source),
                 };
-                GpuLayer { mask_low: mask.low, mask_scale: mask.scale, ..layer }
+                GpuLayer {
+                    mask_low: mask.low,
+                    mask_scale: mask.scale,
+                    ..layer
+                }
             })
             .collect();
         let uniform = GpuTerrainUniform {
@@ -126,7 +129,11 @@ impl Terrain {
         if data.is_empty() {
             data.push(0);
         }
-        GpuTerrain { layers, data, uniform }
+        GpuTerrain {
+            layers,
+            data,
+            uniform,
+        }
     }
 }
 
@@ -136,7 +143,7 @@ impl Terrain {
 fn octave_table(octaves: &[Octave], data: &mut Vec<u32>) -> u32 {
     let at = data.len() as u32;
     for octave in octaves {
-        let scale = Scale::new(octave, &octaves[0]);
+        let scale = octave.scale;
         let [x, z] = octave.offset;
         data.extend([
             octave.frequency.mantissa,
@@ -164,10 +171,16 @@ fn fractal(source: &PreparedFractal, data: &mut Vec<u32>) -> GpuLayer {
         erosion: source.erosion,
         ..GpuLayer::default()
     };
-    let Some(warp) = &source.warp else { return layer };
+    let Some(warp) = &source.warp else {
+        return layer;
+    };
     let warp_data = octave_table(&warp.x, data);
     octave_table(&warp.z, data);
-    GpuLayer { warp_octaves: warp.x.len() as u32, warp_data, ..layer }
+    GpuLayer {
+        warp_octaves: warp.x.len() as u32,
+        warp_data,
+        ..layer
+    }
 }
 
 fn classic(source: &PreparedClassic, data: &mut Vec<u32>) -> GpuLayer {

@@ -63,7 +63,10 @@ impl GroundPoint {
     #[must_use]
     pub fn offset(self, metres: DVec2) -> Self {
         let [x, z] = self.to_fixed();
-        Self::from_fixed([x.wrapping_add(fixed(metres.x)), z.wrapping_add(fixed(metres.y))])
+        Self::from_fixed([
+            x.wrapping_add(fixed(metres.x)),
+            z.wrapping_add(fixed(metres.y)),
+        ])
     }
 
     /// `self − origin` in metres as `f32`: exact subtraction first, one rounding after, so that it
@@ -83,6 +86,12 @@ impl From<DVec2> for GroundPoint {
     fn from(xz: DVec2) -> Self {
         Self::new(xz)
     }
+}
+
+/// The nearest place that positions can express: within ±2³¹ m, NaN as 0.
+pub(crate) fn in_range(xz: DVec2) -> DVec2 {
+    let limit = DVec2::splat(2_147_483_648.0);
+    DVec2::select(xz.is_nan_mask(), DVec2::ZERO, xz).clamp(-limit, limit)
 }
 
 /// Metres to 32.32 fixed point, rounded down, ends clamped, NaN to 0. The product with 2³² is
@@ -111,7 +120,10 @@ impl GroundRect {
     /// A square centred on `centre` with sides of `side` metres.
     #[must_use]
     pub fn square(centre: DVec2, side: f64) -> Self {
-        Self::new(centre - DVec2::splat(side / 2.0), centre + DVec2::splat(side / 2.0))
+        Self::new(
+            centre - DVec2::splat(side / 2.0),
+            centre + DVec2::splat(side / 2.0),
+        )
     }
 
     /// Extent along x and z, metres.
@@ -195,7 +207,11 @@ mod tests {
 
     #[test]
     fn fixed_point_rounds_down_and_returns() {
-        for xz in [DVec2::new(-0.25, 1.5), DVec2::new(1e7 + 0.125, -1e7 - 0.625), DVec2::ZERO] {
+        for xz in [
+            DVec2::new(-0.25, 1.5),
+            DVec2::new(1e7 + 0.125, -1e7 - 0.625),
+            DVec2::ZERO,
+        ] {
             let point = GroundPoint::new(xz);
             assert_eq!(point.to_dvec2(), xz, "multiples of 2^-32 m are exact");
             assert_eq!(point.cell.as_dvec2(), xz.floor());
@@ -222,7 +238,10 @@ mod tests {
 
     #[test]
     fn normal_points_up_and_against_the_slope() {
-        let sample = GroundSample { height: 0.0, gradient: DVec2::new(1.0, 0.0) };
+        let sample = GroundSample {
+            height: 0.0,
+            gradient: DVec2::new(1.0, 0.0),
+        };
         let half = 0.5_f64.sqrt();
         assert!((sample.normal() - DVec3::new(-half, half, 0.0)).length() < 1e-15);
     }

@@ -105,7 +105,11 @@ mod tests {
 
     #[test]
     fn gradient_is_the_derivative_and_f32_agrees() {
-        let hill = Hill { centre: DVec2::new(1e6, -3.0), radius: 50.0, height: 20.0 };
+        let hill = Hill {
+            centre: DVec2::new(1e6, -3.0),
+            radius: 50.0,
+            height: 20.0,
+        };
         for k in 0..200 {
             let xz = hill.centre + DVec2::new(f64::from(k) * 0.3 - 30.0, f64::from(k % 17) * 3.0);
             let exact = hill.sample_f64(xz);
@@ -123,18 +127,50 @@ mod tests {
 
     #[test]
     fn outside_is_nothing() {
-        let hill = Hill { centre: DVec2::ZERO, radius: 5.0, height: 2.0 };
-        assert_eq!(hill.sample_f64(DVec2::new(5.0, 0.1)), GroundSample::default());
-        assert_eq!(hill.sample(GroundPoint::new(DVec2::new(1e8, 0.0))).gradient, Vec2::ZERO);
+        let hill = Hill {
+            centre: DVec2::ZERO,
+            radius: 5.0,
+            height: 2.0,
+        };
+        assert_eq!(
+            hill.sample_f64(DVec2::new(5.0, 0.1)),
+            GroundSample::default()
+        );
+        assert_eq!(
+            hill.sample(GroundPoint::new(DVec2::new(1e8, 0.0))).gradient,
+            Vec2::ZERO
+        );
     }
 
     #[test]
     fn bad_settings_are_named() {
-        let good = Hill { centre: DVec2::ZERO, radius: 5.0, height: 2.0 };
+        let good = Hill {
+            centre: DVec2::ZERO,
+            radius: 5.0,
+            height: 2.0,
+        };
         for (field, hill) in [
-            ("centre", Hill { centre: DVec2::NAN, ..good }),
-            ("radius", Hill { radius: 0.0, ..good }),
-            ("height", Hill { height: f32::INFINITY, ..good }),
+            (
+                "centre",
+                Hill {
+                    centre: DVec2::NAN,
+                    ..good
+                },
+            ),
+            (
+                "radius",
+                Hill {
+                    radius: 0.0,
+                    ..good
+                },
+            ),
+            (
+                "height",
+                Hill {
+                    height: f32::INFINITY,
+                    ..good
+                },
+            ),
         ] {
             assert_eq!(hill.validate().map_err(|error| error.field), Err(field));
         }

@@ -47,7 +47,9 @@ fn answer_probes(
     let changed = removed.read().count() > 0 || terrains.iter().any(|terrain| terrain.is_changed());
     for (entity, mut probe, mut answered) in &mut probes {
         // An entity whose chain of parents is broken keeps its last answer.
-        let Ok(place) = places.compute_global_transform(entity) else { continue };
+        let Ok(place) = places.compute_global_transform(entity) else {
+            continue;
+        };
         let place = place.translation();
         let xz = DVec2::new(f64::from(place.x), f64::from(place.z));
         if answered.0 == Some(xz) && !changed {
@@ -67,10 +69,17 @@ mod tests {
     use bevy::transform::components::GlobalTransform;
 
     fn hill(height: f32) -> Terrain {
-        let hill = Hill { centre: DVec2::ZERO, radius: 100.0, height };
+        let hill = Hill {
+            centre: DVec2::ZERO,
+            radius: 100.0,
+            height,
+        };
         Terrain::new(TerrainData {
             extent: GroundRect::square(DVec2::ZERO, 500.0),
-            layers: vec![Layer { source: Source::Hill(hill), mask: None }],
+            layers: vec![Layer {
+                source: Source::Hill(hill),
+                mask: None,
+            }],
             base: 3.0,
             sea_level: None,
         })
@@ -78,23 +87,38 @@ mod tests {
     }
 
     fn height(app: &App, probe: Entity) -> Option<f64> {
-        app.world().get::<GroundProbe>(probe).and_then(|probe| probe.sample).map(|s| s.height)
+        app.world()
+            .get::<GroundProbe>(probe)
+            .and_then(|probe| probe.sample)
+            .map(|s| s.height)
     }
 
     #[test]
     fn probes_follow_their_entities_and_the_terrain() {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, TerrainPlugin));
-        let parent = app.world_mut().spawn(Transform::from_xyz(200.0, 0.0, 0.0)).id();
-        let probe = app.world_mut().spawn((GroundProbe::default(), ChildOf(parent))).id();
+        let parent = app
+            .world_mut()
+            .spawn(Transform::from_xyz(200.0, 0.0, 0.0))
+            .id();
+        let probe = app
+            .world_mut()
+            .spawn((GroundProbe::default(), ChildOf(parent)))
+            .id();
         app.update();
         assert_eq!(height(&app, probe), None, "no terrain");
 
         let ground = app.world_mut().spawn(hill(50.0)).id();
         app.update();
-        assert_eq!(height(&app, probe), Some(3.0), "beyond the hill, by the parent's place");
+        assert_eq!(
+            height(&app, probe),
+            Some(3.0),
+            "beyond the hill, by the parent's place"
+        );
 
-        app.world_mut().entity_mut(parent).insert(Transform::default());
+        app.world_mut()
+            .entity_mut(parent)
+            .insert(Transform::default());
         app.update();
         assert_eq!(height(&app, probe), Some(53.0), "the parent moved");
 
@@ -116,7 +140,10 @@ mod tests {
         let probe = app.world_mut().spawn(GroundProbe::default()).id();
         app.update();
         let written = |app: &App| {
-            app.world().entity(probe).get_change_ticks::<GroundProbe>().map(|ticks| ticks.changed)
+            app.world()
+                .entity(probe)
+                .get_change_ticks::<GroundProbe>()
+                .map(|ticks| ticks.changed)
         };
         let before = written(&app);
         app.update();

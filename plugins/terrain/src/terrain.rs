@@ -1,7 +1,7 @@
 //! A terrain: layers of sources, one function of the ground plane.
 
 use crate::bounds::HeightBounds;
-use crate::ground::{Ground, GroundPoint, GroundRect, GroundSample, Height};
+use crate::ground::{Ground, GroundPoint, GroundRect, GroundSample, Height, in_range};
 use crate::height_map::{HeightMap, HeightMapError};
 use crate::hill::Hill;
 use crate::noise::{Classic, Fractal, NoiseError, PreparedClassic, PreparedFractal};
@@ -102,7 +102,9 @@ pub enum TerrainError {
     #[error("{0} layers, but a terrain may have at most {max}", max = Terrain::MAX_LAYERS)]
     LayerCount(usize),
     /// A mask without extent or with a number that is not finite.
-    #[error("layer {layer}: mask from {low} m to {high} m must have two different finite ends, at least 1 mm apart")]
+    #[error(
+        "layer {layer}: mask from {low} m to {high} m must have two different finite ends, at least 1 mm apart"
+    )]
     Mask {
         /// Index of the layer.
         layer: usize,
@@ -143,7 +145,13 @@ impl Terrain {
         if !extent.is_valid() || size.x <= 0.0 || size.y <= 0.0 {
             return Err(TerrainError::Extent(extent));
         }
-        if extent.min.abs().max_element().max(extent.max.abs().max_element()) > 1e8 {
+        if extent
+            .min
+            .abs()
+            .max_element()
+            .max(extent.max.abs().max_element())
+            > 1e8
+        {
             return Err(TerrainError::ExtentRange(extent));
         }
         for (field, value) in [("base", Some(data.base)), ("sea_level", data.sea_level)] {
@@ -202,25 +210,34 @@ impl Terrain {
 
     /// Layers with what evaluates them, first to last.
     pub(crate) fn prepared(&self) -> impl Iterator<Item = (&Prepared, Option<Mask>)> {
-        self.0.prepared.iter().zip(self.0.data.layers.iter().map(|layer| layer.mask))
+        self.0
+            .prepared
+            .iter()
+            .zip(self.0.data.layers.iter().map(|layer| layer.mask))
     }
 
     /// Height and gradient in f32: the twin of `terrain_height` in WGSL. About 20 ns an octave;
     /// many points are cheaper by [`Terrain::fill_tile`] and [`Terrain::fill_points`].
     #[must_use]
     pub fn sample(&self, point: GroundPoint) -> Height {
-        let base = Height { value: self.0.data.base, ..Height::default() };
+        let base = Height {
+            value: self.0.data.base,
+            ..Height::default()
+        };
         self.prepared().fold(base, |below, (source, mask)| {
             MaskStep::new(mask).apply(below, source.sample(point))
         })
     }
 
     /// Height and gradient in f64: the oracle of the f32 value, and the ground that gameplay
-    /// stands on. `xz` in metres; a NaN is taken as 0.
+    /// stands on. `xz` in metres, taken to ±2³¹ m; a NaN is taken as 0.
     #[must_use]
     pub fn sample_f64(&self, xz: DVec2) -> GroundSample {
-        let xz = DVec2::select(xz.is_nan_mask(), DVec2::ZERO, xz);
-        let base = GroundSample { height: f64::from(self.0.data.base), gradient: DVec2::ZERO };
+        let xz = in_range(xz);
+        let base = GroundSample {
+            height: f64::from(self.0.data.base),
+            gradient: DVec2::ZERO,
+        };
         self.prepared().fold(base, |below, (source, mask)| {
             let added = match source {
                 Prepared::Fractal(fractal) => fractal.sample_f64(xz),
@@ -267,10 +284,16 @@ pub(crate) struct MaskStep {
 
 impl MaskStep {
     pub(crate) fn new(mask: Option<Mask>) -> Self {
-        mask.map_or(Self { low: 0.0, scale: 0.0 }, |Mask { low, high }| Self {
-            low,
-            scale: 1.0 / (high - low),
-        })
+        mask.map_or(
+            Self {
+                low: 0.0,
+                scale: 0.0,
+            },
+            |Mask { low, high }| Self {
+                low,
+                scale: 1.0 / (high - low),
+            },
+        )
     }
 
     /// height += s(t)·added; gradient by the product and chain rules.

@@ -4,7 +4,7 @@ mod support;
 
 use bevy::math::DVec2;
 use dolomite_terrain::{
-    BatchError, Classic, Filter, Fractal, GroundPoint, HeightMap, HeightTile, Height, Hill, Layer,
+    BatchError, Classic, Filter, Fractal, GroundPoint, Height, HeightMap, HeightTile, Hill, Layer,
     Mask, Planes, Source, Terrain,
 };
 use support::{Random, SUMS, WARP, of_fractal, plain, terrain};
@@ -33,13 +33,37 @@ fn bits(height: Height) -> [u32; 3] {
 /// Every kind of source, with and without masks.
 fn mixed() -> Terrain {
     let samples = (0..40 * 30).map(|k| ((k * 7919) % 101) as f32).collect();
-    let map = HeightMap::new(40, 30, samples, DVec2::splat(-300.0), DVec2::splat(21.0), Filter::Bicubic);
-    let fractal = |sum, warp| Source::Fractal(Fractal { sum, warp, octaves: 6, ..Fractal::default() });
-    let masked = |source, low, high| Layer { source, mask: Some(Mask { low, high }) };
-    let mut layers = vec![plain(fractal(SUMS[0], None)), plain(Source::Map(map.expect("valid")))];
+    let map = HeightMap::new(
+        40,
+        30,
+        samples,
+        DVec2::splat(-300.0),
+        DVec2::splat(21.0),
+        Filter::Bicubic,
+    );
+    let fractal = |sum, warp| {
+        Source::Fractal(Fractal {
+            sum,
+            warp,
+            octaves: 6,
+            ..Fractal::default()
+        })
+    };
+    let masked = |source, low, high| Layer {
+        source,
+        mask: Some(Mask { low, high }),
+    };
+    let mut layers = vec![
+        plain(fractal(SUMS[0], None)),
+        plain(Source::Map(map.expect("valid"))),
+    ];
     layers.push(masked(fractal(SUMS[1], None), 0.0, 60.0));
     layers.push(masked(fractal(SUMS[3], Some(WARP)), 80.0, -20.0));
-    layers.push(plain(Source::Hill(Hill { centre: DVec2::new(20.0, 10.0), radius: 90.0, height: 30.0 })));
+    layers.push(plain(Source::Hill(Hill {
+        centre: DVec2::new(20.0, 10.0),
+        radius: 90.0,
+        height: 30.0,
+    })));
     layers.push(plain(Source::Classic(Classic::default())));
     terrain(1000.0, 12.5, layers)
 }
@@ -50,22 +74,38 @@ fn tiles_have_the_bits_of_single_points() {
     let mut terrains: Vec<Terrain> = Vec::new();
     for sum in SUMS {
         for warp in [None, Some(WARP)] {
-            terrains.push(of_fractal(Fractal { sum, warp, octaves: 7, lacunarity: 2.07, ..Fractal::default() }));
+            terrains.push(of_fractal(Fractal {
+                sum,
+                warp,
+                octaves: 7,
+                lacunarity: 2.07,
+                ..Fractal::default()
+            }));
         }
     }
     terrains.push(mixed());
     for terrain in &terrains {
         // Widths around the strip of 64, spacings from far below a cell to many cells.
-        for (width, height, spacing) in [(1, 1, 1.0), (63, 3, 0.01), (65, 5, 3.7), (130, 4, 900.0)] {
+        for (width, height, spacing) in [(1, 1, 1.0), (63, 3, 0.01), (65, 5, 3.7), (130, 4, 900.0)]
+        {
             let origin = GroundPoint::new(random.place(1e6));
-            let tile = HeightTile { origin, spacing: DVec2::new(spacing, spacing * 0.7), width, height };
+            let tile = HeightTile {
+                origin,
+                spacing: DVec2::new(spacing, spacing * 0.7),
+                width,
+                height,
+            };
             let mut one = Buffers::new(tile.len());
             terrain.fill_tile(&tile, one.planes()).expect("right size");
             for row in 0..height {
                 for column in 0..width {
                     let at = row * width + column;
                     let found = [0, 1, 2].map(|k: usize| one.0[k][at].to_bits());
-                    assert_eq!(found, bits(terrain.sample(tile.point(column, row))), "{column} {row}");
+                    assert_eq!(
+                        found,
+                        bits(terrain.sample(tile.point(column, row))),
+                        "{column} {row}"
+                    );
                 }
             }
         }
@@ -83,31 +123,54 @@ fn all_cores_give_the_bits_of_one() {
     };
     let (mut one, mut all) = (Buffers::new(tile.len()), Buffers::new(tile.len()));
     terrain.fill_tile(&tile, one.planes()).expect("right size");
-    terrain.fill_tile_parallel(&tile, all.planes()).expect("right size");
+    terrain
+        .fill_tile_parallel(&tile, all.planes())
+        .expect("right size");
     assert_eq!(one.bits(), all.bits());
-    assert!(one.0.iter().flatten().all(|v| v.is_finite()), "every sample is written");
+    assert!(
+        one.0.iter().flatten().all(|v| v.is_finite()),
+        "every sample is written"
+    );
 }
 
 #[test]
 fn lists_have_the_bits_of_single_points() {
     let mut random = Random(12);
     let terrain = mixed();
-    let points: Vec<_> = (0..1500).map(|_| GroundPoint::new(random.place(300.0))).collect();
+    let points: Vec<_> = (0..1500)
+        .map(|_| GroundPoint::new(random.place(300.0)))
+        .collect();
     let mut out = Buffers::new(points.len());
-    terrain.fill_points(&points, out.planes()).expect("right size");
+    terrain
+        .fill_points(&points, out.planes())
+        .expect("right size");
     for (at, &point) in points.iter().enumerate() {
-        assert_eq!([0, 1, 2].map(|k: usize| out.0[k][at].to_bits()), bits(terrain.sample(point)));
+        assert_eq!(
+            [0, 1, 2].map(|k: usize| out.0[k][at].to_bits()),
+            bits(terrain.sample(point))
+        );
     }
 }
 
 #[test]
 fn planes_of_the_wrong_size_are_refused() {
     let terrain = of_fractal(Fractal::default());
-    let tile = HeightTile { origin: GroundPoint::default(), spacing: DVec2::ONE, width: 4, height: 4 };
+    let tile = HeightTile {
+        origin: GroundPoint::default(),
+        spacing: DVec2::ONE,
+        width: 4,
+        height: 4,
+    };
     let mut short = Buffers::new(15);
-    let error = BatchError { expected: 16, found: 15 };
+    let error = BatchError {
+        expected: 16,
+        found: 15,
+    };
     assert_eq!(terrain.fill_tile(&tile, short.planes()), Err(error));
-    assert_eq!(terrain.fill_tile_parallel(&tile, short.planes()), Err(error));
+    assert_eq!(
+        terrain.fill_tile_parallel(&tile, short.planes()),
+        Err(error)
+    );
     let empty = HeightTile { width: 0, ..tile };
     assert_eq!(terrain.fill_tile(&empty, Buffers::new(0).planes()), Ok(()));
     assert_eq!(terrain.fill_points(&[], Buffers::new(0).planes()), Ok(()));

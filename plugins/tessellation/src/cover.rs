@@ -77,7 +77,8 @@ impl Lattice {
         }
     }
 
-    /// The leaves for a focus at (x, z) and at `height` metres above the ground, in Morton order.
+    /// The leaves for a focus at (x, z) and at `height` metres above the ground: from fine to coarse,
+    /// each size in Morton order.
     pub fn leaves(&self, focus: DVec2, height: f64, split: f64) -> Vec<Node> {
         let side = 1_u32 << self.depth;
         let step = self.step();
@@ -101,6 +102,8 @@ impl Lattice {
                 leaves.push(node);
             }
         }
+        // Fine leaves are near leaves: drawn first, they hide what lies behind before it is shaded.
+        leaves.sort_by_key(|leaf| leaf.side);
         leaves
     }
 }
@@ -108,7 +111,7 @@ impl Lattice {
 /// The patches, edges and corners that cover a terrain for one focus.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cover {
-    /// One a leaf, in Morton order.
+    /// One a leaf, in the leaves' order.
     pub patches: Vec<Patch>,
     /// One a pair of neighbouring corners.
     pub edges: Vec<Edge>,

@@ -44,7 +44,7 @@ impl Passes {
 
 /// levels → plan → emit on the adapter.
 fn run(passes: &Passes, cover: &Cover, params: &ViewParams, terrain: &Terrain) -> Output {
-    let GpuTerrain { layers, data, uniform } = terrain.gpu_layers();
+    let GpuTerrain { layers, data, uniform } = terrain.gpu();
     let (layers, data): (&[u8], &[u8]) = (cast_slice(&layers), cast_slice(&data));
     let uniform = bytes_of(&uniform);
     let view = bytes_of(params);

@@ -10,8 +10,9 @@
 
 fn classic_gradient(permutation: u32, x: u32, z: u32) -> vec2<f32> {
     let column = terrain_data[permutation + (x & 255u)];
-    let choice = terrain_data[permutation + ((column + z) & 255u)];
-    return vec2(select(1.0, -1.0, (choice & 1u) != 0u), select(1.0, -1.0, (choice & 2u) != 0u));
+    let choice = terrain_data[permutation + ((column + z) & 255u)] & 3u;
+    // (1, 1), (-1, 1), (-1, -1), (1, -1)
+    return vec2(select(1.0, -1.0, choice == 1u || choice == 2u), select(1.0, -1.0, choice >= 2u));
 }
 
 fn classic_height(layer: Layer, x: Fixed, z: Fixed) -> vec3<f32> {

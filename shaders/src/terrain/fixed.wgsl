@@ -82,18 +82,20 @@ fn ground_point(x: Fixed, z: Fixed) -> GroundPoint {
     return GroundPoint(vec2(bitcast<i32>(x.whole), bitcast<i32>(z.whole)), vec2(x.rest, z.rest));
 }
 
-// Metres, below 2^31 either way, rounded down to 2^-32.
-fn metres_fixed(metres: f32) -> Fixed {
-    let whole = floor(metres);
-    // Just below 1 where the difference rounds up to it: the greatest f32 below 2^32.
-    return Fixed(bitcast<u32>(i32(whole)), u32(min((metres - whole) * STEPS, 4294967040.0)));
+fn fixed_negate(a: Fixed) -> Fixed {
+    return Fixed(~a.whole + select(0u, 1u, a.rest == 0u), ~a.rest + 1u);
 }
 
-// Metres, cut to 2^-24: displacement of a domain warp.
-fn displacement_fixed(metres: f32) -> Fixed {
-    let whole = floor(metres);
-    let steps = min(u32((metres - whole) * 16777216.0), 0xffffffu);
-    return Fixed(bitcast<u32>(i32(whole)), steps << 8u);
+// Metres, below 2^31 either way, rounded down: exact but for the part below 2^-32. The sign is
+// taken off first, so that the rest of a small negative number is exact too.
+fn metres_fixed(metres: f32) -> Fixed {
+    let size = abs(metres);
+    let whole = floor(size);
+    let steps = (size - whole) * STEPS;
+    if metres >= 0.0 {
+        return Fixed(u32(whole), u32(steps));
+    }
+    return fixed_negate(Fixed(u32(whole), u32(ceil(steps))));
 }
 
 // Metres as f32, one rounding for the whole part and one for the sum.

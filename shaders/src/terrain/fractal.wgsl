@@ -3,7 +3,7 @@
 // Sums of octaves: value (metres) and gradient in xyz. Twins of plugins/terrain/src/noise/sum.rs
 // and scalar.rs, where the sums are defined.
 
-#import dolomite::terrain::fixed::{Fixed, coordinate, displacement_fixed, fixed_add, fraction}
+#import dolomite::terrain::fixed::{Fixed, coordinate, fixed_add, fraction, metres_fixed}
 #import dolomite::terrain::noise::{CellGradients, NoiseSample, cell_gradients, cell_noise, cell_noise_bent}
 #import dolomite::terrain::layer::{Layer, Octave, FBM, RIDGED, BILLOW, OCTAVE_WORDS}
 #import dolomite::terrain::bindings::load_octave
@@ -107,7 +107,7 @@ fn fractal_height(layer: Layer, x: Fixed, z: Fixed) -> vec3<f32> {
     }
     let wx = fbm(layer.warp_data, layer.warp_octaves, x, z);
     let wz = fbm(layer.warp_data + layer.warp_octaves * OCTAVE_WORDS, layer.warp_octaves, x, z);
-    let h = layer_sum(layer, fixed_add(x, displacement_fixed(wx.x)), fixed_add(z, displacement_fixed(wz.x)));
+    let h = layer_sum(layer, fixed_add(x, metres_fixed(wx.x)), fixed_add(z, metres_fixed(wz.x)));
     return vec3(
         h.x,
         h.y + (h.y * wx.y + h.z * wz.y),

@@ -58,6 +58,9 @@ fn material_weights(draw: DrawParams, height: f32, slope: f32, patchiness: vec2<
     return weights;
 }
 
+// Share below which a material is not sampled: height blending hides it anyway.
+const LEAST_WEIGHT: f32 = 0.04;
+
 // Near texture scale mixed with the far one by the size of a pixel on the ground.
 fn sample_layer(layer: u32, near: vec2<f32>, far: vec2<f32>, dx: vec2<f32>, dy: vec2<f32>, index: f32, farness: f32) -> Surface {
     if farness >= 1.0 {
@@ -117,13 +120,13 @@ fn shade(draw: DrawParams, position: vec3<f32>, ground: f32, vertex_gradient: ve
     let ddy = dy.xz / draw.tile;
     let index = 9.0 * value_noise(world / (draw.tile * 2.3), 5u);
     // From 3 cm a pixel on the near texture is only an average: the far one takes over.
-    let farness = smoothstep(0.015, 0.12, pixel) * 0.85;
+    let farness = smoothstep(0.012, 0.09, pixel);
 
     var layers: array<Surface, 5>;
     var bumps: array<vec3<f32>, 5>;
     var highest = 0.0;
     for (var i = 0u; i < 5u; i++) {
-        if weights[i] < 0.004 {
+        if weights[i] < LEAST_WEIGHT {
             continue;
         }
         if i == ROCK {
@@ -133,12 +136,19 @@ fn shade(draw: DrawParams, position: vec3<f32>, ground: f32, vertex_gradient: ve
             let side = vec2(select(position.z, position.x, side_z), -position.y);
             let side_dx = vec2(select(dx.z, dx.x, side_z), -dx.y);
             let side_dy = vec2(select(dy.z, dy.x, side_z), -dy.y);
-            let s = sample_layer(i, side / draw.tile, side / (draw.tile * FAR_TILES), side_dx / draw.tile, side_dy / draw.tile, index, farness);
-            let t = sample_layer(i, near, far, ddx, ddy, index, farness);
-            let upright = smoothstep(0.45, 0.75, base_normal.y);
+            let upright = smoothstep(0.55, 0.75, base_normal.y);
             let along = select(vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0), side_z);
-            layers[i] = mix_surface(s, t, upright);
-            bumps[i] = mix(along * s.normal.x - vec3(0.0, 1.0, 0.0) * s.normal.y, vec3(t.normal.x, 0.0, t.normal.y), upright);
+            if upright < 1.0 {
+                let s = sample_layer(i, side / draw.tile, side / (draw.tile * FAR_TILES), side_dx / draw.tile, side_dy / draw.tile, index, farness);
+                layers[i] = s;
+                bumps[i] = along * s.normal.x - vec3(0.0, 1.0, 0.0) * s.normal.y;
+            }
+            if upright > 0.0 {
+                let t = sample_layer(i, near, far, ddx, ddy, index, farness);
+                let bump = vec3(t.normal.x, 0.0, t.normal.y);
+                layers[i] = mix_surface(layers[i], t, upright);
+                bumps[i] = mix(bumps[i], bump, upright);
+            }
         } else {
             layers[i] = sample_layer(i, near, far, ddx, ddy, index, farness);
             bumps[i] = vec3(layers[i].normal.x, 0.0, layers[i].normal.y);
@@ -148,7 +158,7 @@ fn shade(draw: DrawParams, position: vec3<f32>, ground: f32, vertex_gradient: ve
     // Height blending: what stands highest shows; 0.25 is the depth of the mixed zone.
     var blend = Blend(vec3(0.0), 0.0, 0.0, vec3(0.0), 0.0);
     for (var i = 0u; i < 5u; i++) {
-        if weights[i] < 0.004 {
+        if weights[i] < LEAST_WEIGHT {
             continue;
         }
         let weight = max(weights[i] + layers[i].height * 0.6 - highest + 0.25, 0.0) * weights[i];

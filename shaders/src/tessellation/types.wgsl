@@ -15,9 +15,9 @@ struct Corner {
     patches: vec4<u32>,
     // Written by plan: its vertex, NONE when no patch around it is drawn.
     vertex: u32,
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
+    pad_a: u32,
+    pad_b: u32,
+    pad_c: u32,
 }
 
 struct Edge {
@@ -49,8 +49,8 @@ struct Patch {
     vertex: u32,
     triangle: u32,
     inner: u32,
-    pad0: u32,
-    pad1: u32,
+    pad_a: u32,
+    pad_b: u32,
 }
 
 struct ViewParams {
@@ -84,6 +84,6 @@ struct PlanResult {
     drawn: u32,
     culled: u32,
     lowered: u32,
-    pad0: u32,
-    pad1: u32,
+    pad_a: u32,
+    pad_b: u32,
 }

@@ -3,7 +3,7 @@
 use super::method::{Method, Output, WAVELENGTH};
 use super::points::Points;
 use crate::csv::{ErrorNumbers, Row};
-use crate::metrics::{ErrorStats, Hash64};
+use crate::metrics::{ErrorStats, Hash64, median};
 use bevy::math::DVec2;
 
 /// Errors of values are in this unit.
@@ -50,7 +50,9 @@ pub fn errors(method: &dyn Method, points: &Points, with_gradient: bool, out: &O
             hash.add(u64::from(out.dx[i].to_bits()));
             hash.add(u64::from(out.dz[i].to_bits()));
         }
-        let Some(exact) = method.definition(*at) else { continue };
+        let Some(exact) = method.definition(*at) else {
+            continue;
+        };
         values.push((value - exact.value) / amplitude);
         if let (true, Some(gradient)) = (with_gradient, exact.gradient) {
             let found = DVec2::new(f64::from(out.dx[i]), f64::from(out.dz[i]));
@@ -65,40 +67,82 @@ pub fn errors(method: &dyn Method, points: &Points, with_gradient: bool, out: &O
     }
 }
 
-/// Runs a method over `points` and gives its rows: one for values alone and, where it has them, one
-/// for gradients. Times (of the first row values alone, of the second values and gradients together)
-/// are taken if `repeats` is not 0.
-pub fn rows(method: &mut dyn Method, points: &Points, place: &Place, repeats: usize) -> Vec<Row> {
-    let mut rows = Vec::new();
-    for with_gradient in [false, true] {
-        if with_gradient && !method.has_gradient() {
-            continue;
-        }
-        let mut out = Output::new(points.len());
-        method.evaluate(points, with_gradient, &mut out);
-        let errors = errors(method, points, with_gradient, &out);
-        let time_ns =
-            (repeats > 0).then(|| method.time_ns(points, with_gradient, repeats, &mut out));
-        let (quantity, error, unit) = if with_gradient {
-            ("gradient", errors.gradient, GRADIENT_UNIT)
+/// One method with or without gradients, and what is known of it so far.
+struct Job {
+    method: usize,
+    with_gradient: bool,
+    errors: Errors,
+    times: Vec<f64>,
+}
+
+/// Runs the methods that take them over `points` and gives their rows: one for values alone and,
+/// where a method has them, one for gradients.
+///
+/// Times (of the first row values alone, of the second values and gradients together) are taken if
+/// `repeats` is not 0. The methods take turns, so that whatever else the machine does in the
+/// meantime slows all of them.
+pub fn rows(
+    methods: &mut [Box<dyn Method>],
+    points: &Points,
+    place: &Place,
+    repeats: usize,
+) -> Vec<Row> {
+    let mut jobs = Vec::new();
+    for (index, method) in methods
+        .iter_mut()
+        .enumerate()
+        .filter(|(_, m)| m.takes(points))
+    {
+        let kinds = if method.has_gradient() {
+            &[false, true][..]
         } else {
-            ("value", errors.value, VALUE_UNIT)
+            &[false]
         };
-        rows.push(Row {
-            sweep: place.sweep.clone(),
-            method: method.name().to_owned(),
-            parameter: format!("{}={}", place.knob, place.setting),
-            parameter_value: place.setting,
-            quantity: quantity.to_owned(),
-            error: error.map(ErrorNumbers::from),
-            error_unit: unit.to_owned(),
-            time_ns,
-            bytes: Some(method.bytes()),
-            hash: Some(errors.hash),
-            device: method.device(),
-        });
+        for &with_gradient in kinds {
+            let mut out = Output::new(points.len());
+            method.evaluate(points, with_gradient, &mut out);
+            let errors = errors(method.as_ref(), points, with_gradient, &out);
+            jobs.push(Job {
+                method: index,
+                with_gradient,
+                errors,
+                times: Vec::new(),
+            });
+        }
     }
-    rows
+    let mut out = Output::new(points.len());
+    for _ in 0..repeats {
+        for job in &mut jobs {
+            let method = &mut methods[job.method];
+            let seconds = method.seconds(points, job.with_gradient, &mut out);
+            job.times.push(seconds * 1e9 / points.len() as f64);
+        }
+    }
+    jobs.into_iter()
+        .map(|job| row(job, methods, place))
+        .collect()
+}
+
+fn row(job: Job, methods: &[Box<dyn Method>], place: &Place) -> Row {
+    let method = &methods[job.method];
+    let (quantity, error, unit) = if job.with_gradient {
+        ("gradient", job.errors.gradient, GRADIENT_UNIT)
+    } else {
+        ("value", job.errors.value, VALUE_UNIT)
+    };
+    Row {
+        sweep: place.sweep.clone(),
+        method: method.name().to_owned(),
+        parameter: format!("{}={}", place.knob, place.setting),
+        parameter_value: place.setting,
+        quantity: quantity.to_owned(),
+        error: error.map(ErrorNumbers::from),
+        error_unit: unit.to_owned(),
+        time_ns: median(job.times),
+        bytes: Some(method.bytes()),
+        hash: Some(job.errors.hash),
+        device: method.device(),
+    }
 }
 
 #[cfg(test)]
@@ -139,7 +183,10 @@ mod tests {
             }
         }
         fn definition(&self, at: DVec2) -> Option<Exact> {
-            Some(Exact { value: at.x / 4.0, gradient: Some(DVec2::new(0.25, 0.0)) })
+            Some(Exact {
+                value: at.x / 4.0,
+                gradient: Some(DVec2::new(0.25, 0.0)),
+            })
         }
     }
 
@@ -153,7 +200,11 @@ mod tests {
 
     #[test]
     fn a_right_answer_has_an_error_of_one_rounding() {
-        let right = errors_of(Plane { value_off: 0.0, gradient_off: 0.0, writes: true });
+        let right = errors_of(Plane {
+            value_off: 0.0,
+            gradient_off: 0.0,
+            writes: true,
+        });
         // Values up to 256 are rounded to half of 2^-16, and count relative to an amplitude of 2.
         assert!(right.value.unwrap().max <= 256.0 * 6e-8 / 2.0);
         assert_eq!(right.gradient.unwrap().max, 0.0);
@@ -162,30 +213,64 @@ mod tests {
     /// The comparison can fail: wrong answers of each kind are seen, by as much as they are wrong.
     #[test]
     fn a_wrong_answer_is_seen() {
-        let value = errors_of(Plane { value_off: 0.01, gradient_off: 0.0, writes: true });
+        let value = errors_of(Plane {
+            value_off: 0.01,
+            gradient_off: 0.0,
+            writes: true,
+        });
         assert!((value.value.unwrap().rms - 0.005).abs() < 1e-4, "{value:?}");
-        let gradient = errors_of(Plane { value_off: 0.0, gradient_off: 0.01, writes: true });
+        let gradient = errors_of(Plane {
+            value_off: 0.0,
+            gradient_off: 0.01,
+            writes: true,
+        });
         let expected = 0.01 * WAVELENGTH / 2.0;
-        assert!((gradient.gradient.unwrap().max - expected).abs() < 1e-4, "{gradient:?}");
+        assert!(
+            (gradient.gradient.unwrap().max - expected).abs() < 1e-4,
+            "{gradient:?}"
+        );
         assert_ne!(value.hash, gradient.hash);
     }
 
     #[test]
     fn results_that_are_not_written_are_infinitely_wrong() {
-        let nothing = errors_of(Plane { value_off: 0.0, gradient_off: 0.0, writes: false });
+        let nothing = errors_of(Plane {
+            value_off: 0.0,
+            gradient_off: 0.0,
+            writes: false,
+        });
         assert_eq!(nothing.value.unwrap().rms, f64::INFINITY);
         assert_eq!(nothing.gradient.unwrap().rms, f64::INFINITY);
     }
 
     #[test]
     fn rows_say_what_was_measured() {
-        let mut plane = Plane { value_off: 0.0, gradient_off: 0.0, writes: true };
-        let place = Place { sweep: "distance".into(), knob: "distance_m", setting: 10.0 };
+        let plane = Plane {
+            value_off: 0.0,
+            gradient_off: 0.0,
+            writes: true,
+        };
+        let place = Place {
+            sweep: "distance".into(),
+            knob: "distance_m",
+            setting: 10.0,
+        };
         let points = Points::tile(400, 1.0, 1);
-        let rows = rows(&mut plane, &points, &place, 0);
-        let quantities: Vec<&str> = rows.iter().map(|row| row.quantity.as_str()).collect();
+        let mut methods: [Box<dyn Method>; 1] = [Box::new(plane)];
+        let untimed = rows(&mut methods, &points, &place, 0);
+        let quantities: Vec<&str> = untimed.iter().map(|row| row.quantity.as_str()).collect();
         assert_eq!(quantities, ["value", "gradient"]);
-        assert!(rows.iter().all(|row| row.time_ns.is_none() && row.error.is_some()));
-        assert_eq!(rows[0].parameter, "distance_m=10");
+        assert!(
+            untimed
+                .iter()
+                .all(|row| row.time_ns.is_none() && row.error.is_some())
+        );
+        assert_eq!(untimed[0].parameter, "distance_m=10");
+        let timed = rows(&mut methods, &points, &place, 3);
+        assert!(
+            timed
+                .iter()
+                .all(|row| row.time_ns.is_some_and(|ns| ns > 0.0))
+        );
     }
 }

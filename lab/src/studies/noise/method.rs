@@ -5,8 +5,8 @@
 //! every format, so that nothing but the method's own arithmetic is wrong.
 
 use super::points::Points;
-use crate::metrics::nanoseconds_per_item;
 use bevy::math::DVec2;
+use std::time::Instant;
 
 /// Wavelength of the first octave, metres.
 pub const WAVELENGTH: f64 = 256.0;
@@ -86,19 +86,13 @@ pub trait Method {
     /// methods that have them are asked.
     fn evaluate(&mut self, points: &Points, with_gradient: bool, out: &mut Output);
 
-    /// Time of a sample, nanoseconds: median over `repeats` evaluations of all points, on one core
-    /// unless [`Self::device`] says otherwise.
-    fn time_ns(
-        &mut self,
-        points: &Points,
-        with_gradient: bool,
-        repeats: usize,
-        out: &mut Output,
-    ) -> f64 {
-        nanoseconds_per_item(repeats, points.len(), || {
-            self.evaluate(points, with_gradient, out);
-            std::hint::black_box(&mut *out);
-        })
+    /// Wall time of one evaluation of all points, seconds, on one core unless [`Self::device`] says
+    /// otherwise.
+    fn seconds(&mut self, points: &Points, with_gradient: bool, out: &mut Output) -> f64 {
+        let begin = Instant::now();
+        self.evaluate(points, with_gradient, out);
+        std::hint::black_box(&mut *out);
+        begin.elapsed().as_secs_f64()
     }
 
     /// The method's own definition in f64, at exactly this position (metres), without the rounding

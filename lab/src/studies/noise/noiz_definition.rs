@@ -23,7 +23,10 @@ pub fn fbm(octaves: u32, seed: u32, at: DVec2) -> Exact {
         frequency *= LACUNARITY;
         weight *= GAIN;
     }
-    Exact { value, gradient: Some(gradient) }
+    Exact {
+        value,
+        gradient: Some(gradient),
+    }
 }
 
 /// One octave: value, and gradient by the position in cells.
@@ -62,11 +65,13 @@ mod tests {
             // Central difference over 2h: error h²/6 of the third derivative (some 1e1 / m³ here, at
             // a finest wavelength of 2 m) and 1e-16/h of rounding.
             let h = 1e-4;
-            let slope = |step: DVec2| {
-                (fbm(8, 7, at + step).value - fbm(8, 7, at - step).value) / (2.0 * h)
-            };
+            let slope =
+                |step: DVec2| (fbm(8, 7, at + step).value - fbm(8, 7, at - step).value) / (2.0 * h);
             let difference = DVec2::new(slope(DVec2::new(h, 0.0)), slope(DVec2::new(0.0, h)));
-            assert!((difference - gradient).length() < 1e-6, "{difference} {gradient}");
+            assert!(
+                (difference - gradient).length() < 1e-6,
+                "{difference} {gradient}"
+            );
         }
     }
 }

@@ -29,7 +29,9 @@ pub fn fractal(octaves: u32, seed: u32) -> Fractal {
 }
 
 fn prepared(octaves: u32, seed: u32) -> PreparedFractal {
-    fractal(octaves, seed).prepare().expect("the study's octaves, 1 to 12, from 256 m are in range")
+    fractal(octaves, seed)
+        .prepare()
+        .expect("the study's octaves, 1 to 12, from 256 m are in range")
 }
 
 /// Bytes of the octave table.
@@ -40,7 +42,10 @@ fn bytes(octaves: u32) -> usize {
 /// Our definition: the same sum in f64, by other formulas.
 pub(super) fn definition(fractal: &PreparedFractal, at: DVec2) -> Exact {
     let sample = fractal.sample_f64(at);
-    Exact { value: sample.height, gradient: Some(sample.gradient) }
+    Exact {
+        value: sample.height,
+        gradient: Some(sample.gradient),
+    }
 }
 
 /// One point at a time, value and gradient always together.
@@ -52,7 +57,10 @@ pub struct Scalar {
 impl Scalar {
     /// With the study's settings.
     pub fn new(octaves: u32, seed: u32) -> Self {
-        Self { fractal: prepared(octaves, seed), octaves }
+        Self {
+            fractal: prepared(octaves, seed),
+            octaves,
+        }
     }
 }
 
@@ -99,11 +107,20 @@ fn tile(points: &Points) -> Option<HeightTile> {
     let lattice = points.lattice?;
     let side = lattice.side as usize;
     let origin = GroundPoint::from(lattice.origin);
-    Some(HeightTile { origin, spacing: DVec2::splat(lattice.spacing), width: side, height: side })
+    Some(HeightTile {
+        origin,
+        spacing: DVec2::splat(lattice.spacing),
+        width: side,
+        height: side,
+    })
 }
 
 fn planes(out: &mut Output) -> Planes<'_> {
-    Planes { value: &mut out.values, dx: &mut out.dx, dz: &mut out.dz }
+    Planes {
+        value: &mut out.values,
+        dx: &mut out.dx,
+        dz: &mut out.dz,
+    }
 }
 
 const FITS: &str = "the planes have room for exactly the points";
@@ -118,7 +135,10 @@ pub struct Batch {
 impl Batch {
     /// With the study's settings.
     pub fn new(octaves: u32, seed: u32) -> Self {
-        Self { fractal: prepared(octaves, seed), octaves }
+        Self {
+            fractal: prepared(octaves, seed),
+            octaves,
+        }
     }
 }
 
@@ -190,7 +210,10 @@ impl Method for BatchAllCores {
 
     fn evaluate(&mut self, points: &Points, _with_gradient: bool, out: &mut Output) {
         if let Some(tile) = tile(points) {
-            self.0.fractal.fill_tile_parallel(&tile, planes(out)).expect(FITS);
+            self.0
+                .fractal
+                .fill_tile_parallel(&tile, planes(out))
+                .expect(FITS);
         }
     }
 

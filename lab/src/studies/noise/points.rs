@@ -49,7 +49,9 @@ impl Random {
     /// 32 random bits.
     pub fn next_u32(&mut self) -> u32 {
         let state = self.0;
-        self.0 = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         let xorshifted = (((state >> 18) ^ state) >> 27) as u32;
         xorshifted.rotate_right((state >> 59) as u32)
     }
@@ -69,7 +71,12 @@ impl Points {
     fn new(exact: Vec<DVec2>, lattice: Option<Lattice>) -> Self {
         let fixed = exact.iter().map(|p| GroundPoint::from(*p)).collect();
         let rounded = exact.iter().map(|p| p.as_vec2()).collect();
-        Self { exact, fixed, rounded, lattice }
+        Self {
+            exact,
+            fixed,
+            rounded,
+            lattice,
+        }
     }
 
     /// `count` points in no order, uniform where the larger coordinate is from half of `distance` to
@@ -78,9 +85,17 @@ impl Points {
         let mut random = Random::new(seed);
         let exact = (0..count).map(|_| {
             let far = distance * (0.5 + 0.5 * random.unit());
-            let far = if random.next_u32() & 1 == 0 { far } else { -far };
+            let far = if random.next_u32() & 1 == 0 {
+                far
+            } else {
+                -far
+            };
             let side = far.abs() * random.signed_unit();
-            let p = if random.next_u32() & 1 == 0 { DVec2::new(far, side) } else { DVec2::new(side, far) };
+            let p = if random.next_u32() & 1 == 0 {
+                DVec2::new(far, side)
+            } else {
+                DVec2::new(side, far)
+            };
             (p * STEPS).round() / STEPS
         });
         Self::new(exact.collect(), None)
@@ -95,9 +110,17 @@ impl Points {
         let origin = (place * STEPS).round() / STEPS;
         let side = count.isqrt() as u32;
         let exact = (0..side).flat_map(|row| {
-            (0..side).map(move |column| origin + DVec2::new(f64::from(column), f64::from(row)) * spacing)
+            (0..side)
+                .map(move |column| origin + DVec2::new(f64::from(column), f64::from(row)) * spacing)
         });
-        Self::new(exact.collect(), Some(Lattice { origin, spacing, side }))
+        Self::new(
+            exact.collect(),
+            Some(Lattice {
+                origin,
+                spacing,
+                side,
+            }),
+        )
     }
 
     /// How many.
@@ -125,8 +148,14 @@ mod tests {
                 assert_eq!(fixed.to_dvec2(), *exact);
             }
         }
-        assert_eq!(Points::scattered(9, 5.0, 1).exact, Points::scattered(9, 5.0, 1).exact);
-        assert_ne!(Points::scattered(9, 5.0, 1).exact, Points::scattered(9, 5.0, 2).exact);
+        assert_eq!(
+            Points::scattered(9, 5.0, 1).exact,
+            Points::scattered(9, 5.0, 1).exact
+        );
+        assert_ne!(
+            Points::scattered(9, 5.0, 1).exact,
+            Points::scattered(9, 5.0, 2).exact
+        );
     }
 
     #[test]

@@ -59,11 +59,18 @@ fn curves(
 ) -> Vec<Curve> {
     let of_sweep = |row: &&Row| row.sweep == sweep && row.quantity == quantity;
     let mut curves = Vec::new();
-    for name in names(rows) {
-        let mine = rows.iter().filter(of_sweep).filter(|row| row.method == name);
+    for (colour, name) in names(rows).into_iter().enumerate() {
+        let mine = rows
+            .iter()
+            .filter(of_sweep)
+            .filter(|row| row.method == name);
         let points: Vec<(f64, f64)> = mine.filter_map(&point).collect();
         if !points.is_empty() {
-            curves.push(Curve { name: name.to_owned(), points });
+            curves.push(Curve {
+                name: name.to_owned(),
+                colour,
+                points,
+            });
         }
     }
     curves
@@ -131,12 +138,17 @@ fn figures(rows: &[Row]) -> Vec<Figure> {
 /// nearest kilometre to the farthest place.
 fn errors_over_distance(rows: &[Row]) -> Value {
     let mut methods = Map::new();
-    for name in names(rows) {
+    let sweep: Vec<Row> = rows
+        .iter()
+        .filter(|r| r.sweep == "distance")
+        .cloned()
+        .collect();
+    for name in names(&sweep) {
         let mut numbers = Map::new();
         for quantity in ["value", "gradient"] {
-            let errors: Vec<(f64, f64)> = rows
+            let errors: Vec<(f64, f64)> = sweep
                 .iter()
-                .filter(|r| r.sweep == "distance" && r.method == name && r.quantity == quantity)
+                .filter(|r| r.method == name && r.quantity == quantity)
                 .filter_map(|r| Some((r.parameter_value, r.error?.max)))
                 .collect();
             let worst = errors.iter().map(|e| e.1).reduce(f64::max);
@@ -172,7 +184,10 @@ fn summary(rows: &[Row]) -> Value {
                 "value_and_gradient": time_of(rows, name, layout, "gradient"),
             })
         };
-        times.insert(name.into(), json!({ "tile": of("tile"), "scattered": of("scattered") }));
+        times.insert(
+            name.into(),
+            json!({ "tile": of("tile"), "scattered": of("scattered") }),
+        );
     }
     let ratio = |rival: &str, layout: &str| {
         let ours = time_of(rows, ours::BATCH, layout, "gradient")?;
@@ -198,6 +213,15 @@ fn summary(rows: &[Row]) -> Value {
 
 /// Puts the measurements together.
 pub fn report(rows: Vec<Row>, notes: Vec<String>) -> Report {
-    let figures = figures(&rows).into_iter().filter(|f| !f.chart.curves.is_empty()).collect();
-    Report { study: "noise", summary: summary(&rows), figures, notes, rows }
+    let figures = figures(&rows)
+        .into_iter()
+        .filter(|f| !f.chart.curves.is_empty())
+        .collect();
+    Report {
+        study: "noise",
+        summary: summary(&rows),
+        figures,
+        notes,
+        rows,
+    }
 }

@@ -5,8 +5,8 @@ use super::noiz_definition;
 use super::points::Points;
 use bevy::math::{DVec2, Vec2};
 use noise::{MultiFractal, NoiseFn};
-use noise_functions::{Constant, Noise as _};
 use noise_functions::modifiers::{Fbm, Frequency, Seeded};
+use noise_functions::{Constant, Noise as _};
 use noiz::cells::WithGradient;
 use noiz::layering::{FractalLayers, LayeredNoise, Normed, Octave, Persistence};
 use noiz::prelude::common_noise;
@@ -79,18 +79,31 @@ impl Noiz05 {
         let mut value = NoizValue::from(LayeredNoise::new(
             Normed::default(),
             persistence,
-            FractalLayers { layer: Default::default(), lacunarity: LACUNARITY as f32, amount: octaves },
+            FractalLayers {
+                layer: Default::default(),
+                lacunarity: LACUNARITY as f32,
+                amount: octaves,
+            },
         ));
         value.set_frequency((1.0 / WAVELENGTH) as f32);
         value.set_seed(seed);
         let mut gradient = NoizGradient::from(LayeredNoise::new(
             Normed::default(),
             persistence,
-            FractalLayers { layer: Default::default(), lacunarity: LACUNARITY as f32, amount: octaves },
+            FractalLayers {
+                layer: Default::default(),
+                lacunarity: LACUNARITY as f32,
+                amount: octaves,
+            },
         ));
         gradient.set_frequency((1.0 / WAVELENGTH) as f32);
         gradient.set_seed(seed);
-        Self { value, gradient, octaves, seed }
+        Self {
+            value,
+            gradient,
+            octaves,
+            seed,
+        }
     }
 }
 
@@ -154,7 +167,10 @@ pub struct FastNoiseLite11 {
 impl FastNoiseLite11 {
     /// With its frequency, gain and lacunarity set to the study's.
     pub fn new(octaves: u32, seed: u32) -> Self {
-        Self { noise: fastnoise(octaves, seed), octaves }
+        Self {
+            noise: fastnoise(octaves, seed),
+            octaves,
+        }
     }
 }
 
@@ -223,7 +239,10 @@ impl Method for NoiseFunctions08 {
     fn definition(&self, at: DVec2) -> Option<Exact> {
         let other = f64::from(self.same_with_f64_positions.get_noise_2d(at.x, at.y));
         let value = other * weight_sum(self.octaves) / weight_sum(self.octaves + 1);
-        Some(Exact { value, gradient: None })
+        Some(Exact {
+            value,
+            gradient: None,
+        })
     }
 }
 
@@ -245,13 +264,19 @@ mod tests {
 
     #[test]
     fn definitions_agree_with_their_methods_near_the_origin() {
-        let methods: [Box<dyn Method>; 2] =
-            [Box::new(Noiz05::new(8, 3)), Box::new(NoiseFunctions08::new(8, 3))];
+        let methods: [Box<dyn Method>; 2] = [
+            Box::new(Noiz05::new(8, 3)),
+            Box::new(NoiseFunctions08::new(8, 3)),
+        ];
         for mut method in methods {
             let (points, out) = near(method.as_mut(), false);
             for (p, value) in points.exact.iter().zip(&out.values) {
                 let exact = method.definition(*p).unwrap().value;
-                assert!((f64::from(*value) - exact).abs() < CLOSE, "{} at {p}", method.name());
+                assert!(
+                    (f64::from(*value) - exact).abs() < CLOSE,
+                    "{} at {p}",
+                    method.name()
+                );
             }
         }
     }

@@ -64,23 +64,33 @@ impl Wgsl {
         let settings = ours::fractal(octaves, seed);
         let terrain = Terrain::new(TerrainData {
             extent: GroundRect::square(DVec2::ZERO, 1e8),
-            layers: vec![Layer { source: Source::Fractal(settings), mask: None }],
+            layers: vec![Layer {
+                source: Source::Fractal(settings),
+                mask: None,
+            }],
             base: 0.0,
             sea_level: None,
         })
         .expect("the study's sum is in range");
         let fractal = settings.prepare().expect("the study's sum is in range");
-        Self { adapter, terrain: terrain.gpu(), fractal }
+        Self {
+            adapter,
+            terrain: terrain.gpu(),
+            fractal,
+        }
     }
 
-    /// One upload, `repeats` dispatches, one read-back; seconds of a dispatch.
-    fn dispatch(&self, points: &Points, repeats: usize, out: &mut Output) -> Result<f64, GpuError> {
+    /// Upload, dispatch, read-back; seconds of the dispatch alone.
+    fn dispatch(&self, points: &Points, out: &mut Output) -> Result<f64, GpuError> {
         let Adapter(shared) = &self.adapter;
         let (gpu, kernel) = (&shared.0, &shared.1);
         // NaN where nothing is written: seen as an infinite error.
         let mut heights: Vec<u8> = pod_collect_to_vec(&vec![f32::NAN; points.len() * 4]);
         let mut groups = [
-            vec![Binding::Read(cast_slice(&points.fixed)), Binding::Write(&mut heights)],
+            vec![
+                Binding::Read(cast_slice(&points.fixed)),
+                Binding::Write(&mut heights),
+            ],
             vec![
                 Binding::Read(cast_slice(&self.terrain.layers)),
                 Binding::Read(cast_slice(&self.terrain.data)),
@@ -90,7 +100,7 @@ impl Wgsl {
         let workgroups = points.len().div_ceil(WORKGROUP);
         let rows = workgroups.div_ceil(WORKGROUPS_MAX);
         let grid = [workgroups.div_ceil(rows) as u32, rows as u32, 1];
-        let time = gpu.run_timed(kernel, &mut groups, grid, repeats)?;
+        let time = gpu.run_timed(kernel, &mut groups, grid, 1)?;
         let floats: Vec<f32> = pod_collect_to_vec(&heights);
         for (i, height) in floats.chunks_exact(4).take(points.len()).enumerate() {
             out.values[i] = height[0];
@@ -123,20 +133,17 @@ impl Method for Wgsl {
     }
 
     fn evaluate(&mut self, points: &Points, _with_gradient: bool, out: &mut Output) {
-        if let Err(error) = self.dispatch(points, 1, out) {
+        if let Err(error) = self.dispatch(points, out) {
             // The results stay NaN, and so infinitely wrong: it cannot pass for a measurement.
             eprintln!("noise: {WGSL}: {error}");
         }
     }
 
-    fn time_ns(&mut self, points: &Points, _gradient: bool, repeats: usize, out: &mut Output) -> f64 {
-        match self.dispatch(points, repeats, out) {
-            Ok(seconds) => seconds * 1e9 / points.len() as f64,
-            Err(error) => {
-                eprintln!("noise: {WGSL}: {error}");
-                f64::INFINITY
-            }
-        }
+    fn seconds(&mut self, points: &Points, _with_gradient: bool, out: &mut Output) -> f64 {
+        self.dispatch(points, out).unwrap_or_else(|error| {
+            eprintln!("noise: {WGSL}: {error}");
+            f64::INFINITY
+        })
     }
 
     fn definition(&self, at: DVec2) -> Option<Exact> {

@@ -11,10 +11,11 @@
 //!
 //! A test scans these functions.
 
+use super::sum::{State, Unit};
 use super::{CellBounds, Cells, Interval, SecondOrder};
 use crate::ground::fixed;
 use crate::noise::points::{self, BLOCK, Positions};
-use crate::noise::sum::{Fbm, SMOOTH_SQUARED};
+use crate::noise::sum::Fbm;
 use crate::noise::tile::{self, Grid, Out};
 use crate::noise::{Octave, PreparedClassic, PreparedFractal, PreparedWarp, Sum};
 use bevy::math::DVec2;
@@ -25,11 +26,15 @@ const VALUE: f64 = 1.0;
 /// Bound of |∂n/∂x| and |∂n/∂z|, 1/cell.
 const FIRST: f64 = 2.75;
 /// Bounds of the second derivatives, 1/cell²: 20/√3 = 11.547…, and 6.87.
-const SECOND: SecondOrder = SecondOrder { xx: 11.548, xz: 6.88, zz: 11.548 };
+pub(super) const SECOND: SecondOrder = SecondOrder {
+    xx: 11.548,
+    xz: 6.88,
+    zz: 11.548,
+};
 
 /// Share of its amplitude by which an octave's f32 value may leave the bounds (twice what the
 /// accuracy test sees), and share of amplitude × frequency for its gradient.
-const ROUNDING: f64 = 2e-6;
+pub(super) const ROUNDING: f64 = 2e-6;
 const ROUNDING_FIRST: f64 = 1e-5;
 
 /// Noise of one octave at the centres of the cells: value, and gradient a metre.
@@ -53,7 +58,7 @@ impl Places {
 
     /// Amplitude 1 of the octave at every centre.
     fn noise(&self, octave: &Octave) -> Centres {
-        let unit = [Octave { amplitude: 1.0, ..*octave }];
+        let unit = [octave.unit()];
         let level = Level::new();
         let mut out = Vec::new();
         let mut put = |value: f32, dx: f32, dz: f32| {
@@ -81,11 +86,7 @@ impl Places {
 
 /// A block of at most [`BLOCK`] places, filled up with the last.
 fn padded(part: &[[i64; 2]]) -> Positions {
-    let mut positions: Positions = [[0; BLOCK]; 2];
-    for i in 0..BLOCK {
-        [positions[0][i], positions[1][i]] = part[i.min(part.len() - 1)];
-    }
-    positions
+    points::positions(|i| part[i.min(part.len() - 1)])
 }
 
 /// An FBM in one cell.
@@ -98,7 +99,12 @@ struct Smooth {
 
 /// FBM over cells of half sides `half`: the octaves that Taylor's theorem serves are added up
 /// before it is applied, so that slopes that cancel do cancel.
-fn fbm(octaves: &[Octave], half: DVec2, count: usize, noise: impl Fn(&Octave) -> Centres) -> Vec<Smooth> {
+fn fbm(
+    octaves: &[Octave],
+    half: DVec2,
+    count: usize,
+    noise: impl Fn(&Octave) -> Centres,
+) -> Vec<Smooth> {
     let mut centres = vec![(0.0, DVec2::ZERO); count];
     let (mut rest, mut turn) = (0.0, DVec2::ZERO);
     let (mut widest, mut steepest) = (0.0, 0.0);
@@ -132,26 +138,14 @@ fn fbm(octaves: &[Octave], half: DVec2, count: usize, noise: impl Fn(&Octave) ->
     centres.into_iter().map(bound).collect()
 }
 
-/// One octave in one cell, amplitude 1.
-#[derive(Clone, Copy)]
-struct Unit {
-    value: Interval,
-    /// ∂/∂x and ∂/∂z a metre.
-    gradient: [Interval; 2],
-}
-
-impl Unit {
-    /// Longest gradient.
-    fn slope(&self) -> f64 {
-        DVec2::new(self.gradient[0].size(), self.gradient[1].size()).length()
-    }
-}
-
 /// One octave over the cells.
 fn units(octave: &Octave, half: DVec2, count: usize, places: &Places) -> Vec<Unit> {
     let frequency = octave.frequency.value();
     let first = Interval::around(0.0, frequency * (FIRST + ROUNDING_FIRST));
-    let all = Unit { value: Interval::around(0.0, VALUE + ROUNDING), gradient: [first; 2] };
+    let all = Unit {
+        value: Interval::around(0.0, VALUE + ROUNDING),
+        gradient: [first; 2],
+    };
     let cells = half * frequency;
     let rest = SECOND.rest(cells);
     if rest >= VALUE {
@@ -179,7 +173,13 @@ pub(super) fn classic(classic: &PreparedClassic, cells: &Cells) -> Vec<CellBound
         (0..cells.len()).map(at).collect()
     };
     let smooth = fbm(&classic.octaves, cells.half, cells.len(), noise);
-    smooth.into_iter().map(|s| CellBounds { height: s.height, slope: s.gradient.length() }).collect()
+    smooth
+        .into_iter()
+        .map(|s| CellBounds {
+            height: s.height,
+            slope: s.gradient.length(),
+        })
+        .collect()
 }
 
 /// Bounds of a fractal.
@@ -221,8 +221,10 @@ impl Warped {
         let reach: f64 = warp.x.iter().map(|octave| octave.amplitude.abs()).sum();
         let half = DVec2::new(half.x + gx.dot(half), half.y + gz.dot(half))
             + DVec2::splat(reach * 2.0 * ROUNDING + 1e-6);
-        let centres: Vec<[i64; 2]> =
-            (0..count).map(|i| cells.centre(i)).map(|c| [fixed(c.x), fixed(c.y)]).collect();
+        let centres: Vec<[i64; 2]> = (0..count)
+            .map(|i| cells.centre(i))
+            .map(|c| [fixed(c.x), fixed(c.y)])
+            .collect();
         let places = centres.chunks(BLOCK).flat_map(|part| {
             let moved = points::displaced(Level::new(), warp, &padded(part));
             (0..part.len()).map(move |i| [moved[0][i], moved[1][i]])
@@ -231,7 +233,11 @@ impl Warped {
         let norm = |(x, z): (&Smooth, &Smooth)| {
             1.0 + (x.gradient.length_squared() + z.gradient.length_squared()).sqrt()
         };
-        Self { places: places.collect(), half, stretch: x.iter().zip(&z).map(norm).collect() }
+        Self {
+            places: places.collect(),
+            half,
+            stretch: x.iter().zip(&z).map(norm).collect(),
+        }
     }
 }
 
@@ -242,10 +248,15 @@ fn sum(fractal: &PreparedFractal, half: DVec2, count: usize, places: &Places) ->
         let smooth = fbm(octaves, half, count, |octave| places.noise(octave));
         return smooth
             .into_iter()
-            .map(|s| CellBounds { height: s.height, slope: s.gradient.length() })
+            .map(|s| CellBounds {
+                height: s.height,
+                slope: s.gradient.length(),
+            })
             .collect();
     }
-    let Some(first) = octaves.first() else { return Vec::new() };
+    let Some(first) = octaves.first() else {
+        return Vec::new();
+    };
     let mut states = vec![State::START; count];
     for octave in octaves {
         let relative = octave.slope() / first.slope();
@@ -258,71 +269,6 @@ fn sum(fractal: &PreparedFractal, half: DVec2, count: usize, places: &Places) ->
         }
     }
     states.into_iter().map(|state| state.sum).collect()
-}
-
-/// A sum that is not linear in the noise, in one cell: the twin of `noise::sum` in intervals.
-#[derive(Clone, Copy)]
-struct State {
-    sum: CellBounds,
-    /// Ridged: weight of the next octave and its steepest slope.
-    weight: (Interval, f64),
-    /// Eroded: gathered slope G, and a bound of its Jacobian's norm.
-    gathered: ([Interval; 2], f64),
-}
-
-/// |n| made smooth over an interval, and the most of its derivative's size.
-fn smooth_abs(n: Interval) -> (Interval, f64) {
-    let length = |n: f64| (n * n + f64::from(SMOOTH_SQUARED)).sqrt();
-    let far = n.size();
-    (Interval::new(length(n.nearest_zero()), length(far)), far / length(far))
-}
-
-impl State {
-    const START: Self = Self {
-        sum: CellBounds { height: Interval::point(0.0), slope: 0.0 },
-        weight: (Interval::point(1.0), 0.0),
-        gathered: ([Interval::point(0.0); 2], 0.0),
-    };
-
-    fn add(&mut self, octave: &Octave, value: Interval, slope: f64) {
-        self.sum.height = self.sum.height.plus(value.scaled(octave.amplitude));
-        self.sum.slope += octave.amplitude.abs() * slope;
-    }
-
-    fn billow(&mut self, octave: &Octave, unit: &Unit) {
-        let (length, turn) = smooth_abs(unit.value);
-        let value = length.scaled(2.0).plus(Interval::point(-1.0));
-        self.add(octave, value, 2.0 * turn * unit.slope());
-    }
-
-    fn ridged(&mut self, octave: &Octave, unit: &Unit) {
-        let (length, turn) = smooth_abs(unit.value);
-        let ridge = Interval::point(1.0).plus(length.scaled(-1.0));
-        let (near, far) = (ridge.nearest_zero(), ridge.size());
-        let square = Interval::new(near * near, far * far);
-        // The f32 error of n is multiplied by |n|″ ≤ 32 in the slope.
-        let slope = 2.0 * far * (turn + 32.0 * ROUNDING) * unit.slope();
-        let (weight, weight_slope) = self.weight;
-        self.add(octave, square.times(weight), slope * weight.size() + square.high * weight_slope);
-        self.weight = (square, slope);
-    }
-
-    fn eroded(&mut self, octave: &Octave, unit: &Unit, relative: f64, erosion: f64) {
-        // The gathered slope is in units of the first octave's: lattice units times `relative`.
-        let frequency = octave.frequency.value();
-        let ([gx, gz], jacobian) = &mut self.gathered;
-        *gx = gx.plus(unit.gradient[0].scaled(relative / frequency));
-        *gz = gz.plus(unit.gradient[1].scaled(relative / frequency));
-        *jacobian += relative.abs() * frequency * (SECOND.xx + SECOND.xz);
-        let square = |side: fn(Interval) -> f64| side(*gx) * side(*gx) + side(*gz) * side(*gz);
-        let (near, far) = (square(Interval::nearest_zero), square(Interval::size));
-        let weight = Interval::new(1.0 / (1.0 + erosion * far), 1.0 / (1.0 + erosion * near));
-        // |∇w| ≤ 2e w²|G|·‖J‖, and 2e|G|/(1 + e|G|²)² ≤ (3√3/8)√e, its maximum at e|G|² = 1/3.
-        let fall = (2.0 * erosion * weight.high * weight.high * far.sqrt())
-            .min(0.649_52 * erosion.sqrt());
-        let slope = unit.slope() * weight.high + unit.value.size() * fall * *jacobian;
-        self.add(octave, unit.value.times(weight), slope);
-    }
 }
 
 #[cfg(test)]
@@ -347,16 +293,26 @@ mod tests {
             for j in 0..=500 {
                 let [m, a, b, u1, u2] = parts(f64::from(i) / 500.0);
                 let [mz, az, _, w1, _] = parts(f64::from(j) / 500.0);
-                let found =
-                    [m + mz, a + 2.0 * u1 * mz, b + 2.0 * u2.abs() * mz, 2.0 * (w1 * a + u1 * az)];
+                let found = [
+                    m + mz,
+                    a + 2.0 * u1 * mz,
+                    b + 2.0 * u2.abs() * mz,
+                    2.0 * (w1 * a + u1 * az),
+                ];
                 for (l, f) in largest.iter_mut().zip(found) {
                     *l = l.max(f);
                 }
             }
         }
         // Between grid points 1/500 apart the functions change by less than 1e-3 near a maximum.
-        for (bound, found) in [VALUE, FIRST, SECOND.xx, SECOND.xz].into_iter().zip(largest) {
-            assert!(found <= bound + 1e-12 && found > bound - 0.02, "{bound}: {found}");
+        for (bound, found) in [VALUE, FIRST, SECOND.xx, SECOND.xz]
+            .into_iter()
+            .zip(largest)
+        {
+            assert!(
+                found <= bound + 1e-12 && found > bound - 0.02,
+                "{bound}: {found}"
+            );
         }
     }
 }

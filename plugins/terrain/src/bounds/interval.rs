@@ -59,7 +59,11 @@ impl Interval {
 
     /// Smallest absolute value.
     pub(crate) fn nearest_zero(self) -> f64 {
-        if self.low <= 0.0 && self.high >= 0.0 { 0.0 } else { self.low.abs().min(self.high.abs()) }
+        if self.low <= 0.0 && self.high >= 0.0 {
+            0.0
+        } else {
+            self.low.abs().min(self.high.abs())
+        }
     }
 }
 
@@ -122,7 +126,11 @@ mod tests {
     fn taylor_holds_for_a_paraboloid() {
         // h = 3x² + xz − 2z² about (1, 2): value −3, gradient (8, −7), second derivatives 6, 1, −4.
         let h = |x: f64, z: f64| 3.0 * x * x + x * z - 2.0 * z * z;
-        let second = SecondOrder { xx: 6.0, xz: 1.0, zz: 4.0 };
+        let second = SecondOrder {
+            xx: 6.0,
+            xz: 1.0,
+            zz: 4.0,
+        };
         let half = DVec2::new(0.5, 0.25);
         let bounds = second.bounds(h(1.0, 2.0), DVec2::new(8.0, -7.0), half);
         for i in 0..=20 {

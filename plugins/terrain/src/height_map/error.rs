@@ -24,7 +24,9 @@ pub enum HeightMapError {
         reason: String,
     },
     /// A PNG of another kind than 16-bit grey.
-    #[error("{file}: found {found}, but heights need 16-bit grey; convert it, for instance with `magick {file} -colorspace gray -depth 16 PNG48:out.png` or export as 16-bit from the source")]
+    #[error(
+        "{file}: found {found}, but heights need 16-bit grey; convert it, for instance with `magick {file} -colorspace gray -depth 16 PNG48:out.png` or export as 16-bit from the source"
+    )]
     Depth {
         /// The file.
         file: String,
@@ -32,7 +34,9 @@ pub enum HeightMapError {
         found: &'static str,
     },
     /// A raw file with too few or too many bytes.
-    #[error("{file}: {width} x {height} samples of {sample_bytes} bytes are {expected} bytes, but the file has {found}; check width, height and format")]
+    #[error(
+        "{file}: {width} x {height} samples of {sample_bytes} bytes are {expected} bytes, but the file has {found}; check width, height and format"
+    )]
     RawLength {
         /// The file.
         file: String,
@@ -48,7 +52,9 @@ pub enum HeightMapError {
         found: u64,
     },
     /// A size of 0.
-    #[error("{file}: {width} x {height} samples; a height map needs at least one row and one column")]
+    #[error(
+        "{file}: {width} x {height} samples; a height map needs at least one row and one column"
+    )]
     Empty {
         /// The file.
         file: String,
@@ -78,7 +84,9 @@ pub enum HeightMapError {
         found: usize,
     },
     /// NaN, infinite or absurd.
-    #[error("{file}: the sample in column {column}, row {row} is {value} m after scale and offset; heights must be finite and at most 1e6 m either way; fill the gap in the data")]
+    #[error(
+        "{file}: the sample in column {column}, row {row} is {value} m after scale and offset; heights must be finite and at most 1e6 m either way; fill the gap in the data"
+    )]
     NotAHeight {
         /// The file.
         file: String,
@@ -98,7 +106,9 @@ pub enum HeightMapError {
         spacing: DVec2,
     },
     /// A place that cannot be used.
-    #[error("{file}: the first sample lies at {origin}; both numbers must be at most 1e8 m either way")]
+    #[error(
+        "{file}: the first sample lies at {origin}; both numbers must be at most 1e8 m either way"
+    )]
     Origin {
         /// The file.
         file: String,
@@ -111,11 +121,19 @@ pub enum HeightMapError {
 pub(super) fn check_size(file: &str, width: u32, height: u32) -> Result<(), HeightMapError> {
     let file = || file.to_owned();
     if width == 0 || height == 0 {
-        return Err(HeightMapError::Empty { file: file(), width, height });
+        return Err(HeightMapError::Empty {
+            file: file(),
+            width,
+            height,
+        });
     }
     let total = u64::from(width) * u64::from(height);
     if width.max(height) > HeightMap::MAX_SIDE || total > HeightMap::MAX_SAMPLES as u64 {
-        return Err(HeightMapError::TooLarge { file: file(), width, height });
+        return Err(HeightMapError::TooLarge {
+            file: file(),
+            width,
+            height,
+        });
     }
     Ok(())
 }

@@ -3,7 +3,9 @@
 use super::error::check_size;
 use super::{Filter, HeightMap, HeightMapError};
 use bevy::math::DVec2;
-use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, codecs::png::PngDecoder};
+use image::{
+    ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, codecs::png::PngDecoder,
+};
 use serde::{Deserialize, Serialize};
 use std::io::{Cursor, Read};
 use std::path::Path;
@@ -96,16 +98,24 @@ impl HeightMapFile {
     pub fn decode(&self, name: &str, bytes: &[u8]) -> Result<HeightMap, HeightMapError> {
         let (width, height, numbers) = match self.format {
             MapFormat::Png => png(name, bytes)?,
-            MapFormat::Raw { format, width, height } => {
-                (width, height, raw(name, bytes, format, width, height)?)
-            }
+            MapFormat::Raw {
+                format,
+                width,
+                height,
+            } => (width, height, raw(name, bytes, format, width, height)?),
         };
         let metres = |number: f32| number * self.scale + self.offset;
         let samples = numbers.into_iter().map(metres).collect();
         let spacing = DVec2::from_array(self.spacing);
         let steps = DVec2::new(f64::from(width - 1), f64::from(height - 1));
         let origin = DVec2::from_array(self.centre) - spacing * steps * 0.5;
-        HeightMap::named(name, [width, height], samples, (origin, spacing), self.filter)
+        HeightMap::named(
+            name,
+            [width, height],
+            samples,
+            (origin, spacing),
+            self.filter,
+        )
     }
 }
 
@@ -129,15 +139,23 @@ fn png(name: &str, bytes: &[u8]) -> Result<(u32, u32, Vec<f32>), HeightMapError>
         _ => Some("16-bit colour"),
     };
     if let Some(found) = found {
-        return Err(HeightMapError::Depth { file: name.to_owned(), found });
+        return Err(HeightMapError::Depth {
+            file: name.to_owned(),
+            found,
+        });
     }
     let mut reader = ImageReader::new(Cursor::new(bytes));
     reader.set_format(ImageFormat::Png);
     match reader.decode().map_err(damaged)? {
-        DynamicImage::ImageLuma16(image) => {
-            Ok((width, height, image.into_raw().into_iter().map(f32::from).collect()))
-        }
-        _ => Err(HeightMapError::Depth { file: name.to_owned(), found: "another depth than its header says" }),
+        DynamicImage::ImageLuma16(image) => Ok((
+            width,
+            height,
+            image.into_raw().into_iter().map(f32::from).collect(),
+        )),
+        _ => Err(HeightMapError::Depth {
+            file: name.to_owned(),
+            found: "another depth than its header says",
+        }),
     }
 }
 
@@ -154,13 +172,26 @@ fn raw(
     let found = bytes.len() as u64;
     if found != expected {
         let sample_bytes = format.bytes();
-        return Err(HeightMapError::RawLength { file: name.to_owned(), width, height, sample_bytes, expected, found });
+        return Err(HeightMapError::RawLength {
+            file: name.to_owned(),
+            width,
+            height,
+            sample_bytes,
+            expected,
+            found,
+        });
     }
     let (pairs, _) = bytes.as_chunks::<2>();
     let (quads, _) = bytes.as_chunks::<4>();
     Ok(match format {
-        RawFormat::I16 => pairs.iter().map(|b| f32::from(i16::from_le_bytes(*b))).collect(),
-        RawFormat::U16 => pairs.iter().map(|b| f32::from(u16::from_le_bytes(*b))).collect(),
+        RawFormat::I16 => pairs
+            .iter()
+            .map(|b| f32::from(i16::from_le_bytes(*b)))
+            .collect(),
+        RawFormat::U16 => pairs
+            .iter()
+            .map(|b| f32::from(u16::from_le_bytes(*b)))
+            .collect(),
         RawFormat::F32 => quads.iter().map(|b| f32::from_le_bytes(*b)).collect(),
     })
 }

@@ -41,8 +41,17 @@ mod tests {
 
     #[test]
     fn known_cosines() {
-        for (degrees, expected) in [(0.0, 1.0), (60.0, 0.5), (90.0, 0.0), (180.0, -1.0), (540.0, -1.0)] {
-            assert!((cosine(f64::to_radians(degrees)) - expected).abs() < 1e-12, "{degrees}");
+        for (degrees, expected) in [
+            (0.0, 1.0),
+            (60.0, 0.5),
+            (90.0, 0.0),
+            (180.0, -1.0),
+            (540.0, -1.0),
+        ] {
+            assert!(
+                (cosine(f64::to_radians(degrees)) - expected).abs() < 1e-12,
+                "{degrees}"
+            );
         }
     }
 

@@ -68,9 +68,8 @@ impl HeightMap {
         let (fx, fz) = (fraction(x), fraction(z));
         let inverse = self.inverse_spacing();
         let middle = self.clamped(i, j);
-        let at = |di: i32, dj: i32| {
-            self.clamped(i.saturating_add(di), j.saturating_add(dj)) - middle
-        };
+        let at =
+            |di: i32, dj: i32| self.clamped(i.saturating_add(di), j.saturating_add(dj)) - middle;
         let (mut value, mut gradient) = (0.0, Vec2::ZERO);
         match self.0.filter {
             Filter::Bilinear => {
@@ -93,12 +92,18 @@ impl HeightMap {
                 }
             }
         }
-        Height { value: middle + value, gradient: gradient * inverse }
+        Height {
+            value: middle + value,
+            gradient: gradient * inverse,
+        }
     }
 
     /// 1/spacing as every twin multiplies by it.
     pub(crate) fn inverse_spacing(&self) -> Vec2 {
-        let [x, z] = self.lattice().frequency.map(|frequency| frequency.value() as f32);
+        let [x, z] = self
+            .lattice()
+            .frequency
+            .map(|frequency| frequency.value() as f32);
         Vec2::new(x, z)
     }
 
@@ -110,9 +115,8 @@ impl HeightMap {
         let at = xz - self.lattice().origin.to_dvec2();
         let (i, fx) = x.coordinate_f64(at.x, 0);
         let (j, fz) = z.coordinate_f64(at.y, 0);
-        let at = |di: i32, dj: i32| {
-            f64::from(self.clamped(i.saturating_add(di), j.saturating_add(dj)))
-        };
+        let at =
+            |di: i32, dj: i32| f64::from(self.clamped(i.saturating_add(di), j.saturating_add(dj)));
         let inverse = DVec2::new(x.value(), z.value());
         match self.0.filter {
             Filter::Bilinear => {
@@ -148,7 +152,9 @@ mod tests {
 
     fn map(filter: Filter, origin: DVec2) -> HeightMap {
         // Uneven numbers around 1000 m with a relief of some 40 m.
-        let samples = (0..7 * 5).map(|k| 1000.0 + ((k * 37) % 41) as f32).collect();
+        let samples = (0..7 * 5)
+            .map(|k| 1000.0 + ((k * 37) % 41) as f32)
+            .collect();
         HeightMap::new(7, 5, samples, origin, DVec2::new(30.0, 20.0), filter).expect("valid")
     }
 
@@ -175,13 +181,22 @@ mod tests {
             let origin = DVec2::new(9e6, -9e6);
             let map = map(filter, origin);
             for k in 0..2000 {
-                let step = DVec2::new(f64::from(k % 47) * 7.3 - 60.0, f64::from(k / 47) * 4.1 - 40.0);
+                let step = DVec2::new(
+                    f64::from(k % 47) * 7.3 - 60.0,
+                    f64::from(k / 47) * 4.1 - 40.0,
+                );
                 let exact = map.sample_f64(origin + step);
                 let near = map.sample(GroundPoint::new(origin + step));
                 // 1 ulp of 1000 m is 6e-5.
-                assert!((f64::from(near.value) - exact.height).abs() < 1.3e-4, "{filter:?} {step}");
+                assert!(
+                    (f64::from(near.value) - exact.height).abs() < 1.3e-4,
+                    "{filter:?} {step}"
+                );
                 // 1e-5 of 40 m over 20 m.
-                assert!((near.gradient.as_dvec2() - exact.gradient).length() < 2e-5, "{filter:?} {step}");
+                assert!(
+                    (near.gradient.as_dvec2() - exact.gradient).length() < 2e-5,
+                    "{filter:?} {step}"
+                );
             }
         }
     }
@@ -198,7 +213,10 @@ mod tests {
                 (at(DVec2::Y * h) - at(DVec2::Y * -h)) / (2.0 * h),
             );
             // h × jump of the second derivative (< 1/m), and 1e-13 × 1000 m / h.
-            assert!((slope - map.sample_f64(xz).gradient).length() < 1e-4, "{xz}");
+            assert!(
+                (slope - map.sample_f64(xz).gradient).length() < 1e-4,
+                "{xz}"
+            );
         }
     }
 }

@@ -83,7 +83,13 @@ impl HeightMap {
         spacing: DVec2,
         filter: Filter,
     ) -> Result<Self, HeightMapError> {
-        Self::named("(made in memory)", [width, height], samples, (origin, spacing), filter)
+        Self::named(
+            "(made in memory)",
+            [width, height],
+            samples,
+            (origin, spacing),
+            filter,
+        )
     }
 
     /// As [`Self::new`], with the name that errors give.
@@ -98,9 +104,16 @@ impl HeightMap {
         error::check_size(name, width, height)?;
         let expected = width as usize * height as usize;
         if samples.len() != expected {
-            return Err(HeightMapError::SampleCount { file: file(), expected, found: samples.len() });
+            return Err(HeightMapError::SampleCount {
+                file: file(),
+                expected,
+                found: samples.len(),
+            });
         }
-        if let Some(at) = samples.iter().position(|s| !(s.is_finite() && s.abs() <= 1e6)) {
+        if let Some(at) = samples
+            .iter()
+            .position(|s| !(s.is_finite() && s.abs() <= 1e6))
+        {
             return Err(HeightMapError::NotAHeight {
                 file: file(),
                 column: at as u32 % width,
@@ -111,18 +124,39 @@ impl HeightMap {
         let usable = |s: f64| (Self::MIN_SPACING..=1e6).contains(&s);
         let frequency = [spacing.x, spacing.y].map(Frequency::from_wavelength);
         let [Some(x), Some(z)] = frequency else {
-            return Err(HeightMapError::Spacing { file: file(), spacing });
+            return Err(HeightMapError::Spacing {
+                file: file(),
+                spacing,
+            });
         };
         if !usable(spacing.x) || !usable(spacing.y) {
-            return Err(HeightMapError::Spacing { file: file(), spacing });
+            return Err(HeightMapError::Spacing {
+                file: file(),
+                spacing,
+            });
         }
         if !(origin.is_finite() && origin.abs().max_element() <= 1e8) {
-            return Err(HeightMapError::Origin { file: file(), origin });
+            return Err(HeightMapError::Origin {
+                file: file(),
+                origin,
+            });
         }
         let pyramid = Pyramid::new(&samples, width as usize, height as usize);
-        let lattice = Lattice { origin: GroundPoint::new(origin), frequency: [x, z] };
+        let lattice = Lattice {
+            origin: GroundPoint::new(origin),
+            frequency: [x, z],
+        };
         let samples = samples.into();
-        Ok(Self(Arc::new(Inner { width, height, samples, origin, spacing, filter, lattice, pyramid })))
+        Ok(Self(Arc::new(Inner {
+            width,
+            height,
+            samples,
+            origin,
+            spacing,
+            filter,
+            lattice,
+            pyramid,
+        })))
     }
 
     /// Samples any function of the `noise` crate over `rect`, every `spacing` metres or a little
@@ -154,7 +188,13 @@ impl HeightMap {
                 samples.push((amplitude * function.get([at.x, at.y])) as f32);
             }
         }
-        Self::named(name, [width, height], samples, (rect.min, step), Filter::Bicubic)
+        Self::named(
+            name,
+            [width, height],
+            samples,
+            (rect.min, step),
+            Filter::Bicubic,
+        )
     }
 
     /// Columns.

@@ -27,8 +27,12 @@ struct Extremes {
 }
 
 impl Extremes {
-    const NONE: Self =
-        Self { low: f32::INFINITY, high: f32::NEG_INFINITY, step: [0.0; 2], bend: [0.0; 3] };
+    const NONE: Self = Self {
+        low: f32::INFINITY,
+        high: f32::NEG_INFINITY,
+        step: [0.0; 2],
+        bend: [0.0; 3],
+    };
 
     fn join(&mut self, other: &Self) {
         self.low = self.low.min(other.low);
@@ -64,14 +68,21 @@ impl Pyramid {
             blocks: lowest(samples, width, height),
         };
         let mut levels = vec![lowest];
-        while let Some(below) = levels.last().filter(|level| level.width.max(level.height) > 1) {
+        while let Some(below) = levels
+            .last()
+            .filter(|level| level.width.max(level.height) > 1)
+        {
             let (width, height) = (below.width.div_ceil(2), below.height.div_ceil(2));
             let mut blocks = vec![Extremes::NONE; width * height];
             for (at, block) in below.blocks.iter().enumerate() {
                 let (x, z) = (at % below.width, at / below.width);
                 blocks[z / 2 * width + x / 2].join(block);
             }
-            levels.push(Level { width, height, blocks });
+            levels.push(Level {
+                width,
+                height,
+                blocks,
+            });
         }
         Self(levels)
     }
@@ -151,7 +162,10 @@ impl HeightMap {
             Filter::Bilinear => {
                 let reach = step.dot(half);
                 let near = Interval::new(sample.height - reach, sample.height + reach);
-                CellBounds { height: near.intersect(Interval::new(low, high)), slope: step.length() }
+                CellBounds {
+                    height: near.intersect(Interval::new(low, high)),
+                    slope: step.length(),
+                }
             }
             Filter::Bicubic => {
                 let (middle, range) = ((low + high) * 0.5, (high - low) * 0.5);

@@ -6,11 +6,12 @@
 //! rebuild published scenes. For new ground take [`super::Fractal`].
 
 use super::coordinate::{cell, fraction};
-use super::fractal::{NoiseError, Octave};
+use super::fractal::NoiseError;
 use super::lattice::{Ends, Place, fade};
+use super::octave::Octave;
 use super::oracle::{Sample, cell_noise, fbm};
 use super::shuffle::permutation;
-use super::sum::{MAX_OCTAVES, Scale};
+use super::sum::MAX_OCTAVES;
 use crate::ground::{GroundPoint, GroundSample, Height};
 use bevy::math::{DVec2, Vec2};
 use serde::{Deserialize, Serialize};
@@ -35,7 +36,12 @@ impl Default for Classic {
     /// The settings of the literature on its scale of 100 m: amplitude 0.9 × 100 m, frequency
     /// 0.005 a metre, 8 octaves.
     fn default() -> Self {
-        Self { seed: 0, octaves: 8, amplitude: 90.0, wavelength: 200.0 }
+        Self {
+            seed: 1,
+            octaves: 8,
+            amplitude: 90.0,
+            wavelength: 200.0,
+        }
     }
 }
 
@@ -70,7 +76,10 @@ impl Classic {
         for octave in &mut octaves {
             (octave.offset, octave.seed) = ([0; 2], 0);
         }
-        Ok(PreparedClassic { octaves, permutation: Box::new(permutation(self.seed)) })
+        Ok(PreparedClassic {
+            octaves,
+            permutation: Box::new(permutation(self.seed)),
+        })
     }
 }
 
@@ -82,12 +91,16 @@ impl PreparedClassic {
         self.permutation[(column.wrapping_add(z) & 255) as usize] & 3
     }
 
-    /// (±1, ±1): bit 0 turns x, bit 1 turns z.
+    /// The four gradients in the order of the literature: (1, 1), (−1, 1), (−1, −1), (1, −1).
     #[inline]
     fn gradient(&self, x: u32, z: u32) -> Vec2 {
-        let choice = self.choice(x, z);
-        let sign = |bit: u8| if choice & bit == 0 { 1.0 } else { -1.0 };
-        Vec2::new(sign(1), sign(2))
+        const GRADIENTS: [Vec2; 4] = [
+            Vec2::new(1.0, 1.0),
+            Vec2::new(-1.0, 1.0),
+            Vec2::new(-1.0, -1.0),
+            Vec2::new(1.0, -1.0),
+        ];
+        GRADIENTS[usize::from(self.choice(x, z))]
     }
 
     /// Height and gradient at a place, f32.
@@ -102,13 +115,17 @@ impl PreparedClassic {
             let (cx, cz) = (cell(x), cell(z));
             let at = |x: u32| {
                 let (g0, g1) = (self.gradient(x, cz), self.gradient(x, cz.wrapping_add(1)));
-                Ends { x0: g0.x, z0: g0.y, x1: g1.x, z1: g1.y }
+                Ends {
+                    x0: g0.x,
+                    z0: g0.y,
+                    x1: g1.x,
+                    z1: g1.y,
+                }
             };
             let ends = [at(cx), at(cx.wrapping_add(1))];
             let noise = Place::new(ends, (fx, u), (fz, w)).noise();
-            let scale = Scale::new(octave, &self.octaves[0]);
-            sum.value += noise.value * scale.amplitude;
-            sum.gradient += Vec2::new(noise.dx, noise.dz) * scale.slope;
+            sum.value += noise.value * octave.scale.amplitude;
+            sum.gradient += Vec2::new(noise.dx, noise.dz) * octave.scale.slope;
         }
         sum
     }
@@ -118,7 +135,8 @@ impl PreparedClassic {
         let (x, fx) = octave.frequency.coordinate_f64(xz.x, 0);
         let (z, fz) = octave.frequency.coordinate_f64(xz.y, 0);
         cell_noise(DVec2::new(fx, fz), |i, j| {
-            self.gradient((x as u32).wrapping_add(i), (z as u32).wrapping_add(j)).as_dvec2()
+            self.gradient((x as u32).wrapping_add(i), (z as u32).wrapping_add(j))
+                .as_dvec2()
         })
     }
 

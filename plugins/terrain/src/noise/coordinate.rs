@@ -137,7 +137,7 @@ mod tests {
         for wavelength in [0.001, 0.3, 1.0, 7.0, 200.0, 1e4 / 3.0, 1e9] {
             let frequency = Frequency::from_wavelength(wavelength).expect("in range");
             let error = (frequency.value() * wavelength - 1.0).abs();
-            assert!(error <= 2.0_f64.powi(-32), "{wavelength}: {error:e}");
+            assert!(error <= 1.0 / 4_294_967_296.0, "{wavelength}: {error:e}");
             assert!(frequency.mantissa >= 1 << 31);
         }
         // Rounds up into the next power of two.
@@ -158,12 +158,22 @@ mod tests {
     #[test]
     fn lacunarity_two_is_a_shift_and_others_are_close() {
         let first = Frequency::from_wavelength(300.0).expect("in range");
-        let double = first.times(lacunarity_fixed(2.0).expect("in range")).expect("in range");
-        assert_eq!((double.mantissa, double.shift), (first.mantissa, first.shift - 1));
+        let double = first
+            .times(lacunarity_fixed(2.0).expect("in range"))
+            .expect("in range");
+        assert_eq!(
+            (double.mantissa, double.shift),
+            (first.mantissa, first.shift - 1)
+        );
         for lacunarity in [1.0, 1.3, 1.999, 2.17, 3.99] {
-            let next = first.times(lacunarity_fixed(lacunarity).expect("in range")).expect("in range");
+            let next = first
+                .times(lacunarity_fixed(lacunarity).expect("in range"))
+                .expect("in range");
             let error = next.value() / (first.value() * f64::from(lacunarity)) - 1.0;
-            assert!(error.abs() <= 2.0_f64.powi(-31), "{lacunarity}: {error:e}");
+            assert!(
+                error.abs() <= 1.0 / 2_147_483_648.0,
+                "{lacunarity}: {error:e}"
+            );
         }
     }
 
@@ -178,7 +188,10 @@ mod tests {
             assert_eq!(cell(moved) as i32, cell_f64);
             // The cut to 2^-24 is the whole difference.
             let error = frac_f64 - f64::from(fraction(moved));
-            assert!((0.0..=1.01 * f64::from(FRACTION_STEP)).contains(&error), "{metres}: {error:e}");
+            assert!(
+                (0.0..=1.01 * f64::from(FRACTION_STEP)).contains(&error),
+                "{metres}: {error:e}"
+            );
         }
     }
 }

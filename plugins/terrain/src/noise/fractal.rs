@@ -1,8 +1,7 @@
-//! What a fractal sum is made of: the settings that a person writes, and the octave table that
-//! every evaluator (scalar, batch, f64, WGSL) reads.
+//! What a fractal sum is made of: the settings that a person writes, and their checks.
 
-use super::coordinate::{Frequency, lacunarity_fixed};
 use super::hash::pcg;
+use super::octave::{Octave, PreparedWarp, octave_table};
 use super::sum::MAX_OCTAVES;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -45,10 +44,10 @@ pub struct Warp {
 /// A fractal sum of gradient noise: heights of a kind of ground, without end, from a few numbers.
 ///
 /// Error of the f32 value (scalar, batch and WGSL) against the f64 oracle, for gain ½,
-/// lacunarity 2, up to 16 octaves, at any distance: FBM at most 1e-5 of the amplitude, gradient at
-/// most 1e-4 of amplitude / wavelength. Each octave adds about 1e-6 of its own amplitude and 4e-6
-/// of its own amplitude / wavelength, so a larger gain × lacunarity errs more in proportion. A warp
-/// adds the error of the displacement times the slope.
+/// lacunarity 2, up to 16 octaves, at any distance: FBM at most 1e-5 of the amplitude (3e-7 seen),
+/// gradient at most 1e-4 of amplitude / wavelength (3e-6 seen). Each octave adds about 1e-7 of its
+/// own amplitude and 5e-7 of its own amplitude / wavelength, so a larger gain × lacunarity errs
+/// more in proportion. Other sums and warps: values alike, gradients up to 4e-5.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Fractal {
@@ -109,39 +108,16 @@ impl NoiseError {
         value: f64,
         allowed: &'static str,
     ) -> Result<(), Self> {
-        if ok { Ok(()) } else { Err(Self { field, value, allowed }) }
+        if ok {
+            Ok(())
+        } else {
+            Err(Self {
+                field,
+                value,
+                allowed,
+            })
+        }
     }
-}
-
-/// One octave, ready to evaluate.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Octave {
-    /// Cells a metre.
-    pub frequency: Frequency,
-    /// Added to the coordinates (x, z; 32.32 cells), so that lattices of octaves do not line up.
-    pub offset: [i64; 2],
-    /// Seed of the lattice hash.
-    pub seed: u32,
-    /// Metres, as the product of the settings in f64.
-    pub amplitude: f64,
-}
-
-impl Octave {
-    /// Amplitude × frequency: metres a metre.
-    #[must_use]
-    pub fn slope(&self) -> f64 {
-        self.amplitude * self.frequency.value()
-    }
-}
-
-/// The displacement of a [`Warp`], ready to evaluate: one table for x, one for z. Amplitudes are
-/// in metres (the strength is in them).
-#[derive(Clone, Debug, PartialEq)]
-pub struct PreparedWarp {
-    /// Octaves of the displacement along x.
-    pub x: Vec<Octave>,
-    /// Octaves of the displacement along z; the same frequencies and amplitudes.
-    pub z: Vec<Octave>,
 }
 
 /// A validated [`Fractal`] with its octave table. Evaluate many points with this one.
@@ -155,9 +131,6 @@ pub struct PreparedFractal {
 
 /// Most octaves of a warp.
 const MAX_WARP_OCTAVES: u32 = 8;
-/// Smallest cell, metres: [`Frequency::SHIFT_MIN`] allows 0.49 mm.
-const FINEST: f64 = 1e-3;
-
 impl Fractal {
     /// Whether every field can be used; the error names the first that cannot.
     ///
@@ -199,7 +172,12 @@ impl Fractal {
         )?;
         let octaves = octave_table(self)?;
         let warp = self.warp.map(|warp| warp.prepare()).transpose()?;
-        Ok(PreparedFractal { sum: self.sum, erosion: self.erosion, octaves, warp })
+        Ok(PreparedFractal {
+            sum: self.sum,
+            erosion: self.erosion,
+            octaves,
+            warp,
+        })
     }
 }
 
@@ -226,47 +204,17 @@ impl Warp {
                 wavelength: self.wavelength,
                 ..Fractal::default()
             };
-            octave_table(&fbm).map_err(|error| NoiseError { field: "warp.wavelength", ..error })
+            octave_table(&fbm).map_err(|error| NoiseError {
+                field: "warp.wavelength",
+                ..error
+            })
         };
         // The two displacements are fractals of two seeds that no user seed gives both of.
-        Ok(PreparedWarp { x: table(pcg(self.seed))?, z: table(pcg(pcg(self.seed)))? })
+        Ok(PreparedWarp {
+            x: table(pcg(self.seed))?,
+            z: table(pcg(pcg(self.seed)))?,
+        })
     }
-}
-
-/// Lays out the octaves: frequency by exact recurrence, amplitude in f64, seeds and offsets by PCG.
-fn octave_table(fractal: &Fractal) -> Result<Vec<Octave>, NoiseError> {
-    let lacunarity = lacunarity_fixed(fractal.lacunarity).ok_or(NoiseError {
-        field: "lacunarity",
-        value: f64::from(fractal.lacunarity),
-        allowed: "at least 1 and below 4",
-    })?;
-    let wavelength = NoiseError {
-        field: "wavelength",
-        value: f64::from(fractal.wavelength),
-        allowed: "such that every octave's wavelength lies between 1 mm and 2^30 m",
-    };
-    let first = Frequency::from_wavelength(f64::from(fractal.wavelength));
-    let mut frequency = first.filter(|_| fractal.wavelength <= 1_073_741_824.0).ok_or(wavelength)?;
-    let mut amplitude = f64::from(fractal.amplitude);
-    let mut table = Vec::with_capacity(fractal.octaves as usize);
-    for k in 0..fractal.octaves {
-        if k > 0 {
-            frequency = frequency.times(lacunarity).ok_or(wavelength)?;
-            amplitude *= f64::from(fractal.gain);
-        }
-        if frequency.value() * FINEST > 1.0 + 1e-6 {
-            return Err(wavelength);
-        }
-        let seed = pcg(pcg(fractal.seed).wrapping_add(k));
-        let mut word = seed;
-        let mut next = || {
-            word = pcg(word);
-            i64::from(word)
-        };
-        let offset = [(next() << 32) | next(), (next() << 32) | next()];
-        table.push(Octave { frequency, offset, seed, amplitude });
-    }
-    Ok(table)
 }
 
 #[cfg(test)]
@@ -278,33 +226,136 @@ mod tests {
         let good = Fractal::default();
         let cases = [
             ("octaves", Fractal { octaves: 0, ..good }),
-            ("octaves", Fractal { octaves: 25, ..good }),
-            ("amplitude", Fractal { amplitude: f32::NAN, ..good }),
-            ("amplitude", Fractal { amplitude: 0.0, ..good }),
-            ("gain", Fractal { gain: f32::INFINITY, ..good }),
+            (
+                "octaves",
+                Fractal {
+                    octaves: 25,
+                    ..good
+                },
+            ),
+            (
+                "amplitude",
+                Fractal {
+                    amplitude: f32::NAN,
+                    ..good
+                },
+            ),
+            (
+                "amplitude",
+                Fractal {
+                    amplitude: 0.0,
+                    ..good
+                },
+            ),
+            (
+                "gain",
+                Fractal {
+                    gain: f32::INFINITY,
+                    ..good
+                },
+            ),
             ("gain", Fractal { gain: 0.0, ..good }),
-            ("lacunarity", Fractal { lacunarity: f32::NAN, ..good }),
-            ("lacunarity", Fractal { lacunarity: 4.0, ..good }),
-            ("wavelength", Fractal { wavelength: 0.0, ..good }),
-            ("wavelength", Fractal { wavelength: -5.0, ..good }),
-            ("wavelength", Fractal { wavelength: f32::NAN, ..good }),
-            ("wavelength", Fractal { wavelength: 1.0, octaves: 24, ..good }),
-            ("erosion", Fractal { erosion: -1.0, ..good }),
+            (
+                "lacunarity",
+                Fractal {
+                    lacunarity: f32::NAN,
+                    ..good
+                },
+            ),
+            (
+                "lacunarity",
+                Fractal {
+                    lacunarity: 4.0,
+                    ..good
+                },
+            ),
+            (
+                "wavelength",
+                Fractal {
+                    wavelength: 0.0,
+                    ..good
+                },
+            ),
+            (
+                "wavelength",
+                Fractal {
+                    wavelength: -5.0,
+                    ..good
+                },
+            ),
+            (
+                "wavelength",
+                Fractal {
+                    wavelength: f32::NAN,
+                    ..good
+                },
+            ),
+            (
+                "wavelength",
+                Fractal {
+                    wavelength: 1.0,
+                    octaves: 24,
+                    ..good
+                },
+            ),
+            (
+                "erosion",
+                Fractal {
+                    erosion: -1.0,
+                    ..good
+                },
+            ),
         ];
         for (field, fractal) in cases {
-            assert_eq!(fractal.validate().map_err(|error| error.field), Err(field), "{fractal:?}");
+            assert_eq!(
+                fractal.validate().map_err(|error| error.field),
+                Err(field),
+                "{fractal:?}"
+            );
         }
-        let warp = Warp { strength: 10.0, wavelength: 500.0, octaves: 3, seed: 1 };
+        let warp = Warp {
+            strength: 10.0,
+            wavelength: 500.0,
+            octaves: 3,
+            seed: 1,
+        };
         for (field, warp) in [
-            ("warp.strength", Warp { strength: f32::NAN, ..warp }),
-            ("warp.wavelength", Warp { wavelength: 0.0, ..warp }),
+            (
+                "warp.strength",
+                Warp {
+                    strength: f32::NAN,
+                    ..warp
+                },
+            ),
+            (
+                "warp.wavelength",
+                Warp {
+                    wavelength: 0.0,
+                    ..warp
+                },
+            ),
             ("warp.octaves", Warp { octaves: 9, ..warp }),
         ] {
-            let fractal = Fractal { warp: Some(warp), ..good };
-            assert_eq!(fractal.validate().map_err(|error| error.field), Err(field), "{fractal:?}");
+            let fractal = Fractal {
+                warp: Some(warp),
+                ..good
+            };
+            assert_eq!(
+                fractal.validate().map_err(|error| error.field),
+                Err(field),
+                "{fractal:?}"
+            );
         }
         assert_eq!(good.validate(), Ok(()));
-        assert_eq!(Fractal { wavelength: 16_777.216, octaves: 24, ..good }.validate(), Ok(()));
+        assert_eq!(
+            Fractal {
+                wavelength: 16_777.216,
+                octaves: 24,
+                ..good
+            }
+            .validate(),
+            Ok(())
+        );
     }
 
     #[test]
@@ -312,7 +363,9 @@ mod tests {
         let table = Fractal::default().prepare().expect("valid").octaves;
         for (i, a) in table.iter().enumerate() {
             for b in &table[..i] {
-                assert!(a.seed != b.seed && a.offset[0] != b.offset[0] && a.offset[1] != b.offset[1]);
+                assert!(
+                    a.seed != b.seed && a.offset[0] != b.offset[0] && a.offset[1] != b.offset[1]
+                );
             }
         }
     }

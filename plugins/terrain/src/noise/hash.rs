@@ -15,7 +15,9 @@ pub(crate) const PCG_OUTPUT: u32 = 277_803_737;
 #[inline]
 #[must_use]
 pub const fn pcg(word: u32) -> u32 {
-    let state = word.wrapping_mul(PCG_MULTIPLIER).wrapping_add(PCG_INCREMENT);
+    let state = word
+        .wrapping_mul(PCG_MULTIPLIER)
+        .wrapping_add(PCG_INCREMENT);
     let mixed = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(PCG_OUTPUT);
     (mixed >> 22) ^ mixed
 }

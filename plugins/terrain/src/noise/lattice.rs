@@ -34,7 +34,11 @@ pub(crate) fn fade<F: Real>(t: F) -> Fade<F> {
     let q = t * (t.like(1.0) - t);
     let first = q * q * 30.0;
     let second = q * 60.0 * (t.like(1.0) - (t + t));
-    Fade { value, first, second }
+    Fade {
+        value,
+        first,
+        second,
+    }
 }
 
 /// The gradients at the two lattice points of a column: at z and at z + 1.
@@ -115,7 +119,15 @@ impl<F: Real> Place<F> {
     #[inline(always)]
     pub(crate) fn new(ends: [Ends<F>; 2], (fx, u): (F, Fade<F>), (fz, w): (F, Fade<F>)) -> Self {
         let (a, b) = (column(ends[0], fz, w), column(ends[1], fz, w));
-        Self { ends, a, b, fx, u, fz, w }
+        Self {
+            ends,
+            a,
+            b,
+            fx,
+            u,
+            fz,
+            w,
+        }
     }
 
     /// Value and gradient.
@@ -137,7 +149,9 @@ impl<F: Real> Place<F> {
     /// Second derivatives.
     #[inline(always)]
     pub(crate) fn hessian(&self) -> Hessian<F> {
-        let Self { a, b, fx, u, fz, w, .. } = *self;
+        let Self {
+            a, b, fx, u, fz, w, ..
+        } = *self;
         let (a_slope, a_rise) = column_bend(self.ends[0], fz, w);
         let (b_slope, b_rise) = column_bend(self.ends[1], fz, w);
         let gx = fx - 1.0;
@@ -158,7 +172,10 @@ impl<F: Real> Place<F> {
 /// hashed ([`super::hash::row_hash`]).
 #[inline(always)]
 pub(crate) fn cell_gradients<F: Real>(x: F::Word, row0: F::Word, row1: F::Word) -> [Ends<F>; 2] {
-    [column_gradients(x, row0, row1), column_gradients(F::next(x), row0, row1)]
+    [
+        column_gradients(x, row0, row1),
+        column_gradients(F::next(x), row0, row1),
+    ]
 }
 
 /// The gradients at column `x` of two hashed rows.
@@ -194,7 +211,11 @@ mod tests {
             assert!((f64::from(f.first) - first).abs() <= 2.4e-7, "{t}");
             assert!((f64::from(f.second) - second).abs() <= 9.6e-7, "{t}");
         }
-        assert_eq!((fade(0.0_f32).value, fade(1.0_f32).value), (0.0, 1.0), "ends are exact");
+        assert_eq!(
+            (fade(0.0_f32).value, fade(1.0_f32).value),
+            (0.0, 1.0),
+            "ends are exact"
+        );
     }
 
     #[test]
@@ -206,7 +227,7 @@ mod tests {
 
     #[test]
     fn seams_are_continuous_to_second_order() {
-        let last = 1.0 - 2.0_f32.powi(-24);
+        let last = 1.0 - 1.0 / 16_777_216.0;
         for z in 0..64 {
             let fz = z as f32 / 64.0;
             for (a, b) in [

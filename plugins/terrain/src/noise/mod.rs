@@ -7,7 +7,8 @@
 //! | `hash` | PCG |
 //! | `real` | one formula for one lane or many |
 //! | `lattice` | noise in a cell: value, gradient, Hessian |
-//! | `fractal` | settings, validation, octave table |
+//! | `fractal` | settings and their checks |
+//! | `octave` | the octave table |
 //! | `sum` | how an octave joins FBM, ridged, billow, eroded sums |
 //! | `scalar` | one point in f32 |
 //! | `tile`, `points` | many points in f32 |
@@ -20,6 +21,7 @@ pub mod coordinate;
 pub mod fractal;
 pub mod hash;
 mod lattice;
+mod octave;
 pub(crate) mod oracle;
 pub(crate) mod points;
 mod real;
@@ -30,4 +32,5 @@ pub(crate) mod tile;
 
 pub use classic::{Classic, PreparedClassic};
 pub use coordinate::Frequency;
-pub use fractal::{Fractal, NoiseError, Octave, PreparedFractal, PreparedWarp, Sum, Warp};
+pub use fractal::{Fractal, NoiseError, PreparedFractal, Sum, Warp};
+pub use octave::{Octave, PreparedWarp};

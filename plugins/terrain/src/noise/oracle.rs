@@ -4,14 +4,15 @@
 //! and their derivatives by the product rule. Only the hash and the octave table are shared, for
 //! they are the definition. Error about 1e-15 of the amplitude an octave, at any distance.
 
-use super::fractal::{Fractal, NoiseError, Octave, PreparedFractal, Sum};
+use super::fractal::{Fractal, NoiseError, PreparedFractal, Sum};
 use super::hash::{point_hash, row_hash};
+use super::octave::Octave;
 use super::sum::SMOOTH_SQUARED;
 use crate::ground::GroundSample;
 use bevy::math::{DMat2, DVec2};
 
 /// Noise in f64, lattice units: value, gradient, Hessian.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     pub value: f64,
     pub gradient: DVec2,
@@ -30,14 +31,26 @@ fn fade(t: f64) -> [f64; 3] {
 /// The noise of a cell from its four lattice gradients, `gradient(i, j)` at corner (i, j).
 pub(crate) fn cell_noise(f: DVec2, gradient: impl Fn(u32, u32) -> DVec2) -> Sample {
     let (fx, fz) = (fade(f.x), fade(f.y));
-    let mut sum = Sample::default();
+    let mut sum = Sample {
+        value: 0.0,
+        gradient: DVec2::ZERO,
+        hessian: DMat2::ZERO,
+    };
     for i in 0..2_u32 {
         for j in 0..2_u32 {
             let g = gradient(i, j);
             let d = f - DVec2::new(f64::from(i), f64::from(j));
             // Weights along x and z with their derivatives: fade or 1 − fade.
-            let u = if i == 1 { fx } else { [1.0 - fx[0], -fx[1], -fx[2]] };
-            let w = if j == 1 { fz } else { [1.0 - fz[0], -fz[1], -fz[2]] };
+            let u = if i == 1 {
+                fx
+            } else {
+                [1.0 - fx[0], -fx[1], -fx[2]]
+            };
+            let w = if j == 1 {
+                fz
+            } else {
+                [1.0 - fz[0], -fz[1], -fz[2]]
+            };
             let dot = g.dot(d);
             sum.value += u[0] * w[0] * dot;
             sum.gradient += DVec2::new(u[1] * w[0], u[0] * w[1]) * dot + g * (u[0] * w[0]);
@@ -81,7 +94,9 @@ impl PreparedFractal {
     /// Height and gradient in f64 at (x, z) metres.
     #[must_use]
     pub fn sample_f64(&self, xz: DVec2) -> GroundSample {
-        let Some(warp) = &self.warp else { return self.sum_f64(xz) };
+        let Some(warp) = &self.warp else {
+            return self.sum_f64(xz);
+        };
         let x = fbm(&warp.x, |octave| octave.noise_f64(xz));
         let z = fbm(&warp.z, |octave| octave.noise_f64(xz));
         let sample = self.sum_f64(xz + DVec2::new(x.height, z.height));
@@ -131,7 +146,9 @@ impl PreparedFractal {
 
     fn eroded_f64(&self, xz: DVec2) -> GroundSample {
         let mut sum = GroundSample::default();
-        let Some(first) = self.octaves.first() else { return sum };
+        let Some(first) = self.octaves.first() else {
+            return sum;
+        };
         let erosion = f64::from(self.erosion);
         let (mut slope, mut jacobian) = (DVec2::ZERO, DMat2::ZERO);
         for octave in &self.octaves {
@@ -142,7 +159,8 @@ impl PreparedFractal {
             let weight = 1.0 / (1.0 + erosion * slope.length_squared());
             let fall = jacobian * slope * (-2.0 * erosion * weight * weight);
             sum.height += octave.amplitude * n.value * weight;
-            sum.gradient += n.gradient * (octave.slope() * weight) + fall * (octave.amplitude * n.value);
+            sum.gradient +=
+                n.gradient * (octave.slope() * weight) + fall * (octave.amplitude * n.value);
         }
         sum
     }
@@ -155,5 +173,37 @@ impl Fractal {
     /// As [`Fractal::validate`].
     pub fn sample_f64(&self, xz: DVec2) -> Result<GroundSample, NoiseError> {
         Ok(self.prepare()?.sample_f64(xz))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hessian_is_the_derivative_of_the_gradient() {
+        let gradient = |i: u32, j: u32| {
+            DVec2::new(0.3 + f64::from(i), -0.7 * f64::from(j) + 0.2 * f64::from(i))
+        };
+        let h = 1e-5;
+        for k in 0..50 {
+            let f = DVec2::new(
+                f64::from(k % 7) / 8.0 + 0.05,
+                f64::from(k % 9) / 10.0 + 0.05,
+            );
+            let at = |d: DVec2| cell_noise(f + d, gradient).gradient;
+            let columns =
+                [DVec2::X, DVec2::Y].map(|axis| (at(axis * h) - at(axis * -h)) / (2.0 * h));
+            let hessian = cell_noise(f, gradient).hessian;
+            // h² × fourth derivative (a few hundred) + 1e-16 / h.
+            assert!(
+                (hessian.x_axis - columns[0]).length() < 1e-6,
+                "{f}: {hessian} {columns:?}"
+            );
+            assert!(
+                (hessian.y_axis - columns[1]).length() < 1e-6,
+                "{f}: {hessian} {columns:?}"
+            );
+        }
     }
 }

@@ -5,11 +5,12 @@
 //! the bits are the same.
 
 use super::coordinate::{cell, fraction};
-use super::fractal::{Octave, PreparedFractal, PreparedWarp};
+use super::fractal::PreparedFractal;
 use super::lattice::{Place, cell_gradients, fade};
+use super::octave::{Octave, PreparedWarp};
 use super::real::{Real, Wide};
 use super::scalar::{displacement_fixed, unwarp};
-use super::sum::{Fbm, Kind, STATE, Scale, with_kind};
+use super::sum::{Fbm, Kind, STATE, with_kind};
 use fearless_simd::{Level, dispatch, prelude::*};
 
 /// Points worked on together; a multiple of every native vector length.
@@ -20,6 +21,12 @@ pub(crate) type Positions = [[i64; BLOCK]; 2];
 /// Value, ∂/∂x, ∂/∂z of a block.
 pub(crate) type Block = [[f32; BLOCK]; 3];
 
+/// The block of the places `place(0)` to `place(BLOCK − 1)`.
+pub(crate) fn positions(place: impl Fn(usize) -> [i64; 2]) -> Positions {
+    let places: [[i64; 2]; BLOCK] = core::array::from_fn(place);
+    [places.map(|place| place[0]), places.map(|place| place[1])]
+}
+
 /// Evaluates a block of places, warp and all.
 pub(crate) fn block(level: Level, fractal: &PreparedFractal, positions: &Positions) -> Block {
     let at = |positions: &Positions| -> Block {
@@ -27,7 +34,9 @@ pub(crate) fn block(level: Level, fractal: &PreparedFractal, positions: &Positio
             octaves::<K>(level, &fractal.octaves, fractal.erosion, positions)
         })
     };
-    let Some(warp) = &fractal.warp else { return at(positions) };
+    let Some(warp) = &fractal.warp else {
+        return at(positions);
+    };
     let [x, z] = displacement(level, warp, positions);
     let mut out = at(&moved(positions, &x, &z));
     for i in 0..BLOCK {
@@ -65,12 +74,10 @@ pub(crate) fn octaves<K: Kind>(
     erosion: f32,
     positions: &Positions,
 ) -> Block {
-    let Some(first) = octaves.first() else { return [[0.0; BLOCK]; 3] };
     let mut state: [[f32; BLOCK]; STATE] = K::START.map(|start| [start; BLOCK]);
     for octave in octaves {
         let places = Places::new(octave, positions);
-        let scale = Scale::new(octave, first);
-        dispatch!(level, simd => places.add::<_, K>(simd, octave.seed, &scale, erosion, &mut state));
+        dispatch!(level, simd => places.add::<_, K>(simd, octave, erosion, &mut state));
     }
     [state[0], state[1], state[2]]
 }
@@ -83,10 +90,13 @@ struct Places {
 
 impl Places {
     fn new(octave: &Octave, positions: &Positions) -> Self {
-        let mut places = Self { cell: [[0; BLOCK]; 2], fraction: [[0.0; BLOCK]; 2] };
-        for axis in 0..2 {
-            for i in 0..BLOCK {
-                let at = octave.frequency.coordinate(positions[axis][i]);
+        let mut places = Self {
+            cell: [[0; BLOCK]; 2],
+            fraction: [[0.0; BLOCK]; 2],
+        };
+        for (axis, positions) in positions.iter().enumerate() {
+            for (i, &position) in positions.iter().enumerate() {
+                let at = octave.frequency.coordinate(position);
                 let at = at.wrapping_add(octave.offset[axis]);
                 places.cell[axis][i] = cell(at);
                 places.fraction[axis][i] = fraction(at);
@@ -99,8 +109,7 @@ impl Places {
     fn add<S: Simd, K: Kind>(
         &self,
         simd: S,
-        seed: u32,
-        scale: &Scale,
+        octave: &Octave,
         erosion: f32,
         state: &mut [[f32; BLOCK]; STATE],
     ) {
@@ -108,7 +117,7 @@ impl Places {
         for i in (0..BLOCK).step_by(S::f32s::LEN) {
             let range = i..i + S::f32s::LEN;
             let x = S::u32s::from_slice(simd, &self.cell[0][range.clone()]);
-            let z = S::u32s::from_slice(simd, &self.cell[1][range.clone()]) + seed;
+            let z = S::u32s::from_slice(simd, &self.cell[1][range.clone()]) + octave.seed;
             // The hash of a row is that of a point in column 0 (see `hash`).
             let row0 = Wide::<S>::point_hash(z, zero);
             let row1 = Wide::<S>::point_hash(Wide::<S>::next(z), zero);
@@ -120,7 +129,7 @@ impl Places {
             for k in 0..K::USED {
                 lanes[k] = Wide(S::f32s::from_slice(simd, &state[k][range.clone()]));
             }
-            K::step(&mut lanes, &place, scale, erosion);
+            K::step(&mut lanes, &place, &octave.scale, erosion);
             for k in 0..K::USED {
                 lanes[k].0.store_slice(&mut state[k][range.clone()]);
             }

@@ -1,10 +1,11 @@
 //! One point of a fractal in f32.
 
 use super::coordinate::{cell, fraction};
-use super::fractal::{Fractal, NoiseError, Octave, PreparedFractal, PreparedWarp};
+use super::fractal::{Fractal, NoiseError, PreparedFractal};
 use super::hash::row_hash;
 use super::lattice::{Place, cell_gradients, fade};
-use super::sum::{Fbm, Kind, STATE, Scale, with_kind};
+use super::octave::{Octave, PreparedWarp};
+use super::sum::{Fbm, Kind, STATE, with_kind};
 use crate::ground::{GroundPoint, Height, fixed};
 use bevy::math::Vec2;
 
@@ -12,16 +13,21 @@ use bevy::math::Vec2;
 /// warp.
 fn sum<K: Kind>(octaves: &[Octave], erosion: f32, position: [i64; 2]) -> [f32; 3] {
     let mut state: [f32; STATE] = K::START;
-    let Some(first) = octaves.first() else { return [0.0; 3] };
     for octave in octaves {
-        let x = octave.frequency.coordinate(position[0]).wrapping_add(octave.offset[0]);
-        let z = octave.frequency.coordinate(position[1]).wrapping_add(octave.offset[1]);
+        let x = octave
+            .frequency
+            .coordinate(position[0])
+            .wrapping_add(octave.offset[0]);
+        let z = octave
+            .frequency
+            .coordinate(position[1])
+            .wrapping_add(octave.offset[1]);
         let (fx, fz) = (fraction(x), fraction(z));
         let (u, w) = (fade(fx), fade(fz));
         let rows = [cell(z), cell(z).wrapping_add(1)].map(|z| row_hash(z, octave.seed));
         let ends = cell_gradients::<f32>(cell(x), rows[0], rows[1]);
         let place = Place::new(ends, (fx, u), (fz, w));
-        K::step(&mut state, &place, &Scale::new(octave, first), erosion);
+        K::step(&mut state, &place, &octave.scale, erosion);
     }
     [state[0], state[1], state[2]]
 }
@@ -56,9 +62,8 @@ impl PreparedFractal {
     #[must_use]
     pub fn sample(&self, point: GroundPoint) -> Height {
         let position = point.to_fixed();
-        let at = |position| {
-            with_kind!(self.sum, K => sum::<K>(&self.octaves, self.erosion, position))
-        };
+        let at =
+            |position| with_kind!(self.sum, K => sum::<K>(&self.octaves, self.erosion, position));
         let [value, dx, dz] = match &self.warp {
             None => at(position),
             Some(warp) => {
@@ -70,7 +75,10 @@ impl PreparedFractal {
                 unwarp(at(moved), x, z)
             }
         };
-        Height { value, gradient: Vec2::new(dx, dz) }
+        Height {
+            value,
+            gradient: Vec2::new(dx, dz),
+        }
     }
 }
 

@@ -2,15 +2,25 @@
 
 use rand_mt::Mt;
 
-/// 0..=255 in an order that only depends on the seed: MT19937 (M. Matsumoto, T. Nishimura, 1998),
-/// then the shuffle of R. Durstenfeld (1964) from the top: for i = 255 down to 1 swap i with
-/// word mod (i + 1). The modulo's bias is below 2⁻²⁴.
+/// 0..=255 in an order that only depends on the seed: MT19937 (M. Matsumoto, T. Nishimura, 1998)
+/// initialised by the array [seed], then the shuffle of R. Durstenfeld (1964) from the top: for
+/// i = 255 down to 1 swap i with a number below i + 1. Such a number is the top bits of a word,
+/// as many as i + 1 has, drawn again while too large; so it is fair. This is what Python's
+/// `random.Random(seed).shuffle` does, and seed 1 gives the classic scene of the literature's
+/// comparisons.
 #[must_use]
 pub(crate) fn permutation(seed: u32) -> [u8; 256] {
-    let mut words = Mt::new(seed);
+    let mut words = Mt::new_with_key([seed]);
+    let mut below = |n: u32| loop {
+        // n ≤ 256 has at most 9 bits.
+        let number = words.next_u32() >> n.leading_zeros();
+        if number < n {
+            return number as usize;
+        }
+    };
     let mut table: [u8; 256] = core::array::from_fn(|i| i as u8);
     for i in (1..256_usize).rev() {
-        table.swap(i, words.next_u32() as usize % (i + 1));
+        table.swap(i, below(i as u32 + 1));
     }
     table
 }
@@ -29,6 +39,14 @@ mod tests {
         }
         assert_ne!(a, b);
         assert_eq!(a, permutation(1));
+    }
+
+    #[test]
+    fn seed_1_is_known() {
+        // list(range(256)) after random.Random(1).shuffle, CPython 3.
+        let table = permutation(1);
+        assert_eq!(table[..8], [233, 254, 66, 183, 15, 211, 234, 222]);
+        assert_eq!(table[250..], [16, 195, 205, 216, 145, 68]);
     }
 
     #[test]

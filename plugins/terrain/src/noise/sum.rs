@@ -3,7 +3,8 @@
 //! Conventions: the state of a sum is up to eight numbers a sample; value in metres, gradients in
 //! metres a metre, Hessians in 1/metre. An octave's noise comes in lattice units.
 
-use super::fractal::{Octave, Sum};
+use super::coordinate::Frequency;
+use super::fractal::Sum;
 use super::lattice::Place;
 use super::real::Real;
 
@@ -31,12 +32,15 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    pub(crate) fn new(octave: &Octave, first: &Octave) -> Self {
-        let relative = if first.amplitude == 0.0 { 0.0 } else { octave.slope() / first.slope() };
+    /// `first` is the slope of the first octave, metres a metre.
+    pub(crate) fn new(amplitude: f64, frequency: Frequency, first: f64) -> Self {
+        let slope = amplitude * frequency.value();
+        // A warp of strength 0 has no slope to compare with.
+        let relative = if first == 0.0 { 0.0 } else { slope / first };
         Self {
-            amplitude: octave.amplitude as f32,
-            frequency: octave.frequency.value() as f32,
-            slope: octave.slope() as f32,
+            amplitude: amplitude as f32,
+            frequency: frequency.value() as f32,
+            slope: slope as f32,
             relative: relative as f32,
         }
     }
@@ -49,12 +53,7 @@ pub(crate) trait Kind: Copy + Send + Sync {
     /// The state before the first octave.
     const START: [f32; STATE] = [0.0; STATE];
     /// Adds an octave.
-    fn step<F: Real>(
-        state: &mut [F; STATE],
-        place: &Place<F>,
-        scale: &Scale,
-        erosion: f32,
-    );
+    fn step<F: Real>(state: &mut [F; STATE], place: &Place<F>, scale: &Scale, erosion: f32);
 }
 
 /// [`Sum::Fbm`].
@@ -65,12 +64,7 @@ impl Kind for Fbm {
     const USED: usize = 3;
 
     #[inline(always)]
-    fn step<F: Real>(
-        state: &mut [F; STATE],
-        place: &Place<F>,
-        scale: &Scale,
-        _: f32,
-    ) {
+    fn step<F: Real>(state: &mut [F; STATE], place: &Place<F>, scale: &Scale, _: f32) {
         let noise = place.noise();
         state[0] = state[0] + noise.value * scale.amplitude;
         state[1] = state[1] + noise.dx * scale.slope;
@@ -93,12 +87,7 @@ impl Kind for Billow {
     const USED: usize = 3;
 
     #[inline(always)]
-    fn step<F: Real>(
-        state: &mut [F; STATE],
-        place: &Place<F>,
-        scale: &Scale,
-        _: f32,
-    ) {
+    fn step<F: Real>(state: &mut [F; STATE], place: &Place<F>, scale: &Scale, _: f32) {
         let noise = place.noise();
         let (length, turn) = smooth_abs(noise.value);
         let turn = turn * 2.0 * scale.slope;
@@ -117,12 +106,7 @@ impl Kind for Ridged {
     const START: [f32; STATE] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
 
     #[inline(always)]
-    fn step<F: Real>(
-        state: &mut [F; STATE],
-        place: &Place<F>,
-        scale: &Scale,
-        _: f32,
-    ) {
+    fn step<F: Real>(state: &mut [F; STATE], place: &Place<F>, scale: &Scale, _: f32) {
         let noise = place.noise();
         let (length, turn) = smooth_abs(noise.value);
         let ridge = length.like(1.0) - length;
@@ -149,12 +133,7 @@ impl Kind for Eroded {
     const USED: usize = 8;
 
     #[inline(always)]
-    fn step<F: Real>(
-        state: &mut [F; STATE],
-        place: &Place<F>,
-        scale: &Scale,
-        erosion: f32,
-    ) {
+    fn step<F: Real>(state: &mut [F; STATE], place: &Place<F>, scale: &Scale, erosion: f32) {
         let (noise, hessian) = (place.noise(), place.hessian());
         let bend = scale.relative * scale.frequency;
         state[3] = state[3] + noise.dx * scale.relative;

@@ -7,9 +7,10 @@
 //! those of `scalar`, in the same order, so the bits are the same.
 
 use super::coordinate::{cell, fraction};
-use super::fractal::{Octave, PreparedFractal};
+use super::fractal::PreparedFractal;
 use super::hash::row_hash;
 use super::lattice::{Ends, Fade, Place, cell_gradients, fade};
+use super::octave::Octave;
 use super::real::{Real, Wide};
 use super::sum::{Kind, STATE, Scale, with_kind};
 use fearless_simd::{Level, dispatch, prelude::*};
@@ -76,7 +77,12 @@ struct Row {
 
 /// Fills `rows` of the grid, without the fractal's warp (whose samples are not a regular grid).
 /// The planes hold `rows.len() × width` numbers.
-pub(crate) fn fill(fractal: &PreparedFractal, grid: &Grid, rows: core::ops::Range<usize>, out: Out) {
+pub(crate) fn fill(
+    fractal: &PreparedFractal,
+    grid: &Grid,
+    rows: core::ops::Range<usize>,
+    out: Out,
+) {
     let level = Level::new();
     with_kind!(fractal.sum, K => {
         fill_octaves::<K>(level, &fractal.octaves, fractal.erosion, grid, rows, out);
@@ -92,20 +98,30 @@ pub(crate) fn fill_octaves<K: Kind>(
     rows: core::ops::Range<usize>,
     mut out: Out,
 ) {
-    let Some(first) = octaves.first() else { return };
-    let scales: Vec<Scale> = octaves.iter().map(|octave| Scale::new(octave, first)).collect();
+    if octaves.is_empty() {
+        return;
+    }
     let rows: Vec<Row> = rows
         .flat_map(|row| {
             octaves.iter().map(move |octave| {
                 let z = octave.frequency.coordinate(grid.position(1, row));
                 let z = z.wrapping_add(octave.offset[1]);
-                Row { cell: cell(z), fraction: fraction(z) }
+                Row {
+                    cell: cell(z),
+                    fraction: fraction(z),
+                }
             })
         })
         .collect();
     let mut columns: Vec<Columns> = octaves.iter().map(|_| Columns::EMPTY).collect();
     for start in (0..grid.width).step_by(STRIP) {
-        let strip = Strip { octaves, scales: &scales, rows: &rows, erosion, grid, start };
+        let strip = Strip {
+            octaves,
+            rows: &rows,
+            erosion,
+            grid,
+            start,
+        };
         dispatch!(level, simd => strip.fill::<_, K>(simd, &mut columns, &mut out));
     }
 }
@@ -113,7 +129,6 @@ pub(crate) fn fill_octaves<K: Kind>(
 /// What a strip is computed from.
 struct Strip<'a> {
     octaves: &'a [Octave],
-    scales: &'a [Scale],
     rows: &'a [Row],
     erosion: f32,
     grid: &'a Grid,
@@ -135,7 +150,14 @@ impl Strip<'_> {
                 if columns.row != Some(row.cell) {
                     hash_row(simd, columns, row.cell, self.octaves[k].seed);
                 }
-                add::<S, K>(simd, columns, row.fraction, &self.scales[k], self.erosion, &mut state);
+                add::<S, K>(
+                    simd,
+                    columns,
+                    row.fraction,
+                    &self.octaves[k].scale,
+                    self.erosion,
+                    &mut state,
+                );
             }
             let at = index * width + self.start;
             out.value[at..at + count].copy_from_slice(&state[0][..count]);
@@ -150,7 +172,9 @@ impl Strip<'_> {
     fn enter<S: Simd>(&self, simd: S, octave: &Octave, columns: &mut Columns) {
         columns.row = None;
         for i in 0..STRIP {
-            let x = octave.frequency.coordinate(self.grid.position(0, self.start + i));
+            let x = octave
+                .frequency
+                .coordinate(self.grid.position(0, self.start + i));
             let x = x.wrapping_add(octave.offset[0]);
             columns.cell[i] = cell(x);
             columns.fraction[i] = fraction(x);
@@ -218,7 +242,11 @@ fn add<S: Simd, K: Kind>(
 ) {
     let w = fade(fz);
     let fz = Wide::<S>(S::f32s::splat(simd, fz));
-    let w = Fade { value: fz.like(w.value), first: fz.like(w.first), second: fz.like(w.second) };
+    let w = Fade {
+        value: fz.like(w.value),
+        first: fz.like(w.first),
+        second: fz.like(w.second),
+    };
     for i in (0..STRIP).step_by(S::f32s::LEN) {
         let left = load_ends(simd, &columns.gradients, 0, i);
         let right = load_ends(simd, &columns.gradients, 4, i);

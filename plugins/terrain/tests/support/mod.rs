@@ -3,7 +3,9 @@
 
 use bevy::math::DVec2;
 use dolomite_terrain::noise::hash::pcg;
-use dolomite_terrain::{Fractal, GroundPoint, GroundRect, Layer, Source, Sum, Terrain, TerrainData, Warp};
+use dolomite_terrain::{
+    Fractal, GroundPoint, GroundRect, Layer, Source, Sum, Terrain, TerrainData, Warp,
+};
 
 /// Uniform numbers from a seed: PCG in a chain.
 pub struct Random(pub u32);
@@ -37,11 +39,22 @@ impl Random {
 
 pub const SUMS: [Sum; 4] = [Sum::Fbm, Sum::Ridged, Sum::Billow, Sum::Eroded];
 
-pub const WARP: Warp = Warp { strength: 40.0, wavelength: 700.0, octaves: 3, seed: 5 };
+pub const WARP: Warp = Warp {
+    strength: 40.0,
+    wavelength: 700.0,
+    octaves: 3,
+    seed: 5,
+};
 
 pub fn terrain(extent: f64, base: f32, layers: Vec<Layer>) -> Terrain {
     let extent = GroundRect::square(DVec2::ZERO, extent);
-    Terrain::new(TerrainData { extent, layers, base, sea_level: None }).expect("valid")
+    Terrain::new(TerrainData {
+        extent,
+        layers,
+        base,
+        sea_level: None,
+    })
+    .expect("valid")
 }
 
 pub fn plain(source: Source) -> Layer {

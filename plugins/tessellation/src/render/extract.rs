@@ -73,7 +73,7 @@ pub fn terrain(
     extracted.version += 1;
     extracted.current = Some(TerrainData {
         entity,
-        gpu: Arc::new(terrain.gpu_layers()),
+        gpu: Arc::new(terrain.gpu()),
         material: material.clone(),
         relief: relief.cloned(),
         sea_level: terrain.sea_level(),

@@ -11,10 +11,11 @@ use bevy::prelude::*;
 use bevy::render::camera::TemporalJitter;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::{
-    BindGroup, BindGroupEntries, Buffer, BufferBinding, BufferDescriptor, BufferInitDescriptor,
-    BufferUsages, CachedRenderPipelineId, PipelineCache,
+    AddressMode, BindGroup, BindGroupEntries, Buffer, BufferBinding, BufferDescriptor, BufferInitDescriptor,
+    BufferUsages, CachedRenderPipelineId, FilterMode, MipmapFilterMode, PipelineCache,
+    SamplerDescriptor,
 };
-use bevy::render::renderer::{RenderDevice, RenderQueue};
+use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
 use bevy::render::texture::{FallbackImage, GpuImage};
 use bevy::render::view::ExtractedView;
 use dolomite_terrain::GpuTerrainUniform;
@@ -423,6 +424,7 @@ pub fn bind_groups(
     fallback: Res<FallbackImage>,
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
+    adapter: Res<RenderAdapterInfo>,
 ) {
     let (Some(data), Some(pipelines)) = (&extracted.current, pipelines) else {
         return;
@@ -451,13 +453,25 @@ pub fn bind_groups(
             ids.extend(relief.and(data.relief.as_ref()).map(|relief| relief.image.id()));
             if terrain.material.is_none() || terrain.material_images != ids {
                 let relief = relief.unwrap_or(&fallback.d2);
+                // A processor that draws pays for every tap in full.
+                let software = adapter.device_type == wgpu::DeviceType::Cpu;
+                let textures = device.create_sampler(&SamplerDescriptor {
+                    label: Some("terrain_textures"),
+                    address_mode_u: AddressMode::Repeat,
+                    address_mode_v: AddressMode::Repeat,
+                    mag_filter: FilterMode::Linear,
+                    min_filter: FilterMode::Linear,
+                    mipmap_filter: MipmapFilterMode::Linear,
+                    anisotropy_clamp: if software { 1 } else { 8 },
+                    ..default()
+                });
                 terrain.material = Some(device.create_bind_group(
                     "terrain_material",
                     &cache.get_bind_group_layout(&pipelines.material_layout),
                     &BindGroupEntries::sequential((
                         &albedo.texture_view,
                         &normal.texture_view,
-                        &albedo.sampler,
+                        &textures,
                         &relief.texture_view,
                         &relief.sampler,
                     )),

@@ -6,6 +6,7 @@
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
+use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
@@ -64,7 +65,7 @@ pub fn relief_map(terrain: &Terrain, side: u32) -> Image {
     let n = side as usize;
     let spacing = texel(terrain, side);
     let origin = GroundPoint::new(terrain.extent().min + spacing * 0.5);
-    let tile = HeightTile { origin, spacing, width: n, height: n };
+    let tile = HeightTile { origin, spacing: DVec2::splat(spacing), width: n, height: n };
     let mut heights = vec![0.0; n * n];
     let (mut dx, mut dz) = (vec![0.0; n * n], vec![0.0; n * n]);
     let planes = Planes { value: &mut heights, dx: &mut dx, dz: &mut dz };
@@ -103,7 +104,7 @@ pub fn relief_map(terrain: &Terrain, side: u32) -> Image {
     image.texture_descriptor.mip_level_count = side.ilog2() + 1;
     image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
         label: Some("terrain_relief".into()),
-        anisotropy_clamp: 8,
+        anisotropy_clamp: 1,
         address_mode_u: ImageAddressMode::ClampToEdge,
         address_mode_v: ImageAddressMode::ClampToEdge,
         mag_filter: ImageFilterMode::Linear,

@@ -81,7 +81,6 @@ pub fn texture_array(stacked: &Image, layers: u32, srgb: bool) -> Result<Image, 
     });
     image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
         label: Some("terrain_textures".into()),
-        anisotropy_clamp: 8,
         address_mode_u: ImageAddressMode::Repeat,
         address_mode_v: ImageAddressMode::Repeat,
         mag_filter: ImageFilterMode::Linear,
