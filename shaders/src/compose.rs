@@ -27,14 +27,16 @@ const CAPABILITIES: Capabilities = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
 /// # Errors
 /// An unknown path, an import that is not ours, or WGSL that is not valid.
 pub fn compose(path: &str, defs: &[&str]) -> Result<naga::Module, ComposeError> {
-    let error = |reason: String| ComposeError {
-        file: path.to_owned(),
-        reason,
-    };
-    let file = ALL
-        .iter()
-        .find(|file| file.path == path)
-        .ok_or_else(|| error("no such file".into()))?;
+    match ALL.iter().find(|file| file.path == path) {
+        Some(file) => build(file, defs),
+        None => Err(ComposeError {
+            file: path.to_owned(),
+            reason: "no such file; the files are listed in dolomite_shaders::ALL".to_owned(),
+        }),
+    }
+}
+
+fn build(file: &ShaderFile, defs: &[&str]) -> Result<naga::Module, ComposeError> {
     let defs: HashMap<String, ShaderDefValue> = defs
         .iter()
         .map(|name| ((*name).to_owned(), ShaderDefValue::Bool(true)))
@@ -49,7 +51,10 @@ pub fn compose(path: &str, defs: &[&str]) -> Result<naga::Module, ComposeError> 
         shader_defs: defs,
         ..Default::default()
     });
-    module.map_err(|oil| error(oil.emit_to_string(&composer)))
+    module.map_err(|oil| ComposeError {
+        file: file.path.to_owned(),
+        reason: oil.emit_to_string(&composer),
+    })
 }
 
 /// The modules of ours that a file imports.
@@ -125,15 +130,15 @@ mod tests {
     fn a_wrong_file_is_refused() {
         let error = compose("terrain/none.wgsl", &[]).expect_err("no such file");
         assert_eq!(error.file, "terrain/none.wgsl");
-        // `pack2x16float` and its inverse are WGSL's own; naga asks for a capability.
-        let mut composer =
-            Composer::default().with_capabilities(Capabilities::SHADER_FLOAT16_IN_FLOAT32);
-        let broken = ShaderFile {
-            path: "terrain/broken.wgsl",
-            source: "#define_import_path dolomite::terrain::broken\nfn f() -> u32 { return nothing; }",
-        };
-        let error = add(&mut composer, &broken, &HashMap::new()).expect_err("an unknown name");
-        assert_eq!(error.file, "terrain/broken.wgsl");
-        assert!(!error.reason.is_empty());
+        for body in ["return 1.5;", "return nothing;", "return 1u"] {
+            let source = format!("fn f() -> u32 {{ {body} }}");
+            let broken = ShaderFile {
+                path: "terrain/broken.wgsl",
+                source: source.leak(),
+            };
+            let error = build(&broken, &[]).expect_err(body);
+            assert_eq!(error.file, "terrain/broken.wgsl");
+            assert!(error.reason.contains("terrain/broken.wgsl:1:"), "{error}");
+        }
     }
 }

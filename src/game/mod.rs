@@ -31,6 +31,8 @@ pub mod settings;
 pub mod setup;
 pub mod shot;
 pub mod simulation;
+pub mod scattering;
 pub mod sky;
+pub mod sky_maps;
 pub mod textures;
 pub mod view;

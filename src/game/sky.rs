@@ -1,30 +1,35 @@
-//! Sky, sun and haze: Bevy's atmosphere, lit by one sun of physical brightness.
+//! Sky, sun and haze: a clear day computed once for the place of the sun.
+//!
+//! The sky is a cube map (Bevy's skybox and environment map), the haze Bevy's distance fog with the
+//! air's own extinction. Bevy's atmosphere would do all of this on the GPU for each frame; it
+//! brings down the software Vulkan (Mesa 22.3) that tests and CI draw on.
 
-use bevy::light::atmosphere::ScatteringMedium;
 use bevy::light::{
-    Atmosphere, AtmosphereEnvironmentMapLight, CascadeShadowConfigBuilder,
-    DirectionalLightShadowMap, SunDisk, light_consts::lux,
+    CascadeShadowConfigBuilder, DirectionalLightShadowMap, EnvironmentMapLight, Skybox,
 };
 use bevy::math::ops;
-use bevy::pbr::AtmosphereSettings;
+use bevy::pbr::{DistanceFog, FogFalloff};
 use bevy::prelude::*;
 
+use super::camera::FreeCamera;
+use super::scattering::{ground_extinction, sky_radiance, sun_illuminance};
 use super::scene_file::SunFile;
 use super::scenes::CurrentScene;
 use super::settings::Settings;
+use super::sky_maps::{SCALE, SkyMaps};
+use super::view::EV100;
 
-/// Distance that the aerial view table covers, metres: from a summit to the far side of the
-/// largest scene. Haze beyond it stays as it is at its end.
-const HAZE_DISTANCE: f32 = 40_000.0;
+/// How far from the camera things cast shadows, metres: across a valley.
+const SHADOW_DISTANCE: f32 = 5_000.0;
 
-/// Side of the sky's cube map for ambient light, pixels. The sky is smooth: 64 pixels a face show
-/// no difference on rough ground, and filtering costs a sixty-fourth of the default's 512.
-const AMBIENT_SIDE: u32 = 64;
+/// Thickness of the haze against that of a very clear day.
+const HAZE: f32 = 1.6;
 
-/// How far from the camera the figure casts a shadow, metres.
-const SHADOW_DISTANCE: f32 = 250.0;
+/// The sun of the scene.
+#[derive(Component)]
+struct Sun;
 
-/// Sun and atmosphere.
+/// Sun, sky and haze.
 pub struct SkyPlugin;
 
 impl Plugin for SkyPlugin {
@@ -38,20 +43,6 @@ impl Plugin for SkyPlugin {
     }
 }
 
-/// The components of a camera that sees the sky.
-pub fn sky_view() -> impl Bundle {
-    (
-        AtmosphereSettings {
-            aerial_view_lut_max_distance: HAZE_DISTANCE,
-            ..default()
-        },
-        AtmosphereEnvironmentMapLight {
-            size: UVec2::splat(AMBIENT_SIDE),
-            ..default()
-        },
-    )
-}
-
 /// The unit vector towards the sun.
 pub fn towards_sun(sun: SunFile) -> Vec3 {
     let (sin_azimuth, cos_azimuth) = ops::sin_cos(sun.azimuth.to_radians());
@@ -63,23 +54,14 @@ pub fn towards_sun(sun: SunFile) -> Vec3 {
     )
 }
 
-fn spawn(mut commands: Commands, mut media: ResMut<bevy::asset::Assets<ScatteringMedium>>) {
-    // 256 steps each, as Bevy's own default: the density halves every few kilometres.
-    commands.spawn(Atmosphere::earth(
-        media.add(ScatteringMedium::earth(256, 256)),
-    ));
+fn spawn(mut commands: Commands) {
     commands.spawn((
-        DirectionalLight {
-            // Before the atmosphere takes its part: the atmosphere computes what arrives.
-            illuminance: lux::RAW_SUNLIGHT,
-            shadow_maps_enabled: true,
-            ..default()
-        },
-        SunDisk::EARTH,
+        Sun,
+        DirectionalLight { shadow_maps_enabled: true, ..default() },
         CascadeShadowConfigBuilder {
-            num_cascades: 2,
+            num_cascades: 4,
             minimum_distance: 0.2,
-            first_cascade_far_bound: 30.0,
+            first_cascade_far_bound: 60.0,
             maximum_distance: SHADOW_DISTANCE,
             ..default()
         }
@@ -87,18 +69,70 @@ fn spawn(mut commands: Commands, mut media: ResMut<bevy::asset::Assets<Scatterin
     ));
 }
 
+/// Sets sun, sky and haze anew whenever the place of the sun changes.
 fn turn_sun(
+    mut commands: Commands,
     scene: Res<CurrentScene>,
     settings: Res<Settings>,
-    mut suns: Query<&mut Transform, With<SunDisk>>,
+    mut suns: Query<(&mut Transform, &mut DirectionalLight), With<Sun>>,
+    cameras: Query<Entity, (With<FreeCamera>, With<Camera3d>)>,
+    mut images: ResMut<Assets<Image>>,
+    mut last: Local<Option<SunFile>>,
 ) {
-    let sun = settings.sun.map_or(scene.sun, |(azimuth, elevation)| SunFile {
-        azimuth,
-        elevation,
-    });
-    let turned = Transform::default().looking_to(-towards_sun(sun), Vec3::Y);
-    for mut transform in &mut suns {
-        transform.set_if_neq(turned);
+    let sun = settings
+        .sun
+        .map_or(scene.sun, |(azimuth, elevation)| SunFile { azimuth, elevation });
+    if *last == Some(sun) || cameras.is_empty() {
+        return;
+    }
+    *last = Some(sun);
+    let towards = towards_sun(sun);
+    let light = sun_illuminance(towards);
+    let brightest = light.max_element().max(1e-3);
+    for (mut transform, mut directional) in &mut suns {
+        *transform = Transform::default().looking_to(-towards, Vec3::Y);
+        directional.illuminance = brightest;
+        let colour = light / brightest;
+        directional.color = Color::linear_rgb(colour.x, colour.y, colour.z);
+    }
+    let maps = SkyMaps::new(towards);
+    let (seen, diffuse, specular) =
+        (images.add(maps.seen), images.add(maps.diffuse), images.add(maps.specular));
+    for camera in &cameras {
+        commands.entity(camera).insert((
+            Skybox { image: Some(seen.clone()), brightness: SCALE, ..default() },
+            EnvironmentMapLight {
+                diffuse_map: diffuse.clone(),
+                specular_map: specular.clone(),
+                intensity: SCALE,
+                ..default()
+            },
+            haze(towards),
+        ));
+    }
+}
+
+/// The air between the camera and the ground: its extinction, and the colour of the sky just above
+/// the horizon, to which everything far away tends.
+fn haze(towards_sun: Vec3) -> DistanceFog {
+    // Bevy's fog mixes exposed colours; its exposure is 1 / (1.2 · 2^EV100).
+    let exposure = 1.0 / (1.2 * ops::exp2(EV100));
+    // Mean over the horizon, five degrees up.
+    let horizon: Vec3 = (0..16_u8)
+        .map(|i| {
+            let (sin, cos) = ops::sin_cos(f32::from(i) * std::f32::consts::TAU / 16.0);
+            sky_radiance(Vec3::new(cos, 0.087, sin).normalize(), towards_sun)
+        })
+        .sum::<Vec3>()
+        / 16.0;
+    let colour = horizon * exposure;
+    let glow = sun_illuminance(towards_sun) * exposure * 0.03;
+    let extinction = ground_extinction() * HAZE;
+    DistanceFog {
+        color: Color::linear_rgb(colour.x, colour.y, colour.z),
+        directional_light_color: Color::linear_rgb(glow.x, glow.y, glow.z),
+        directional_light_exponent: 12.0,
+        falloff: FogFalloff::Atmospheric { extinction, inscattering: extinction },
     }
 }
 

@@ -17,7 +17,7 @@ use super::scene_file::BandsFile;
 use super::scenes::CurrentScene;
 use super::settings::Settings;
 use super::simulation::{DetailFocus, Landscape, Switches};
-use super::sky::{SkyPlugin, sky_view};
+use super::sky::SkyPlugin;
 
 /// Radius of the capsule, metres.
 const RADIUS: f32 = 0.28;
@@ -27,7 +27,7 @@ const HEIGHT: f32 = 1.8;
 
 /// Exposure of the camera, EV at ISO 100. Sunlit ground is metered at 15; a stop and a half more
 /// light opens the shadows and lets snow come near white without burning out under AgX.
-const EV100: f32 = 13.4;
+pub const EV100: f32 = 13.9;
 
 /// Distances that the camera sees, metres. Depth is infinite; `far` bounds culling only.
 const NEAR: f32 = 0.15;
@@ -89,7 +89,6 @@ fn dress_camera(
             Tonemapping::AgX,
             Bloom::NATURAL,
             Smaa::default(),
-            sky_view(),
             TerrainView {
                 pixels_per_edge: settings.pixels_per_edge,
                 finest_patch: settings.finest_patch,

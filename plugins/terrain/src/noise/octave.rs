@@ -38,7 +38,7 @@ impl Octave {
     }
 }
 
-/// The displacement of a [`Warp`], ready to evaluate: one table for x, one for z. Amplitudes are
+/// The displacement of a [`Warp`](super::Warp), ready to evaluate: one table for x, one for z. Amplitudes are
 /// in metres (the strength is in them).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreparedWarp {
