@@ -17,14 +17,14 @@ use std::process::Command;
 
 /// What a picture may differ from its golden one.
 ///
-/// The same Mesa gives the same picture to within a level. Another Mesa or LLVM may fuse a multiply
-/// with an add, and so move an edge within its pixel or choose another anisotropic sample: less than
-/// one pixel in a hundred is seen to change (p99), and hardly so (mean). A shift of 8 pixels and a
-/// fifth less light are each several times beyond: see `a_wrong_picture_fails`.
+/// The same Mesa gives the same bytes. Another Mesa or LLVM may fuse a multiply with an add, and so
+/// move an edge within its pixel or filter a texel differently: few pixels change visibly (p99), and
+/// hardly so (mean). What must be seen is larger: moved by one pixel the mean is 0.03 to 0.04, by
+/// eight 0.13; with 2 % less light 0.08, with 20 % less 0.38; the other scene's 0.41.
 const LIMIT: Limit = Limit {
-    rmse: 6.0,
+    rmse: 4.0,
     flip_mean: 0.02,
-    flip_p99: 0.25,
+    flip_p99: 0.2,
 };
 
 /// Small enough for software Vulkan in a debug build, large enough to show ridges and materials.

@@ -23,7 +23,7 @@ use super::view::EV100;
 const SHADOW_DISTANCE: f32 = 5_000.0;
 
 /// Thickness of the haze against that of a very clear day.
-const HAZE: f32 = 1.6;
+const HAZE: f32 = 1.25;
 
 /// The sun of the scene.
 #[derive(Component)]

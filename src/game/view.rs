@@ -7,6 +7,7 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::pbr::DefaultOpaqueRendererMethod;
 use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
+use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 use dolomite_terrain::Ground;
 use dolomite_tessellation::{MaterialBands, TerrainMaterial, TerrainView};
 
@@ -27,7 +28,7 @@ const HEIGHT: f32 = 1.8;
 
 /// Exposure of the camera, EV at ISO 100. Sunlit ground is metered at 15; a stop and a half more
 /// light opens the shadows and lets snow come near white without burning out under AgX.
-pub const EV100: f32 = 13.9;
+pub const EV100: f32 = 12.9;
 
 /// Distances that the camera sees, metres. Depth is infinite; `far` bounds culling only.
 const NEAR: f32 = 0.15;
@@ -87,6 +88,12 @@ fn dress_camera(
             (DepthPrepass, DeferredPrepass),
             Exposure { ev100: EV100 },
             Tonemapping::AgX,
+            // AgX trades saturation for highlights; this gives grass and sky theirs back.
+            ColorGrading {
+                global: ColorGradingGlobal { post_saturation: 1.3, ..default() },
+                midtones: ColorGradingSection { contrast: 1.12, ..default() },
+                ..default()
+            },
             Bloom::NATURAL,
             Smaa::default(),
             TerrainView {

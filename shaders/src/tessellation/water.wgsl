@@ -3,6 +3,7 @@
 // The sea: an opaque surface whose colour follows the depth below it. Lengths metres.
 
 #import dolomite::tessellation::draw_types::DrawParams
+#import dolomite::tessellation::texturing::value_noise
 
 struct Water {
     albedo: vec3<f32>,
@@ -12,13 +13,17 @@ struct Water {
 
 // Slope of a sum of travelling waves (deep water: omega^2 = g k). `pixel` is the size of a pixel
 // on the water: shorter waves than two of them turn into roughness.
-fn wave_slope(p: vec2<f32>, time: f32, pixel: f32) -> vec3<f32> {
+fn wave_slope(at: vec2<f32>, time: f32, pixel: f32) -> vec3<f32> {
+    // Crests bend, and gusts roughen the sea in patches: no regular grating shows.
+    let bent = vec2(value_noise(at / 31.0, 21u), value_noise(at / 37.0, 22u)) - 0.5;
+    let gust = 0.35 + 1.1 * value_noise(at / 160.0, 23u) * value_noise(at / 57.0, 24u);
+    let p = at + bent * 22.0;
     var slope = vec2(0.0);
     var lost = 0.0;
     var k = 0.35;
     var direction = vec2(0.8, 0.6);
     for (var i = 0u; i < 7u; i++) {
-        let steepness = 0.035;
+        let steepness = 0.045 * gust;
         let omega = sqrt(9.81 * k);
         let keep = 1.0 - smoothstep(0.35, 1.2, pixel * k / 3.1415927);
         // Wrapped, since WGSL's cos is only accurate within -pi..pi.
