@@ -42,7 +42,9 @@ fn after_help() -> String {
 }
 
 fn indented(text: &str) -> String {
-    text.lines().map(|line| format!("  {}\n", line.trim_end())).collect()
+    text.lines()
+        .map(|line| format!("  {}\n", line.trim_end()))
+        .collect()
 }
 
 #[derive(Subcommand)]
@@ -64,7 +66,12 @@ pub struct SceneArgs {
     #[arg(long, default_value = "mountain")]
     scene: String,
     /// Height map: metres between samples.
-    #[arg(long, value_name = "METRES", default_value_t = 30.0, help_heading = "Height map")]
+    #[arg(
+        long,
+        value_name = "METRES",
+        default_value_t = 30.0,
+        help_heading = "Height map"
+    )]
     spacing: f64,
     /// Height map: columns and rows, needed for all but PNG.
     #[arg(long, value_name = "COLUMNSxROWS", help_heading = "Height map")]
@@ -74,7 +81,12 @@ pub struct SceneArgs {
     #[arg(long, value_enum, help_heading = "Height map")]
     raw_type: Option<RawType>,
     /// Height map: metres for one unit of a sample [default: 1; 0.1 for PNG].
-    #[arg(long, value_name = "METRES", allow_negative_numbers = true, help_heading = "Height map")]
+    #[arg(
+        long,
+        value_name = "METRES",
+        allow_negative_numbers = true,
+        help_heading = "Height map"
+    )]
     height_scale: Option<f32>,
     /// Height map: metres added to the scaled sample.
     #[arg(
@@ -307,7 +319,9 @@ impl FromStr for Camera {
         let [x, y, z, yaw, pitch] = numbers(text)?;
         let limit = f64::from(PITCH_LIMIT.to_degrees());
         if pitch.abs() > limit {
-            return Err(format!("the pitch must be -{limit:.0} to {limit:.0} degrees"));
+            return Err(format!(
+                "the pitch must be -{limit:.0} to {limit:.0} degrees"
+            ));
         }
         // What f32 view matrices can still hold to a metre.
         if [x, y, z].iter().any(|metres| metres.abs() > 1e7) {
@@ -325,7 +339,12 @@ impl FromStr for Camera {
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let numbers: Vec<f64> = text
         .split(',')
-        .map(|part| part.trim().parse().ok().filter(|number: &f64| number.is_finite()))
+        .map(|part| {
+            part.trim()
+                .parse()
+                .ok()
+                .filter(|number: &f64| number.is_finite())
+        })
         .collect::<Option<_>>()
         .ok_or_else(|| format!("write {N} numbers with commas between them"))?;
     numbers
@@ -355,7 +374,11 @@ mod tests {
     fn help_names_every_key() {
         let help = Line::command().render_long_help().to_string();
         for key in keys::KEYS {
-            assert!(help.contains(key.keys) && help.contains(key.does), "{}", key.keys);
+            assert!(
+                help.contains(key.keys) && help.contains(key.does),
+                "{}",
+                key.keys
+            );
         }
     }
 
@@ -368,7 +391,13 @@ mod tests {
         let Camera(pose) = "1,2,-3,90,-45".parse().unwrap();
         assert_eq!(pose.position, DVec3::new(1.0, 2.0, -3.0));
         assert!((pose.yaw - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
-        for wrong in ["1,2,3,4", "1,2,3,4,5,6", "1,2,3,4,90", "1,2,x,4,5", "NaN,0,0,0,0"] {
+        for wrong in [
+            "1,2,3,4",
+            "1,2,3,4,5,6",
+            "1,2,3,4,90",
+            "1,2,x,4,5",
+            "NaN,0,0,0,0",
+        ] {
             assert!(wrong.parse::<Camera>().is_err(), "{wrong} was accepted");
         }
     }

@@ -37,7 +37,9 @@ fn game(scene: &str) -> App {
         .insert_resource(AssetsDir(assets()))
         .insert_resource(request)
         .insert_resource(CurrentScene(loaded))
-        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(23)))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
+            23,
+        )))
         .add_plugins(SimulationPlugin);
     app.finish();
     app.cleanup();
@@ -64,14 +66,20 @@ fn figure(app: &mut App) -> (Figure, Transform) {
 
 fn camera(app: &mut App) -> FreeCamera {
     let world = app.world_mut();
-    *world.query::<&FreeCamera>().single(world).expect("there is one camera")
+    *world
+        .query::<&FreeCamera>()
+        .single(world)
+        .expect("there is one camera")
 }
 
 /// Puts the figure somewhere, as after a jump.
 fn put(app: &mut App, place: DVec2) {
     let terrain = terrain(app);
     let world = app.world_mut();
-    let mut figure = world.query::<&mut Figure>().single_mut(world).expect("there is one figure");
+    let mut figure = world
+        .query::<&mut Figure>()
+        .single_mut(world)
+        .expect("there is one figure");
     *figure = Figure::at(place, &terrain);
 }
 
@@ -81,7 +89,10 @@ struct Numbers(u64);
 
 impl Numbers {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 32) as f64 / 4_294_967_296.0
     }
 }
@@ -121,7 +132,10 @@ fn walk_about(scene: &str) {
             walked += figure(&mut app).0.now.place.distance(from);
         }
     }
-    println!("{scene}: {walked:.0} m walked, feet at most {:.4} mm off the ground", worst * 1e3);
+    println!(
+        "{scene}: {walked:.0} m walked, feet at most {:.4} mm off the ground",
+        worst * 1e3
+    );
     assert!(worst <= FEET, "feet {worst} m off the ground");
     // Half of the walks are fast (32 m/s): standing still would prove nothing.
     assert!(walked > 500.0, "only {walked} m walked");
@@ -147,8 +161,18 @@ fn the_figure_wades_but_does_not_swim() {
     let yaw = camera(&mut app).pose.yaw;
     let (sin, cos) = yaw.sin_cos();
     // The wish is as the camera sees it: right is (cos, -sin), away (-sin, -cos) on the ground.
-    let walk = Vec2::new(away.dot(Vec2::new(cos, -sin)), away.dot(Vec2::new(-sin, -cos)));
-    wish(&mut app, PlayerInput { walk, fast: true, ..default() });
+    let walk = Vec2::new(
+        away.dot(Vec2::new(cos, -sin)),
+        away.dot(Vec2::new(-sin, -cos)),
+    );
+    wish(
+        &mut app,
+        PlayerInput {
+            walk,
+            fast: true,
+            ..default()
+        },
+    );
     let mut deepest = f64::NEG_INFINITY;
     for _ in 0..6000 {
         app.update();
@@ -163,17 +187,29 @@ fn the_figure_faces_where_it_walks_and_leans_with_the_slope() {
     let mut app = game("mountain");
     let terrain = terrain(&mut app);
     let before = figure(&mut app).0.now.place;
-    wish(&mut app, PlayerInput { walk: Vec2::X, ..default() });
+    wish(
+        &mut app,
+        PlayerInput {
+            walk: Vec2::X,
+            ..default()
+        },
+    );
     for _ in 0..120 {
         app.update();
     }
     let (figure, transform) = figure(&mut app);
     let went = (figure.now.place - before).normalize();
     let faces = (transform.rotation * Vec3::NEG_Z).as_dvec3();
-    assert!(faces.xz().normalize().dot(went) > 0.95, "faces {faces}, went {went}");
+    assert!(
+        faces.xz().normalize().dot(went) > 0.95,
+        "faces {faces}, went {went}"
+    );
     let up = (transform.rotation * Vec3::Y).as_dvec3();
     let normal = terrain.normal(figure.now.place);
-    let (lean, slope) = (up.angle_between(bevy::math::DVec3::Y), normal.angle_between(bevy::math::DVec3::Y));
+    let (lean, slope) = (
+        up.angle_between(bevy::math::DVec3::Y),
+        normal.angle_between(bevy::math::DVec3::Y),
+    );
     assert!(lean <= slope + 0.1, "leans {lean} on a slope of {slope}");
     // It leans downhill normal-wards, never against it.
     assert!(up.xz().dot(normal.xz()) >= 0.0);
@@ -188,11 +224,18 @@ fn a_standing_figure_and_a_still_camera_do_not_change() {
     let (figure_before, camera_before) = (figure(&mut app), camera(&mut app));
     let tick = app.world_mut().change_tick();
     app.update();
-    assert_eq!((figure(&mut app), camera(&mut app)), (figure_before, camera_before));
+    assert_eq!(
+        (figure(&mut app), camera(&mut app)),
+        (figure_before, camera_before)
+    );
     let world = app.world_mut();
     let mut transforms = world.query::<Ref<Transform>>();
     for transform in transforms.iter(world) {
-        assert!(!transform.last_changed().is_newer_than(tick, world.read_change_tick()));
+        assert!(
+            !transform
+                .last_changed()
+                .is_newer_than(tick, world.read_change_tick())
+        );
     }
 }
 
@@ -210,14 +253,21 @@ fn the_camera_stays_above_ground_and_sea_and_within_its_pitch() {
                 numbers.next() as f32 * 2.0 - 1.0,
             ),
             fast: numbers.next() < 0.5,
-            look: Vec2::new(numbers.next() as f32 - 0.5, numbers.next() as f32 * 4.0 - 2.0),
+            look: Vec2::new(
+                numbers.next() as f32 - 0.5,
+                numbers.next() as f32 * 4.0 - 2.0,
+            ),
             ..default()
         };
         wish(&mut app, input);
         app.update();
         let pose = camera(&mut app).pose;
         let floor = terrain.height(pose.position.xz()).max(sea);
-        assert!(pose.position.y >= floor + CLEARANCE, "{} under {floor}", pose.position.y);
+        assert!(
+            pose.position.y >= floor + CLEARANCE,
+            "{} under {floor}",
+            pose.position.y
+        );
         assert!(pose.pitch.abs() <= PITCH_LIMIT);
     }
 }
@@ -238,7 +288,12 @@ fn switches_switch_and_switch_back() {
     let switched = *app.world().resource::<Switches>();
     assert_eq!(
         switched,
-        Switches { lines: true, fill: false, focus: DetailFocus::Figure, keys: true }
+        Switches {
+            lines: true,
+            fill: false,
+            focus: DetailFocus::Figure,
+            keys: true
+        }
     );
     app.update();
     assert_eq!(*app.world().resource::<Switches>(), start);
@@ -269,7 +324,9 @@ fn a_broken_scene_keeps_the_last_good_one_and_a_mended_one_is_taken_over() {
             .height(DVec2::ZERO)
     };
     let reload = |app: &mut App| {
-        app.world_mut().run_system_cached(reload_changed).expect("the system runs");
+        app.world_mut()
+            .run_system_cached(reload_changed)
+            .expect("the system runs");
         app.update();
     };
     assert_eq!(top(&mut app), 20.0);
@@ -278,8 +335,16 @@ fn a_broken_scene_keeps_the_last_good_one_and_a_mended_one_is_taken_over() {
     hill(50.0, ", nonsense: 1");
     reload(&mut app);
     assert_eq!(top(&mut app), 20.0);
-    let fault = app.world().resource::<SceneFault>().0.clone().expect("the fault is told");
-    assert!(fault.contains("nonsense") && fault.contains("scene.ron"), "{fault}");
+    let fault = app
+        .world()
+        .resource::<SceneFault>()
+        .0
+        .clone()
+        .expect("the fault is told");
+    assert!(
+        fault.contains("nonsense") && fault.contains("scene.ron"),
+        "{fault}"
+    );
 
     wait();
     hill(50.0, "");
@@ -305,10 +370,19 @@ fn settings_shape_the_speed() {
         }
         figure(app).0.now.place.distance(from)
     };
-    wish(&mut app, PlayerInput { walk: Vec2::Y, ..default() });
+    wish(
+        &mut app,
+        PlayerInput {
+            walk: Vec2::Y,
+            ..default()
+        },
+    );
     let slow = distance(&mut app);
     app.world_mut().resource_mut::<Settings>().walk_speed *= 3.0;
     let quick = distance(&mut app);
     // The slope differs along the way; the speed along the surface does not.
-    assert!((2.0..4.0).contains(&(quick / slow)), "{slow} m, then {quick} m");
+    assert!(
+        (2.0..4.0).contains(&(quick / slow)),
+        "{slow} m, then {quick} m"
+    );
 }

@@ -147,7 +147,12 @@ pub fn bench(
     let mut seen = BTreeMap::new();
     new_times(&offscreen.app, &mut seen);
     for index in 0..frames {
-        put_camera(&mut offscreen.app, path, &scene, index as f32 * STEP.as_secs_f32());
+        put_camera(
+            &mut offscreen.app,
+            path,
+            &scene,
+            index as f32 * STEP.as_secs_f32(),
+        );
         let start = Instant::now();
         offscreen.step(STEP)?;
         let time = start.elapsed();
@@ -250,7 +255,10 @@ fn new_times(
 
 fn summary(rows: &[Frame], scene: &str, path: Path, size: UVec2, device: String) -> Summary {
     let mut passes: BTreeMap<String, PassTimes> = BTreeMap::new();
-    for name in rows.iter().flat_map(|row| row.gpu_ms.keys().chain(row.cpu_ms.keys())) {
+    for name in rows
+        .iter()
+        .flat_map(|row| row.gpu_ms.keys().chain(row.cpu_ms.keys()))
+    {
         passes.entry(name.clone()).or_default();
     }
     for (name, times) in &mut passes {
@@ -268,7 +276,11 @@ fn summary(rows: &[Frame], scene: &str, path: Path, size: UVec2, device: String)
         path: path.name().to_owned(),
         size: size.to_array(),
         device,
-        build: if cfg!(debug_assertions) { "debug" } else { "release" },
+        build: if cfg!(debug_assertions) {
+            "debug"
+        } else {
+            "release"
+        },
         frames: rows.len() as u32,
         frame_ms: spread(rows.iter().map(|row| row.frame_ms)).unwrap_or(Spread {
             median: 0.0,
@@ -333,10 +345,22 @@ mod tests {
             row(2, 3.0, 3, Some(0.7)),
         ];
         let summary = summary(&rows, "s", Path::Fly, UVec2::new(8, 9), "d".to_owned());
-        assert_eq!(summary.frame_ms, Spread { median: 3.0, p99: 5.0 });
+        assert_eq!(
+            summary.frame_ms,
+            Spread {
+                median: 3.0,
+                p99: 5.0
+            }
+        );
         assert_eq!((summary.dispatches, summary.triangles), (5, 10));
         let sky = &summary.passes["sky"];
-        assert_eq!(sky.gpu_ms, Some(Spread { median: 0.5, p99: 0.7 }));
+        assert_eq!(
+            sky.gpu_ms,
+            Some(Spread {
+                median: 0.5,
+                p99: 0.7
+            })
+        );
         assert_eq!(sky.cpu_ms, None);
         let json = serde_json::to_value(&summary).unwrap();
         assert_eq!(json["passes"]["sky"]["gpu_ms"]["median"], 0.5);

@@ -90,10 +90,7 @@ pub struct CameraPlugin;
 
 impl Plugin for CameraPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(
-            Update,
-            (steer, place).chain().in_set(CameraSystems),
-        );
+        app.add_systems(Update, (steer, place).chain().in_set(CameraSystems));
     }
 }
 
@@ -114,7 +111,12 @@ pub fn steer(
 }
 
 /// The camera one time step later, without regard to the ground.
-fn steered(camera: FreeCamera, input: &PlayerInput, settings: &Settings, seconds: f32) -> FreeCamera {
+fn steered(
+    camera: FreeCamera,
+    input: &PlayerInput,
+    settings: &Settings,
+    seconds: f32,
+) -> FreeCamera {
     let FreeCamera {
         mut pose,
         velocity,
@@ -129,7 +131,12 @@ fn steered(camera: FreeCamera, input: &PlayerInput, settings: &Settings, seconds
     let forward = pose.rotation() * Vec3::NEG_Z;
     let right = Quat::from_rotation_y(pose.yaw) * Vec3::X;
     let wish = right * input.fly.x + Vec3::Y * input.fly.y + forward * input.fly.z;
-    let speed = settings.fly_speed * if input.fast { settings.fast_factor } else { 1.0 };
+    let speed = settings.fly_speed
+        * if input.fast {
+            settings.fast_factor
+        } else {
+            1.0
+        };
     let wanted = wish.clamp_length_max(1.0) * speed;
     let mut velocity = velocity.lerp(wanted, 1.0 - ops::exp(-seconds / RESPONSE));
     // A millimetre a second is rest; without this the camera would never be still.
@@ -154,7 +161,9 @@ fn contained(mut pose: Pose, extent: GroundRect) -> Pose {
 }
 
 /// Writes pose and field of view to the components that Bevy reads.
-fn place(mut cameras: Query<(&FreeCamera, &mut Transform, Option<&mut Projection>), Changed<FreeCamera>>) {
+fn place(
+    mut cameras: Query<(&FreeCamera, &mut Transform, Option<&mut Projection>), Changed<FreeCamera>>,
+) {
     for (camera, mut transform, projection) in &mut cameras {
         *transform = Transform {
             translation: camera.pose.position.as_vec3(),
@@ -219,7 +228,14 @@ mod tests {
             let fov = run(level(), input, 0.01).fov;
             assert!(fov == FOV_RANGE.0 || fov == FOV_RANGE.1);
         }
-        let mut camera = run(level(), PlayerInput { fly: Vec3::X, ..default() }, 0.5);
+        let mut camera = run(
+            level(),
+            PlayerInput {
+                fly: Vec3::X,
+                ..default()
+            },
+            0.5,
+        );
         assert!(camera.velocity.length() > 1.0);
         for _ in 0..300 {
             camera = run(camera, PlayerInput::default(), 1.0 / 60.0);

@@ -56,8 +56,16 @@ type Requirement = (&'static str, fn(&Limits) -> u64, u64);
 /// size are the pools of the tessellation; the colour bytes are Bevy's G-buffer, 16 + 4 + 4 + 1,
 /// aligned; the storage textures are Bevy's ambient light from the sky.
 const REQUIRED: &[Requirement] = &[
-    ("max_texture_dimension_2d", |l| l.max_texture_dimension_2d as u64, 4096),
-    ("max_texture_array_layers", |l| l.max_texture_array_layers as u64, 256),
+    (
+        "max_texture_dimension_2d",
+        |l| l.max_texture_dimension_2d as u64,
+        4096,
+    ),
+    (
+        "max_texture_array_layers",
+        |l| l.max_texture_array_layers as u64,
+        256,
+    ),
     ("max_bind_groups", |l| l.max_bind_groups as u64, 4),
     (
         "max_storage_buffers_per_shader_stage",
@@ -84,7 +92,11 @@ const REQUIRED: &[Requirement] = &[
         |l| l.max_compute_workgroup_storage_size as u64,
         16 << 10,
     ),
-    ("max_color_attachments", |l| l.max_color_attachments as u64, 4),
+    (
+        "max_color_attachments",
+        |l| l.max_color_attachments as u64,
+        4,
+    ),
     (
         "max_color_attachment_bytes_per_sample",
         |l| l.max_color_attachment_bytes_per_sample as u64,
@@ -125,7 +137,10 @@ pub fn probe() -> Result<Device, DeviceError> {
     descriptor.flags = settings.instance_flags;
     let instance = wgpu::Instance::new(descriptor);
     let adapters = block_on(instance.enumerate_adapters(Backends::VULKAN));
-    let found: Vec<String> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
+    let found: Vec<String> = adapters
+        .iter()
+        .map(|adapter| adapter.get_info().name)
+        .collect();
 
     let wanted = std::env::var("WGPU_ADAPTER_NAME").map(|name| name.to_lowercase());
     let named = wanted.ok().and_then(|name| {
@@ -196,7 +211,10 @@ mod tests {
     fn the_limits_of_webgpu_are_enough_but_for_storage_textures() {
         let mut limits = Limits::default();
         limits.max_storage_textures_per_shader_stage = 6;
-        assert_eq!(missing(&limits, DownlevelFlags::all()), Vec::<String>::new());
+        assert_eq!(
+            missing(&limits, DownlevelFlags::all()),
+            Vec::<String>::new()
+        );
     }
 
     #[test]

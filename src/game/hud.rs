@@ -71,7 +71,10 @@ fn spawn(mut commands: Commands, settings: Res<Settings>, camera: Single<Entity,
         KeyPanel,
         panel(camera, auto(), px(12)),
         Visibility::Hidden,
-        children![(line(keys::table().trim_end()), TextColor(Color::srgb(0.93, 0.95, 0.97)))],
+        children![(
+            line(keys::table().trim_end()),
+            TextColor(Color::srgb(0.93, 0.95, 0.97))
+        )],
     ));
     let mut fault = panel(camera, px(12), auto());
     fault.1.top = auto();
@@ -86,11 +89,7 @@ fn spawn(mut commands: Commands, settings: Res<Settings>, camera: Single<Entity,
 }
 
 /// A translucent panel at the top, `left` or `right`.
-fn panel(
-    camera: Entity,
-    left: Val,
-    right: Val,
-) -> (UiTargetCamera, Node, BackgroundColor) {
+fn panel(camera: Entity, left: Val, right: Val) -> (UiTargetCamera, Node, BackgroundColor) {
     (
         UiTargetCamera(camera),
         Node {
@@ -124,7 +123,12 @@ fn write_figures(
     text: Option<Single<&mut Text, With<Figures>>>,
 ) {
     let Some(mut text) = text else { return };
-    let smoothed = |path| diagnostics.get(&path).and_then(|d| d.smoothed()).unwrap_or(0.0);
+    let smoothed = |path| {
+        diagnostics
+            .get(&path)
+            .and_then(|d| d.smoothed())
+            .unwrap_or(0.0)
+    };
     let milliseconds = smoothed(FrameTimeDiagnosticsPlugin::FRAME_TIME);
     let rate = smoothed(FrameTimeDiagnosticsPlugin::FPS);
     let focus = match switches.focus {
@@ -136,8 +140,16 @@ fn write_figures(
     row(&mut lines, "rate", format!("{rate:.0} /s"));
     if let Some(stats) = stats {
         row(&mut lines, "triangles", thousands(stats.triangles.into()));
-        row(&mut lines, "patches drawn", thousands(stats.patches_drawn.into()));
-        row(&mut lines, "patches culled", thousands(stats.patches_culled.into()));
+        row(
+            &mut lines,
+            "patches drawn",
+            thousands(stats.patches_drawn.into()),
+        );
+        row(
+            &mut lines,
+            "patches culled",
+            thousands(stats.patches_culled.into()),
+        );
     }
     row(&mut lines, "detail follows", focus.to_owned());
     let mut gpu = passes::newest(&diagnostics, Clock::Gpu);
@@ -187,7 +199,11 @@ fn show_fault(
     *visibility = visible(fault.0.is_some());
     for child in children {
         if let Ok(mut text) = texts.get_mut(*child) {
-            fault.0.as_deref().unwrap_or_default().clone_into(&mut text.0);
+            fault
+                .0
+                .as_deref()
+                .unwrap_or_default()
+                .clone_into(&mut text.0);
         }
     }
 }
@@ -211,7 +227,11 @@ mod tests {
         assert_eq!(thousands(1_234_567), "1 234 567");
         let mut text = String::new();
         row(&mut text, "frame", "3.20 ms".to_owned());
-        row(&mut text, "a name that is far too long for one row", "12 345 678".to_owned());
+        row(
+            &mut text,
+            "a name that is far too long for one row",
+            "12 345 678".to_owned(),
+        );
         assert!(text.lines().all(|line| line.len() == 34), "{text}");
     }
 }

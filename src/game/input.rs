@@ -133,8 +133,7 @@ fn read_gamepads(
             input.zoom += look_stick.y * STICK_ZOOM * seconds;
         } else {
             let pitch_sign = if settings.invert_y { -1.0 } else { 1.0 };
-            input.look +=
-                Vec2::new(look_stick.x, pitch_sign * look_stick.y) * STICK_TURN * seconds;
+            input.look += Vec2::new(look_stick.x, pitch_sign * look_stick.y) * STICK_TURN * seconds;
         }
         input.fast |= pad.pressed(GamepadButton::RightTrigger2);
         input.switch_lines |= pad.just_pressed(GamepadButton::West);

@@ -21,7 +21,11 @@ pub const KEYS: &[Key] = &[
     key("arrows", "directional pad", "walk the figure"),
     key("L", "west button", "lines on, off"),
     key("F", "north button", "fill on, off"),
-    key("Tab", "south button", "detail follows the camera or the figure"),
+    key(
+        "Tab",
+        "south button",
+        "detail follows the camera or the figure",
+    ),
     key("F1", "start", "these keys on, off"),
     key("Esc", "select", "leave"),
 ];

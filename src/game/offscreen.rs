@@ -136,9 +136,15 @@ impl Offscreen {
             RenderErrorPolicy::StopRendering
         }))
         .init_resource::<Captured>();
-        let target = app.world_mut().resource_mut::<Assets<Image>>().add(
-            Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None),
-        );
+        let target =
+            app.world_mut()
+                .resource_mut::<Assets<Image>>()
+                .add(Image::new_target_texture(
+                    size.x,
+                    size.y,
+                    TextureFormat::Rgba8UnormSrgb,
+                    None,
+                ));
         app.insert_resource(OffscreenTarget(target.clone()));
         setup.add_to(&mut app)?;
         app.finish();
@@ -167,7 +173,9 @@ impl Offscreen {
             return Err(OffscreenError::Render(fault.0.clone()));
         }
         match self.app.should_exit() {
-            Some(exit) => Err(OffscreenError::Render(format!("the app left with {exit:?}"))),
+            Some(exit) => Err(OffscreenError::Render(format!(
+                "the app left with {exit:?}"
+            ))),
             None => Ok(()),
         }
     }
@@ -183,7 +191,11 @@ impl Offscreen {
         for _ in 0..SETTLE_LIMIT {
             self.step(Duration::ZERO)?;
             let pending = self.pending_pipelines()?;
-            let stats = self.app.world().get_resource::<TessellationStats>().copied();
+            let stats = self
+                .app
+                .world()
+                .get_resource::<TessellationStats>()
+                .copied();
             let at_rest = stats.is_some_and(|stats| stats.triangles > 0 && stats.dispatches == 0);
             // The relief map arrives from the background when it is done.
             let relief = self.has_relief();

@@ -44,10 +44,16 @@ mod tests {
 
     #[test]
     fn only_times_of_render_passes_are_taken() {
-        assert_eq!(name_of("render/bloom/elapsed_gpu", Clock::Gpu), Some("bloom"));
+        assert_eq!(
+            name_of("render/bloom/elapsed_gpu", Clock::Gpu),
+            Some("bloom")
+        );
         assert_eq!(name_of("render/a/b/elapsed_cpu", Clock::Cpu), Some("a/b"));
         assert_eq!(name_of("render/bloom/elapsed_gpu", Clock::Cpu), None);
-        assert_eq!(name_of("render/bloom/fragment_shader_invocations", Clock::Gpu), None);
+        assert_eq!(
+            name_of("render/bloom/fragment_shader_invocations", Clock::Gpu),
+            None
+        );
         assert_eq!(name_of("fps", Clock::Gpu), None);
     }
 }

@@ -97,7 +97,12 @@ fn walk(
     let wish = input.walk.clamp_length_max(1.0);
     // Camera right is (cos, −sin) on the ground (x, z), camera forward (−sin, −cos).
     let direction = Vec2::new(cos * wish.x - sin * wish.y, -sin * wish.x - cos * wish.y);
-    let speed = settings.walk_speed * if input.fast { settings.fast_factor } else { 1.0 };
+    let speed = settings.walk_speed
+        * if input.fast {
+            settings.fast_factor
+        } else {
+            1.0
+        };
     for mut figure in &mut figures {
         let now = stepped(
             figure.now,
@@ -116,7 +121,12 @@ fn walk(
 /// along the surface.
 fn stepped(stance: Stance, velocity: Vec2, seconds: f32, terrain: &Terrain) -> Stance {
     let here = terrain.sample_f64(stance.place);
-    let place = walked(stance.place, &here, (velocity * seconds).as_dvec2(), terrain);
+    let place = walked(
+        stance.place,
+        &here,
+        (velocity * seconds).as_dvec2(),
+        terrain,
+    );
     let yaw = if velocity == Vec2::ZERO {
         stance.yaw
     } else {
@@ -126,7 +136,10 @@ fn stepped(stance: Stance, velocity: Vec2, seconds: f32, terrain: &Terrain) -> S
         stance.yaw + turn * part(seconds, TURN_TIME)
     };
     let goal = leaning(&terrain.sample_f64(place));
-    let mut up = stance.up.lerp(goal, part(seconds, LEAN_TIME)).normalize_or(Vec3::Y);
+    let mut up = stance
+        .up
+        .lerp(goal, part(seconds, LEAN_TIME))
+        .normalize_or(Vec3::Y);
     // Arrived: a standing figure must stop changing.
     if up.distance_squared(goal) < 1e-10 {
         up = goal;

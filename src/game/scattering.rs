@@ -82,7 +82,9 @@ fn exp(v: Vec3) -> Vec3 {
 pub fn sky_radiance(direction: Vec3, towards_sun: Vec3) -> Vec3 {
     let origin = Vec3::Y * (GROUND + OBSERVER);
     let ground = to_sphere(origin, direction, GROUND);
-    let length = ground.or_else(|| to_sphere(origin, direction, TOP)).unwrap_or(0.0);
+    let length = ground
+        .or_else(|| to_sphere(origin, direction, TOP))
+        .unwrap_or(0.0);
     let cos = direction.dot(towards_sun);
     let air_phase = 3.0 / (16.0 * std::f32::consts::PI) * (1.0 + cos * cos);
     let g = DUST_FORWARD;
@@ -149,7 +151,11 @@ mod tests {
         let high = sun_illuminance(Vec3::Y);
         let low = sun_illuminance(Vec3::new(1.0, 0.05, 0.0).normalize());
         assert!(low.x < 0.6 * high.x && low.z < 0.4 * low.x, "{high} {low}");
-        assert_eq!(sun_illuminance(Vec3::new(1.0, -0.2, 0.0).normalize()), Vec3::ZERO, "night");
+        assert_eq!(
+            sun_illuminance(Vec3::new(1.0, -0.2, 0.0).normalize()),
+            Vec3::ZERO,
+            "night"
+        );
     }
 
     #[test]
@@ -159,7 +165,10 @@ mod tests {
             let y = i as f32 / 100.0 - 1.0;
             let direction = Vec3::new((1.0 - y * y).max(0.0).sqrt(), y, 0.0);
             let light = sky_radiance(direction, sun);
-            assert!(light.is_finite() && light.min_element() >= 0.0, "{direction}: {light}");
+            assert!(
+                light.is_finite() && light.min_element() >= 0.0,
+                "{direction}: {light}"
+            );
         }
     }
 }

@@ -10,9 +10,7 @@ use dolomite_terrain::{
 
 use super::camera::{PITCH_LIMIT, Pose};
 use super::scene_file::{BandsFile, SceneFile, SourceFile, StartFile, SunFile};
-use super::scenes::{
-    LoadedScene, MapOptions, SceneError, changed, default_start, raw_format_of,
-};
+use super::scenes::{LoadedScene, MapOptions, SceneError, changed, default_start, raw_format_of};
 
 /// Metres for one unit of a 16-bit PNG sample when `--height-scale` is left out.
 const PNG_SCALE: f32 = 0.1;
@@ -95,9 +93,10 @@ pub(super) fn from_file(
 pub(super) fn from_map(path: &Path, options: &MapOptions) -> Result<LoadedScene, SceneError> {
     let file = map_file(path, options)?;
     // The path is the player's own, relative to where they stand.
-    let map = file
-        .load(Path::new(""))
-        .map_err(|source| SceneError::Map { scene: None, source })?;
+    let map = file.load(Path::new("")).map_err(|source| SceneError::Map {
+        scene: None,
+        source,
+    })?;
     let (low, high) = map
         .samples()
         .iter()
@@ -121,7 +120,11 @@ pub(super) fn from_map(path: &Path, options: &MapOptions) -> Result<LoadedScene,
     // Nothing tells at which latitude the map lies; its own range gives the bands.
     let at = |share: f32| low + (high - low) * share;
     Ok(LoadedScene {
-        name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        name: path
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned(),
         about: format!("height map {}", path.display()),
         terrain,
         bands: BandsFile {
@@ -143,10 +146,18 @@ fn map_file(path: &Path, options: &MapOptions) -> Result<HeightMapFile, SceneErr
     let raw = options.raw.or_else(|| raw_format_of(path));
     let format = match (raw, options.size) {
         (None, _) => MapFormat::Png,
-        (Some(format), Some((width, height))) => MapFormat::Raw { format, width, height },
+        (Some(format), Some((width, height))) => MapFormat::Raw {
+            format,
+            width,
+            height,
+        },
         (Some(_), None) => return Err(SceneError::NoSize(path.to_owned())),
     };
-    let scale = if format == MapFormat::Png { PNG_SCALE } else { 1.0 };
+    let scale = if format == MapFormat::Png {
+        PNG_SCALE
+    } else {
+        1.0
+    };
     Ok(HeightMapFile {
         path: path.to_string_lossy().into_owned(),
         format,
@@ -163,7 +174,10 @@ fn detail_layer(detail: Option<Fractal>, amplitude: Option<f32>) -> Option<Layer
     let detail = detail?;
     let amplitude = amplitude.unwrap_or(detail.amplitude);
     (amplitude != 0.0).then_some(Layer {
-        source: Source::Fractal(Fractal { amplitude, ..detail }),
+        source: Source::Fractal(Fractal {
+            amplitude,
+            ..detail
+        }),
         mask: None,
     })
 }
@@ -206,7 +220,9 @@ fn check_numbers(file: &SceneFile) -> Result<(), String> {
         ("snow_line", snow_line),
     ] {
         if !value.is_finite() {
-            return Err(format!("`bands.{name}` is {value}, but must be a height in metres"));
+            return Err(format!(
+                "`bands.{name}` is {value}, but must be a height in metres"
+            ));
         }
     }
     for (name, value) in [
@@ -227,7 +243,15 @@ fn check_numbers(file: &SceneFile) -> Result<(), String> {
     }
     if let Some(StartFile { camera, figure }) = file.start {
         let (x, y, z, yaw, pitch) = camera;
-        let numbers = [x, y, z, f64::from(yaw), f64::from(pitch), figure.0, figure.1];
+        let numbers = [
+            x,
+            y,
+            z,
+            f64::from(yaw),
+            f64::from(pitch),
+            figure.0,
+            figure.1,
+        ];
         if numbers.iter().any(|number| !number.is_finite()) {
             return Err("`start` holds a number that is not finite".to_owned());
         }

@@ -159,6 +159,11 @@ mod tests {
             assert!(parse(&text).is_err(), "{text} was accepted");
         }
         // The same text without the unknown field is accepted, so the field is what was refused.
-        assert!(parse(&format!("(layers: [{HILL}], sun: (azimuth: 1.0, elevation: 2.0))")).is_ok());
+        assert!(
+            parse(&format!(
+                "(layers: [{HILL}], sun: (azimuth: 1.0, elevation: 2.0))"
+            ))
+            .is_ok()
+        );
     }
 }

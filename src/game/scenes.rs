@@ -16,7 +16,10 @@ use super::settings::ron_options;
 /// The scenes that can be named, with the text of their files as built in.
 pub const BUILT_IN: &[(&str, &str)] = &[
     ("mountain", include_str!("../../assets/scenes/mountain.ron")),
-    ("jacksboro", include_str!("../../assets/scenes/jacksboro.ron")),
+    (
+        "jacksboro",
+        include_str!("../../assets/scenes/jacksboro.ron"),
+    ),
 ];
 
 /// What the player asked for.
@@ -220,7 +223,9 @@ pub(super) fn raw_format_of(path: &Path) -> Option<RawFormat> {
 
 /// When a file was changed last; `None` where that cannot be told.
 pub(super) fn changed(path: &Path) -> Option<SystemTime> {
-    std::fs::metadata(path).and_then(|data| data.modified()).ok()
+    std::fs::metadata(path)
+        .and_then(|data| data.modified())
+        .ok()
 }
 
 /// Where camera and figure start when a scene does not say: a fifth of the extent south of the
@@ -289,7 +294,10 @@ mod tests {
         let scene = load(&request, &assets()).unwrap();
         let size = scene.terrain.extent().max - scene.terrain.extent().min;
         // 402 and 343 steps of the spacings that assets/dem/README.md derives.
-        assert!(size.distance(DVec2::new(402.0 * 74.574, 343.0 * 92.475)) < 1.0, "{size}");
+        assert!(
+            size.distance(DVec2::new(402.0 * 74.574, 343.0 * 92.475)) < 1.0,
+            "{size}"
+        );
         // The north-west corner is the first sample of the file, the south-east one the last.
         let bytes = std::fs::read(assets().join("dem/jacksboro.raw")).unwrap();
         let sample = |k: usize| f64::from(i16::from_le_bytes([bytes[2 * k], bytes[2 * k + 1]]));
@@ -337,7 +345,10 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let path = folder.join("typo.ron");
         std::fs::write(&path, "(\n    layers: [],\n    see_level: 0.0,\n)").unwrap();
-        let error = load(&request(&path.to_string_lossy()), &assets()).err().unwrap().to_string();
+        let error = load(&request(&path.to_string_lossy()), &assets())
+            .err()
+            .unwrap()
+            .to_string();
         std::fs::remove_dir_all(&folder).unwrap();
         for word in ["typo.ron", "3:", "see_level"] {
             assert!(error.contains(word), "{error} does not say {word}");

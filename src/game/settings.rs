@@ -177,7 +177,13 @@ impl Settings {
         // Lowest value, whether that value itself is allowed, highest value.
         let ranges = [
             ("fov", self.fov, FOV_RANGE.0, true, FOV_RANGE.1),
-            ("mouse_sensitivity", self.mouse_sensitivity, 0.0, false, 10.0),
+            (
+                "mouse_sensitivity",
+                self.mouse_sensitivity,
+                0.0,
+                false,
+                10.0,
+            ),
             ("fly_speed", self.fly_speed, 0.0, false, 1e4),
             ("walk_speed", self.walk_speed, 0.0, false, 100.0),
             ("fast_factor", self.fast_factor, 1.0, true, 1000.0),
@@ -200,7 +206,11 @@ impl Settings {
             ),
         ];
         for (field, value, low, low_allowed, high) in ranges {
-            let above = if low_allowed { value >= low } else { value > low };
+            let above = if low_allowed {
+                value >= low
+            } else {
+                value > low
+            };
             if !(above && value <= high) {
                 let word = if low_allowed { "at least" } else { "above" };
                 return refuse(
@@ -231,7 +241,10 @@ mod tests {
     #[test]
     fn the_printed_file_names_every_field() {
         let all = ron::to_string(&Settings::default()).unwrap();
-        for field in all.split([',', '(']).filter_map(|part| part.split_once(':')) {
+        for field in all
+            .split([',', '('])
+            .filter_map(|part| part.split_once(':'))
+        {
             assert!(
                 DEFAULT_SETTINGS.contains(&format!("{}:", field.0)),
                 "{} is missing",

@@ -57,7 +57,10 @@ pub fn towards_sun(sun: SunFile) -> Vec3 {
 fn spawn(mut commands: Commands) {
     commands.spawn((
         Sun,
-        DirectionalLight { shadow_maps_enabled: true, ..default() },
+        DirectionalLight {
+            shadow_maps_enabled: true,
+            ..default()
+        },
         CascadeShadowConfigBuilder {
             num_cascades: 4,
             minimum_distance: 0.2,
@@ -81,7 +84,10 @@ fn turn_sun(
 ) {
     let sun = settings
         .sun
-        .map_or(scene.sun, |(azimuth, elevation)| SunFile { azimuth, elevation });
+        .map_or(scene.sun, |(azimuth, elevation)| SunFile {
+            azimuth,
+            elevation,
+        });
     if *last == Some(sun) || cameras.is_empty() {
         return;
     }
@@ -96,11 +102,18 @@ fn turn_sun(
         directional.color = Color::linear_rgb(colour.x, colour.y, colour.z);
     }
     let maps = SkyMaps::new(towards);
-    let (seen, diffuse, specular) =
-        (images.add(maps.seen), images.add(maps.diffuse), images.add(maps.specular));
+    let (seen, diffuse, specular) = (
+        images.add(maps.seen),
+        images.add(maps.diffuse),
+        images.add(maps.specular),
+    );
     for camera in &cameras {
         commands.entity(camera).insert((
-            Skybox { image: Some(seen.clone()), brightness: SCALE, ..default() },
+            Skybox {
+                image: Some(seen.clone()),
+                brightness: SCALE,
+                ..default()
+            },
             EnvironmentMapLight {
                 diffuse_map: diffuse.clone(),
                 specular_map: specular.clone(),
@@ -132,7 +145,10 @@ fn haze(towards_sun: Vec3) -> DistanceFog {
         color: Color::linear_rgb(colour.x, colour.y, colour.z),
         directional_light_color: Color::linear_rgb(glow.x, glow.y, glow.z),
         directional_light_exponent: 12.0,
-        falloff: FogFalloff::Atmospheric { extinction, inscattering: extinction },
+        falloff: FogFalloff::Atmospheric {
+            extinction,
+            inscattering: extinction,
+        },
     }
 }
 

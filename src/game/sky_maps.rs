@@ -37,14 +37,23 @@ pub const SCALE: f32 = 1000.0;
 impl SkyMaps {
     /// The maps for a direction to the sun; some 0.1 s of a core.
     pub fn new(towards_sun: Vec3) -> Self {
-        let seen = face_texels(SEEN_SIDE, |direction| sky_radiance(direction, towards_sun) / SCALE);
-        let sky = Cube { side: SEEN_SIDE, texels: seen };
+        let seen = face_texels(SEEN_SIDE, |direction| {
+            sky_radiance(direction, towards_sun) / SCALE
+        });
+        let sky = Cube {
+            side: SEEN_SIDE,
+            texels: seen,
+        };
         let diffuse = face_texels(DIFFUSE_SIDE, |n| sky.gather(n, 1.0));
         let mut levels = Vec::new();
         for level in 0..SPECULAR_LEVELS {
             let roughness = level as f32 / (SPECULAR_LEVELS - 1) as f32;
             levels.push(face_texels(SPECULAR_SIDE >> level, |n| {
-                if level == 0 { sky.look(n) } else { sky.gather(n, roughness) }
+                if level == 0 {
+                    sky.look(n)
+                } else {
+                    sky.gather(n, roughness)
+                }
             }));
         }
         Self {
@@ -64,7 +73,8 @@ struct Cube {
 impl Cube {
     fn look(&self, direction: Vec3) -> Vec3 {
         let (face, u, v) = face_of(direction);
-        let at = |t: f32| ((t * 0.5 + 0.5) * self.side as f32).clamp(0.0, self.side as f32 - 1.0) as u32;
+        let at =
+            |t: f32| ((t * 0.5 + 0.5) * self.side as f32).clamp(0.0, self.side as f32 - 1.0) as u32;
         self.texels[((face * self.side + at(v)) * self.side + at(u)) as usize]
     }
 
@@ -147,7 +157,11 @@ fn cube_image(side: u32, levels: &[Vec<Vec3>]) -> Image {
             }
         }
     }
-    let size = Extent3d { width: side, height: side, depth_or_array_layers: 6 };
+    let size = Extent3d {
+        width: side,
+        height: side,
+        depth_or_array_layers: 6,
+    };
     let mut image = Image::new_uninit(
         size,
         TextureDimension::D2,
@@ -173,17 +187,28 @@ mod tests {
             for (u, v) in [(0.0, 0.0), (0.5, -0.25), (-0.75, 0.6)] {
                 let (f, x, y) = face_of(direction(face, u, v));
                 // Three roundings of numbers up to 1.
-                assert!(f == face && (x - u).abs() < 4e-7 && (y - v).abs() < 4e-7, "{face} {u} {v}: {f} {x} {y}");
+                assert!(
+                    f == face && (x - u).abs() < 4e-7 && (y - v).abs() < 4e-7,
+                    "{face} {u} {v}: {f} {x} {y}"
+                );
             }
         }
     }
 
     #[test]
     fn an_even_sky_lights_evenly() {
-        let sky = Cube { side: 4, texels: vec![Vec3::ONE; 96] };
+        let sky = Cube {
+            side: 4,
+            texels: vec![Vec3::ONE; 96],
+        };
         for roughness in [0.2, 0.5, 1.0] {
             // A mean of ones.
-            assert!((sky.gather(Vec3::Y, roughness) - Vec3::ONE).abs().max_element() < 1e-5);
+            assert!(
+                (sky.gather(Vec3::Y, roughness) - Vec3::ONE)
+                    .abs()
+                    .max_element()
+                    < 1e-5
+            );
         }
     }
 }

@@ -89,7 +89,10 @@ mod tests {
         image::RgbaImage::new(8, 8).save(&path).unwrap();
         let wrong = read_array(&path, Content::Data).unwrap_err().to_string();
         std::fs::remove_file(&path).unwrap();
-        assert!(wrong.contains("8 × 8") && wrong.contains("8 × 40"), "{wrong}");
+        assert!(
+            wrong.contains("8 × 8") && wrong.contains("8 × 40"),
+            "{wrong}"
+        );
     }
 
     #[test]
@@ -99,7 +102,10 @@ mod tests {
         let colour = read_array(&path, Content::Colour).unwrap();
         let data = read_array(&path, Content::Data).unwrap();
         std::fs::remove_file(&path).unwrap();
-        assert_eq!(colour.texture_descriptor.format, TextureFormat::Rgba8UnormSrgb);
+        assert_eq!(
+            colour.texture_descriptor.format,
+            TextureFormat::Rgba8UnormSrgb
+        );
         assert_eq!(data.texture_descriptor.format, TextureFormat::Rgba8Unorm);
         assert_eq!(data.texture_descriptor.size.depth_or_array_layers, LAYERS);
     }

@@ -90,8 +90,14 @@ fn dress_camera(
             Tonemapping::AgX,
             // AgX trades saturation for highlights; this gives grass and sky theirs back.
             ColorGrading {
-                global: ColorGradingGlobal { post_saturation: 1.3, ..default() },
-                midtones: ColorGradingSection { contrast: 1.12, ..default() },
+                global: ColorGradingGlobal {
+                    post_saturation: 1.3,
+                    ..default()
+                },
+                midtones: ColorGradingSection {
+                    contrast: 1.12,
+                    ..default()
+                },
                 ..default()
             },
             Bloom::NATURAL,

@@ -44,13 +44,20 @@ impl Lattice {
     pub fn new(extent: GroundRect, finest: f64) -> Self {
         let size = extent.max - extent.min;
         let shorter = size.min_element().max(f64::MIN_POSITIVE);
-        let roots = (size / shorter).round().as_uvec2().clamp(UVec2::ONE, UVec2::splat(256));
+        let roots = (size / shorter)
+            .round()
+            .as_uvec2()
+            .clamp(UVec2::ONE, UVec2::splat(256));
         let root = (size / roots.as_dvec2()).max_element();
         let mut depth = 0;
         while depth < MAX_DEPTH && root / f64::from(1_u32 << depth) > finest * 1.000_001 {
             depth += 1;
         }
-        Self { extent, roots, depth }
+        Self {
+            extent,
+            roots,
+            depth,
+        }
     }
 
     /// Lattice steps along x and z.
@@ -85,7 +92,10 @@ impl Lattice {
         let mut stack = Vec::with_capacity(64);
         for z in (0..self.roots.y).rev() {
             for x in (0..self.roots.x).rev() {
-                stack.push(Node { corner: UVec2::new(x, z) * side, side });
+                stack.push(Node {
+                    corner: UVec2::new(x, z) * side,
+                    side,
+                });
             }
         }
         let mut leaves = Vec::with_capacity(1024);
@@ -96,7 +106,10 @@ impl Lattice {
             if node.side > 1 && distance < split * step * f64::from(node.side) {
                 let half = node.side / 2;
                 for child in [UVec2::ONE, UVec2::Y, UVec2::X, UVec2::ZERO] {
-                    stack.push(Node { corner: node.corner + child * half, side: half });
+                    stack.push(Node {
+                        corner: node.corner + child * half,
+                        side: half,
+                    });
                 }
             } else {
                 leaves.push(node);
@@ -122,13 +135,21 @@ pub struct Cover {
 /// Height of the focus above the ground, clamped to what the selection can use.
 pub(crate) fn selection_height(focus: DVec3, ground: f64) -> f64 {
     let height = focus.y - ground;
-    if height.is_finite() { height.max(0.0) } else { 0.0 }
+    if height.is_finite() {
+        height.max(0.0)
+    } else {
+        0.0
+    }
 }
 
 /// Settings with every field in its documented range.
 pub(crate) fn clamped(view: &TerrainView) -> TerrainView {
     let finite = |value: f32, low: f32, high: f32, default: f32| {
-        if value.is_finite() { value.clamp(low, high) } else { default }
+        if value.is_finite() {
+            value.clamp(low, high)
+        } else {
+            default
+        }
     };
     TerrainView {
         pixels_per_edge: finite(view.pixels_per_edge, 1.0, 256.0, 8.0),
@@ -142,7 +163,11 @@ pub(crate) fn clamped(view: &TerrainView) -> TerrainView {
 
 impl Cover {
     /// Links the leaves of a balanced quadtree; `bounds` gives (least, greatest) height of a node.
-    pub fn new(lattice: &Lattice, leaves: &[Node], mut bounds: impl FnMut(Node) -> (f32, f32)) -> Self {
+    pub fn new(
+        lattice: &Lattice,
+        leaves: &[Node],
+        mut bounds: impl FnMut(Node) -> (f32, f32),
+    ) -> Self {
         let mut cover = Self::default();
         cover.patches.reserve(leaves.len());
         cover.edges.reserve(leaves.len() * 3);
@@ -228,5 +253,12 @@ fn new_corner(position: DVec2) -> Corner {
 }
 
 fn new_edge(corners: [u32; 2]) -> Edge {
-    Edge { corners, patches: [NONE; 2], wanted: 0, level: 0, vertex: NONE, pad: 0 }
+    Edge {
+        corners,
+        patches: [NONE; 2],
+        wanted: 0,
+        level: 0,
+        vertex: NONE,
+        pad: 0,
+    }
 }

@@ -103,12 +103,20 @@ pub fn strip_triangle(s: u32, side: Side, [a, b]: [u32; 2], t: u32) -> [PatchVer
     };
     let take_outer = j >= inner_count || (i < outer_count && outer_first(side, i, j, along));
     let [p, q, r] = if take_outer {
-        [PatchVertex::Outer(s, i), inner(j), PatchVertex::Outer(s, i + 1)]
+        [
+            PatchVertex::Outer(s, i),
+            inner(j),
+            PatchVertex::Outer(s, i + 1),
+        ]
     } else {
         [PatchVertex::Outer(s, i), inner(j), inner(j + 1)]
     };
     // Sides 1 and 2 are mirror images of sides 0 and 3.
-    if s == 1 || s == 2 { [p, r, q] } else { [p, q, r] }
+    if s == 1 || s == 2 {
+        [p, r, q]
+    } else {
+        [p, q, r]
+    }
 }
 
 /// Triangle `t` of a patch, counter-clockwise seen from +Y: the inner grid first, then the strips
@@ -128,7 +136,7 @@ pub fn triangle(sides: [Side; 4], inner: [u32; 2], t: u32) -> [PatchVertex; 3] {
     if t < grid {
         let cell = t / 2;
         let (i, j) = (1 + cell % (a - 2), 1 + cell / (a - 2));
-        return if t % 2 == 0 {
+        return if t.is_multiple_of(2) {
             [Inner(i, j), Inner(i, j + 1), Inner(i + 1, j)]
         } else {
             [Inner(i + 1, j), Inner(i, j + 1), Inner(i + 1, j + 1)]

@@ -91,8 +91,12 @@ impl PatchBounds {
             }
         });
         let found = found.into_iter().flatten();
-        self.bounds
-            .extend(missing.iter().map(|node| (node.corner, node.side)).zip(found));
+        self.bounds.extend(
+            missing
+                .iter()
+                .map(|node| (node.corner, node.side))
+                .zip(found),
+        );
     }
 }
 
@@ -118,7 +122,9 @@ fn update_covers(
             continue;
         }
         let settings = clamped(&view);
-        let focus = settings.focus.unwrap_or_else(|| transform.translation().as_dvec3());
+        let focus = settings
+            .focus
+            .unwrap_or_else(|| transform.translation().as_dvec3());
         if !focus.is_finite() {
             continue;
         }

@@ -40,15 +40,24 @@ pub fn levels(cover: &mut Cover, params: &ViewParams, terrain: &Terrain) {
             .patches
             .iter()
             .filter(|patch| **patch != NONE)
-            .all(|patch| cover.patches[*patch as usize].max_height < params.sea_level - OPAQUE_DEPTH);
-        edge.wanted = if deep { 1.0_f32 } else { wanted_segments(ends, params) }.to_bits();
+            .all(|patch| {
+                cover.patches[*patch as usize].max_height < params.sea_level - OPAQUE_DEPTH
+            });
+        edge.wanted = if deep {
+            1.0_f32
+        } else {
+            wanted_segments(ends, params)
+        }
+        .to_bits();
     }
 }
 
 /// Wanted segments of an edge: its length over its distance from the eye, both in space, times
 /// the focal length in wanted edge lengths. Independent of the view direction.
 fn wanted_segments([a, b]: [Vec3; 2], params: &ViewParams) -> f32 {
-    let distance = ((a + b) * 0.5 - Vec3::from(params.eye)).length().max(NEAREST);
+    let distance = ((a + b) * 0.5 - Vec3::from(params.eye))
+        .length()
+        .max(NEAREST);
     let wanted = (b - a).length() * params.segments_per_radian / distance;
     wanted.clamp(1.0, MAX_LEVEL as f32)
 }
@@ -69,15 +78,25 @@ fn visibility(min: Vec3, max: Vec3, params: &ViewParams) -> u32 {
             }
         }
     }
-    if state == 2 && sweep == Vec3::ZERO { 0 } else { state }
+    if state == 2 && sweep == Vec3::ZERO {
+        0
+    } else {
+        state
+    }
 }
 
 fn point(corner: &Corner) -> GroundPoint {
-    GroundPoint { cell: IVec2::from(corner.cell), frac: UVec2::from(corner.frac) }
+    GroundPoint {
+        cell: IVec2::from(corner.cell),
+        frac: UVec2::from(corner.frac),
+    }
 }
 
 fn anchor_point(anchor: [i32; 2]) -> GroundPoint {
-    GroundPoint { cell: IVec2::from(anchor), frac: UVec2::ZERO }
+    GroundPoint {
+        cell: IVec2::from(anchor),
+        frac: UVec2::ZERO,
+    }
 }
 
 /// Position of a corner relative to the anchor, metres.
@@ -91,7 +110,11 @@ fn sides(edges: &[Edge], patch: &Patch) -> [Side; 4] {
         let [first, second] = [patch.edges[2 * s], patch.edges[2 * s + 1]];
         Side {
             first: edges[first as usize].level,
-            second: if second == NONE { 0 } else { edges[second as usize].level },
+            second: if second == NONE {
+                0
+            } else {
+                edges[second as usize].level
+            },
         }
     })
 }
@@ -111,7 +134,10 @@ pub fn plan(cover: &mut Cover, params: &ViewParams) -> PlanResult {
             vertices += u32::from(used);
         }
         for edge in &mut cover.edges {
-            let seen = edge.patches.iter().any(|&p| p != NONE && cover.patches[p as usize].visible == 1);
+            let seen = edge
+                .patches
+                .iter()
+                .any(|&p| p != NONE && cover.patches[p as usize].visible == 1);
             let share = if seen { 1.0 } else { SHADOW_DETAIL };
             let wanted = f32::from_bits(edge.wanted) * scale * share;
             let wanted = wanted.ceil().clamp(1.0, MAX_LEVEL as f32);
@@ -162,7 +188,13 @@ pub const SHADOW_DETAIL: f32 = 0.25;
 
 /// Vertices and indices of the drawn patches.
 pub fn emit(cover: &Cover, params: &ViewParams, terrain: &Terrain, result: &PlanResult) -> Mesh {
-    let mut vertices = vec![Vertex { position: [f32::NAN; 3], gradient: 0 }; result.vertices as usize];
+    let mut vertices = vec![
+        Vertex {
+            position: [f32::NAN; 3],
+            gradient: 0
+        };
+        result.vertices as usize
+    ];
     let mut put = |index: u32, at: GroundPoint| {
         vertices[index as usize] = vertex(at, params.anchor, terrain);
     };
@@ -185,7 +217,10 @@ pub fn emit(cover: &Cover, params: &ViewParams, terrain: &Terrain, result: &Plan
         for j in 1..b {
             for i in 1..a {
                 let t = Vec2::new(i as f32 / a as f32, j as f32 / b as f32);
-                put(patch.vertex + (j - 1) * (a - 1) + i - 1, from.offset((size * t).as_dvec2()));
+                put(
+                    patch.vertex + (j - 1) * (a - 1) + i - 1,
+                    from.offset((size * t).as_dvec2()),
+                );
             }
         }
         let sides = sides(&cover.edges, patch);
@@ -232,7 +267,10 @@ fn vertex_index(cover: &Cover, patch: &Patch, [a, _]: [u32; 2], corner: PatchVer
             let (edge, i) = if i <= first.level {
                 (first, i)
             } else {
-                (&cover.edges[patch.edges[2 * s as usize + 1] as usize], i - first.level)
+                (
+                    &cover.edges[patch.edges[2 * s as usize + 1] as usize],
+                    i - first.level,
+                )
             };
             if i == 0 {
                 cover.corners[edge.corners[0] as usize].vertex

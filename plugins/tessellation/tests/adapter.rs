@@ -34,17 +34,28 @@ impl Passes {
         let gpu = for_test()?;
         let kernel = |name: &str| {
             let path = format!("tessellation/{name}.wgsl");
-            let module = dolomite_shaders::compose(&path, &[]).unwrap_or_else(|error| panic!("{path}: {error}"));
-            gpu.kernel(module, name).unwrap_or_else(|error| panic!("{path}: {error}"))
+            let module = dolomite_shaders::compose(&path, &[])
+                .unwrap_or_else(|error| panic!("{path}: {error}"));
+            gpu.kernel(module, name)
+                .unwrap_or_else(|error| panic!("{path}: {error}"))
         };
         let (levels, plan, emit) = (kernel("levels"), kernel("plan"), kernel("emit"));
-        Some(Self { gpu, levels, plan, emit })
+        Some(Self {
+            gpu,
+            levels,
+            plan,
+            emit,
+        })
     }
 }
 
 /// levels → plan → emit on the adapter.
 fn run(passes: &Passes, cover: &Cover, params: &ViewParams, terrain: &Terrain) -> Output {
-    let GpuTerrain { layers, data, uniform } = terrain.gpu();
+    let GpuTerrain {
+        layers,
+        data,
+        uniform,
+    } = terrain.gpu();
     let (layers, data): (&[u8], &[u8]) = (cast_slice(&layers), cast_slice(&data));
     let uniform = bytes_of(&uniform);
     let view = bytes_of(params);
@@ -52,53 +63,69 @@ fn run(passes: &Passes, cover: &Cover, params: &ViewParams, terrain: &Terrain) -
     let mut edges: Vec<u8> = cast_slice(&cover.edges).to_vec();
     let mut patches: Vec<u8> = cast_slice(&cover.patches).to_vec();
     let mut result = vec![SENTINEL; size_of::<PlanResult>()];
-    let heights = || vec![Binding::Read(layers), Binding::Read(data), Binding::Uniform(uniform)];
+    let heights = || {
+        vec![
+            Binding::Read(layers),
+            Binding::Read(data),
+            Binding::Uniform(uniform),
+        ]
+    };
     let items = params.edge_count.max(params.patch_count);
-    passes.gpu.run(
-        &passes.levels,
-        &mut [
-            vec![
+    passes
+        .gpu
+        .run(
+            &passes.levels,
+            &mut [
+                vec![
+                    Binding::Uniform(view),
+                    Binding::Read(&corners),
+                    Binding::Write(&mut edges),
+                    Binding::Write(&mut patches),
+                ],
+                heights(),
+            ],
+            [items.div_ceil(64), 1, 1],
+        )
+        .expect("levels runs");
+    passes
+        .gpu
+        .run(
+            &passes.plan,
+            &mut [vec![
                 Binding::Uniform(view),
-                Binding::Read(&corners),
+                Binding::Write(&mut corners),
                 Binding::Write(&mut edges),
                 Binding::Write(&mut patches),
-            ],
-            heights(),
-        ],
-        [items.div_ceil(64), 1, 1],
-    )
-    .expect("levels runs");
-    passes.gpu.run(
-        &passes.plan,
-        &mut [vec![
-            Binding::Uniform(view),
-            Binding::Write(&mut corners),
-            Binding::Write(&mut edges),
-            Binding::Write(&mut patches),
-            Binding::Write(&mut result),
-        ]],
-        [1, 1, 1],
-    )
-    .expect("plan runs");
+                Binding::Write(&mut result),
+            ]],
+            [1, 1, 1],
+        )
+        .expect("plan runs");
     let result: PlanResult = bytemuck::pod_read_unaligned(&result);
     let mut vertices = vec![SENTINEL; result.vertices.max(1) as usize * 16];
     let mut indices = vec![SENTINEL; result.triangles.max(1) as usize * 12];
-    passes.gpu.run(
-        &passes.emit,
-        &mut [
-            vec![
-                Binding::Uniform(view),
-                Binding::Read(&corners),
-                Binding::Read(&edges),
-                Binding::Read(&patches),
-                Binding::Write(&mut vertices),
-                Binding::Write(&mut indices),
+    passes
+        .gpu
+        .run(
+            &passes.emit,
+            &mut [
+                vec![
+                    Binding::Uniform(view),
+                    Binding::Read(&corners),
+                    Binding::Read(&edges),
+                    Binding::Read(&patches),
+                    Binding::Write(&mut vertices),
+                    Binding::Write(&mut indices),
+                ],
+                heights(),
             ],
-            heights(),
-        ],
-        [params.patch_count + params.edge_count + params.corner_count.div_ceil(64), 1, 1],
-    )
-    .expect("emit runs");
+            [
+                params.patch_count + params.edge_count + params.corner_count.div_ceil(64),
+                1,
+                1,
+            ],
+        )
+        .expect("emit runs");
     vertices.truncate(result.vertices as usize * 16);
     indices.truncate(result.triangles as usize * 12);
     Output {
@@ -129,14 +156,24 @@ fn the_adapter_agrees_with_the_twin() {
             let (a, b) = (f32::from_bits(twin.wanted), f32::from_bits(adapter.wanted));
             // Heights differ by f32 rounding of a sum of six octaves, some 1e-4 m at most; near
             // the eye that is 1e-4 of a distance of 0.1 m and more.
-            assert!((a - b).abs() <= 2e-3 * a, "round {round}: wanted {a} and {b}");
+            assert!(
+                (a - b).abs() <= 2e-3 * a,
+                "round {round}: wanted {a} and {b}"
+            );
             twin.wanted = adapter.wanted;
         }
         for (twin, adapter) in twin_cover.patches.iter_mut().zip(&ours.cover.patches) {
             twin.visible = adapter.visible;
         }
         let result = twin::plan(&mut twin_cover, &params);
-        assert_eq!(result, PlanResult { pad: result.pad, ..ours.result }, "round {round}");
+        assert_eq!(
+            result,
+            PlanResult {
+                pad: result.pad,
+                ..ours.result
+            },
+            "round {round}"
+        );
         let mesh = twin::emit(&twin_cover, &params, &terrain, &result);
         assert_eq!(mesh.indices, ours.indices, "round {round}");
         for (a, b) in mesh.vertices.iter().zip(&ours.vertices) {
@@ -165,5 +202,8 @@ fn two_hundred_cameras_have_no_crack_on_the_adapter() {
         let found = cracks(&output.cover, &output.vertices, &output.indices);
         assert_eq!(found, Some(0), "round {round}");
     }
-    assert!(triangles > 200_000, "{triangles} triangles are enough to mean something");
+    assert!(
+        triangles > 200_000,
+        "{triangles} triangles are enough to mean something"
+    );
 }

@@ -11,7 +11,10 @@ use dolomite_tessellation::twin;
 use support::{Random, cracks, params, random_view, terrain};
 
 fn lattice() -> Lattice {
-    Lattice::new(GroundRect::new(DVec2::new(-15_000.0, 3.0), DVec2::new(15_010.0, 31_900.0)), 16.0)
+    Lattice::new(
+        GroundRect::new(DVec2::new(-15_000.0, 3.0), DVec2::new(15_010.0, 31_900.0)),
+        16.0,
+    )
 }
 
 #[test]
@@ -21,9 +24,16 @@ fn leaves_cover_the_extent_once() {
     for _ in 0..50 {
         let focus = DVec2::new(random.within(-2e4, 2e4), random.within(-5e3, 4e4));
         let leaves = lattice.leaves(focus, random.within(0.0, 500.0), random.within(1.5, 4.0));
-        let area: u64 = leaves.iter().map(|leaf| u64::from(leaf.side) * u64::from(leaf.side)).sum();
+        let area: u64 = leaves
+            .iter()
+            .map(|leaf| u64::from(leaf.side) * u64::from(leaf.side))
+            .sum();
         let steps = lattice.steps();
-        assert_eq!(area, u64::from(steps.x) * u64::from(steps.y), "areas add up");
+        assert_eq!(
+            area,
+            u64::from(steps.x) * u64::from(steps.y),
+            "areas add up"
+        );
         let mut corners: Vec<_> = leaves.iter().map(|leaf| leaf.corner.to_array()).collect();
         corners.sort_unstable();
         corners.dedup();
@@ -44,10 +54,16 @@ fn neighbours_differ_by_one_level_at_most() {
         let steps = lattice.steps();
         let border = |corner: u32| {
             let at = cover.corners[corner as usize];
-            let point = GroundPoint { cell: at.cell.into(), frac: at.frac.into() };
+            let point = GroundPoint {
+                cell: at.cell.into(),
+                frac: at.frac.into(),
+            };
             [DVec2::ZERO.as_uvec2(), steps].map(|lattice_corner| {
                 let limit = GroundPoint::new(lattice.position(lattice_corner));
-                [point.to_fixed()[0] == limit.to_fixed()[0], point.to_fixed()[1] == limit.to_fixed()[1]]
+                [
+                    point.to_fixed()[0] == limit.to_fixed()[0],
+                    point.to_fixed()[1] == limit.to_fixed()[1],
+                ]
             })
         };
         for edge in cover.edges.iter().filter(|edge| edge.patches[1] == NONE) {
@@ -72,7 +88,11 @@ fn looking_away_and_back_gives_the_same_patches() {
 fn outline(cover: &Cover, edge: &Edge, own: impl Fn(&Edge, u32) -> [i64; 2]) -> Vec<[i64; 2]> {
     let corner = |c: u32| {
         let corner = &cover.corners[c as usize];
-        GroundPoint { cell: corner.cell.into(), frac: corner.frac.into() }.to_fixed()
+        GroundPoint {
+            cell: corner.cell.into(),
+            frac: corner.frac.into(),
+        }
+        .to_fixed()
     };
     let mut points = vec![corner(edge.corners[0])];
     points.extend((1..edge.level).map(|i| own(edge, i)));
@@ -85,7 +105,10 @@ fn outline(cover: &Cover, edge: &Edge, own: impl Fn(&Edge, u32) -> [i64; 2]) -> 
 fn from_patch(cover: &Cover, patch: &Patch, edge: &Edge, i: u32) -> [i64; 2] {
     let point = |c: u32| {
         let corner = &cover.corners[c as usize];
-        GroundPoint { cell: corner.cell.into(), frac: corner.frac.into() }
+        GroundPoint {
+            cell: corner.cell.into(),
+            frac: corner.frac.into(),
+        }
     };
     let (low, high) = (point(patch.corners[0]), point(patch.corners[3]));
     let size = high.relative_to(low);
@@ -100,11 +123,15 @@ fn from_patch(cover: &Cover, patch: &Patch, edge: &Edge, i: u32) -> [i64; 2] {
 fn from_edge(cover: &Cover, edge: &Edge, i: u32) -> [i64; 2] {
     let point = |c: u32| {
         let corner = &cover.corners[c as usize];
-        GroundPoint { cell: corner.cell.into(), frac: corner.frac.into() }
+        GroundPoint {
+            cell: corner.cell.into(),
+            frac: corner.frac.into(),
+        }
     };
     let [from, to] = edge.corners.map(point);
     let length = to.relative_to(from);
-    from.offset((length * (i as f32 / edge.level as f32)).as_dvec2()).to_fixed()
+    from.offset((length * (i as f32 / edge.level as f32)).as_dvec2())
+        .to_fixed()
 }
 
 /// Positions that the two patches beside an edge give to its vertices, and where they differ.
@@ -115,9 +142,18 @@ fn mismatches(cover: &Cover, shared: bool) -> usize {
             let [left, right] = edge.patches.map(|id| {
                 let patch = &cover.patches[id as usize];
                 // The patch must know this very edge as a piece of one of its sides.
-                assert!(patch.edges.iter().any(|e| *e != NONE && cover.edges[*e as usize].corners == edge.corners));
+                assert!(
+                    patch
+                        .edges
+                        .iter()
+                        .any(|e| *e != NONE && cover.edges[*e as usize].corners == edge.corners)
+                );
                 outline(cover, edge, |edge, i| {
-                    if shared { from_edge(cover, edge, i) } else { from_patch(cover, patch, edge, i) }
+                    if shared {
+                        from_edge(cover, edge, i)
+                    } else {
+                        from_patch(cover, patch, edge, i)
+                    }
                 })
             });
             left.iter().zip(&right).filter(|(a, b)| a != b).count()
@@ -143,7 +179,10 @@ fn ten_thousand_cameras_and_level_sets_share_every_edge_bit_for_bit() {
         edges += cover.edges.len();
         assert_eq!(mismatches(&cover, true), 0);
     }
-    assert!(edges > 100_000, "{edges} edges are enough to mean something");
+    assert!(
+        edges > 100_000,
+        "{edges} edges are enough to mean something"
+    );
 }
 
 #[test]
@@ -162,7 +201,10 @@ fn edges_without_an_owner_would_crack() {
         twin::plan(&mut cover, &params);
         found += mismatches(&cover, false);
     }
-    assert!(found > 0, "computing an edge from each patch's own corner must differ somewhere");
+    assert!(
+        found > 0,
+        "computing an edge from each patch's own corner must differ somewhere"
+    );
 }
 
 #[test]
@@ -176,7 +218,11 @@ fn meshes_of_random_cameras_have_no_crack() {
         let mesh = twin::emit(&cover, &params, &terrain, &result);
         assert_eq!(mesh.vertices.len(), result.vertices as usize);
         assert_eq!(mesh.indices.len(), result.triangles as usize * 3);
-        assert_eq!(cracks(&cover, &mesh.vertices, &mesh.indices), Some(0), "round {round}");
+        assert_eq!(
+            cracks(&cover, &mesh.vertices, &mesh.indices),
+            Some(0),
+            "round {round}"
+        );
     }
 }
 
@@ -231,7 +277,10 @@ fn small_pools_lower_all_levels_and_are_never_overrun() {
     let full = twin::plan(&mut cover, &params);
     params.max_vertices = full.vertices / 3;
     let less = twin::plan(&mut cover, &params);
-    assert!(less.lowered > 0 && less.vertices <= params.max_vertices, "{less:?}");
+    assert!(
+        less.lowered > 0 && less.vertices <= params.max_vertices,
+        "{less:?}"
+    );
     params.max_vertices = 10;
     let none = twin::plan(&mut cover, &params);
     assert_eq!(none.indexed[0], 0, "what cannot fit is not drawn");

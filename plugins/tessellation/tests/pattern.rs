@@ -12,7 +12,10 @@ struct Random(u64);
 
 impl Random {
     fn below(&mut self, limit: u32) -> u32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) as u32) % limit
     }
 }
@@ -49,7 +52,9 @@ fn canonical(sides: [Side; 4], vertex: PatchVertex) -> PatchVertex {
         PatchVertex::Outer(2, 0) => PatchVertex::Outer(0, 0),
         PatchVertex::Outer(2, i) if i == sides[2].level() => PatchVertex::Outer(1, 0),
         PatchVertex::Outer(3, 0) => PatchVertex::Outer(0, sides[0].level()),
-        PatchVertex::Outer(3, i) if i == sides[3].level() => PatchVertex::Outer(1, sides[1].level()),
+        PatchVertex::Outer(3, i) if i == sides[3].level() => {
+            PatchVertex::Outer(1, sides[1].level())
+        }
         other => other,
     }
 }
@@ -90,15 +95,26 @@ fn check(sides: [Side; 4], drop_last: bool) -> Result<(), String> {
     if half_edges.values().any(|&count| count != 1) {
         return Err("a directed edge belongs to two triangles".into());
     }
-    let border: Vec<_> = half_edges.keys().filter(|(a, b)| !half_edges.contains_key(&(*b, *a))).collect();
+    let border: Vec<_> = half_edges
+        .keys()
+        .filter(|(a, b)| !half_edges.contains_key(&(*b, *a)))
+        .collect();
     let outline: u32 = sides.iter().map(|side| side.level()).sum();
     if border.len() as u32 != outline {
-        return Err(format!("border of {} edges, outline of {outline}", border.len()));
+        return Err(format!(
+            "border of {} edges, outline of {outline}",
+            border.len()
+        ));
     }
     if border.iter().any(|(a, b)| a[0] == 4 || b[0] == 4) {
         return Err("an inner vertex lies on the border".into());
     }
-    let vertices = outline + if inner[0] == 1 { 0 } else { inner_vertices(inner) };
+    let vertices = outline
+        + if inner[0] == 1 {
+            0
+        } else {
+            inner_vertices(inner)
+        };
     if used.len() as u32 != vertices {
         return Err(format!("{} of {vertices} vertices are used", used.len()));
     }
@@ -129,7 +145,11 @@ fn random_large_patches_are_exact_covers() {
     for _ in 0..60 {
         let sides = [(); 4].map(|()| Side {
             first: 1 + random.below(64),
-            second: if random.below(2) == 0 { 0 } else { 1 + random.below(64) },
+            second: if random.below(2) == 0 {
+                0
+            } else {
+                1 + random.below(64)
+            },
         });
         check(sides, false).unwrap_or_else(|error| panic!("{sides:?}: {error}"));
     }
@@ -137,12 +157,18 @@ fn random_large_patches_are_exact_covers() {
 
 #[test]
 fn the_check_sees_a_missing_triangle() {
-    let sides = [Side { first: 5, second: 0 }; 4];
+    let sides = [Side {
+        first: 5,
+        second: 0,
+    }; 4];
     assert!(check(sides, true).is_err());
 }
 
 #[test]
 fn counts_at_the_highest_level_are_those_of_opengl() {
-    let sides = [Side { first: 64, second: 0 }; 4];
+    let sides = [Side {
+        first: 64,
+        second: 0,
+    }; 4];
     assert_eq!(triangle_count(sides, inner_levels(sides)), 8192);
 }

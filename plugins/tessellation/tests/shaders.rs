@@ -14,11 +14,17 @@ fn composed(path: &str) -> Module {
 fn wgsl_struct(module: &Module, name: &str) -> (u32, Vec<(String, u32)>) {
     let found = module.types.iter().find_map(|(_, ty)| {
         // Composition decorates the names of imported types.
-        let matches = ty.name.as_deref().is_some_and(|full| full.starts_with(name));
+        let matches = ty
+            .name
+            .as_deref()
+            .is_some_and(|full| full.starts_with(name));
         match &ty.inner {
             TypeInner::Struct { members, span } if matches => Some((
                 *span,
-                members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(),
+                members
+                    .iter()
+                    .map(|m| (m.name.clone().unwrap_or_default(), m.offset))
+                    .collect(),
             )),
             _ => None,
         }
@@ -41,11 +47,18 @@ macro_rules! same_layout {
 
 #[test]
 fn compute_shaders_are_valid() {
-    for path in ["tessellation/levels.wgsl", "tessellation/plan.wgsl", "tessellation/emit.wgsl"] {
+    for path in [
+        "tessellation/levels.wgsl",
+        "tessellation/plan.wgsl",
+        "tessellation/emit.wgsl",
+    ] {
         let module = composed(path);
-        Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
-            .validate(&module)
-            .unwrap_or_else(|error| panic!("{path}: {error:?}"));
+        Validator::new(
+            ValidationFlags::all(),
+            Capabilities::SHADER_FLOAT16_IN_FLOAT32,
+        )
+        .validate(&module)
+        .unwrap_or_else(|error| panic!("{path}: {error:?}"));
         assert_eq!(module.entry_points.len(), 1, "{path}");
         // WebGPU's default limits.
         let storage = module
@@ -54,21 +67,84 @@ fn compute_shaders_are_valid() {
             .filter(|(_, v)| matches!(v.space, naga::AddressSpace::Storage { .. }))
             .count();
         assert!(storage <= 8, "{path} binds {storage} storage buffers");
-        assert!(module.entry_points[0].workgroup_size.iter().product::<u32>() <= 256, "{path}");
+        assert!(
+            module.entry_points[0]
+                .workgroup_size
+                .iter()
+                .product::<u32>()
+                <= 256,
+            "{path}"
+        );
     }
 }
 
 #[test]
 fn records_lie_as_in_rust() {
     let plan = composed("tessellation/plan.wgsl");
-    same_layout!(&plan, Corner { cell, frac, patches, vertex, pad });
-    same_layout!(&plan, Edge { corners, patches, wanted, level, vertex, pad });
-    same_layout!(&plan, Patch { corners, edges, min_height, max_height, visible, vertex, triangle, inner, pad });
-    same_layout!(&plan, ViewParams {
-        planes, sweep, eye, segments_per_radian, anchor, corner_count, edge_count, patch_count,
-        max_vertices, max_triangles, sea_level,
-    });
-    same_layout!(&plan, PlanResult { indexed, plain, vertices, triangles, drawn, culled, lowered, pad });
+    same_layout!(
+        &plan,
+        Corner {
+            cell,
+            frac,
+            patches,
+            vertex,
+            pad
+        }
+    );
+    same_layout!(
+        &plan,
+        Edge {
+            corners,
+            patches,
+            wanted,
+            level,
+            vertex,
+            pad
+        }
+    );
+    same_layout!(
+        &plan,
+        Patch {
+            corners,
+            edges,
+            min_height,
+            max_height,
+            visible,
+            vertex,
+            triangle,
+            inner,
+            pad
+        }
+    );
+    same_layout!(
+        &plan,
+        ViewParams {
+            planes,
+            sweep,
+            eye,
+            segments_per_radian,
+            anchor,
+            corner_count,
+            edge_count,
+            patch_count,
+            max_vertices,
+            max_triangles,
+            sea_level,
+        }
+    );
+    same_layout!(
+        &plan,
+        PlanResult {
+            indexed,
+            plain,
+            vertices,
+            triangles,
+            drawn,
+            culled,
+            lowered,
+            pad
+        }
+    );
 }
 
 #[test]
@@ -86,9 +162,30 @@ fn a_changed_struct_is_seen() {
 fn draw_parameters_lie_as_in_rust() {
     use dolomite_tessellation::render::DrawParams;
     let draw = composed("tessellation/draw.wgsl");
-    same_layout!(&draw, DrawParams {
-        clip_from_anchor, previous_clip_from_anchor, camera, time, anchor, near_offset, far_offset,
-        viewport, sea_level, tile, sand_top, tree_line, snow_line, blend, rock_slope, snow_slope,
-        flags, relief_texel, relief_offset, relief_scale, pad,
-    });
+    same_layout!(
+        &draw,
+        DrawParams {
+            clip_from_anchor,
+            previous_clip_from_anchor,
+            camera,
+            time,
+            anchor,
+            near_offset,
+            far_offset,
+            viewport,
+            sea_level,
+            tile,
+            sand_top,
+            tree_line,
+            snow_line,
+            blend,
+            rock_slope,
+            snow_slope,
+            flags,
+            relief_texel,
+            relief_offset,
+            relief_scale,
+            pad,
+        }
+    );
 }

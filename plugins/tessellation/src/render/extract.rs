@@ -8,9 +8,9 @@ use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
 use dolomite_terrain::{GpuTerrain, Terrain};
 
+use super::relief::TerrainRelief;
 use crate::cover::{Cover, clamped};
 use crate::plugin::TerrainCover;
-use super::relief::TerrainRelief;
 use crate::settings::{TerrainMaterial, TerrainView};
 
 /// The terrain that is drawn, if any.
@@ -46,7 +46,14 @@ pub struct ExtractedTerrainView {
 
 pub fn terrain(
     mut extracted: ResMut<ExtractedTerrain>,
-    terrains: Extract<Query<(Entity, Ref<Terrain>, &TerrainMaterial, Option<&TerrainRelief>)>>,
+    terrains: Extract<
+        Query<(
+            Entity,
+            Ref<Terrain>,
+            &TerrainMaterial,
+            Option<&TerrainRelief>,
+        )>,
+    >,
     lights: Extract<Query<(&DirectionalLight, &GlobalTransform)>>,
     time: Extract<Res<Time>>,
 ) {
@@ -60,7 +67,10 @@ pub fn terrain(
         extracted.current = None;
         return;
     };
-    let known = extracted.current.as_ref().is_some_and(|current| current.entity == entity);
+    let known = extracted
+        .current
+        .as_ref()
+        .is_some_and(|current| current.entity == entity);
     if known && !terrain.is_changed() {
         if let Some(current) = &mut extracted.current {
             current.material = material.clone();
@@ -88,7 +98,10 @@ pub fn views(
     mut removed: Extract<RemovedComponents<TerrainView>>,
     entities: Extract<Query<RenderEntity>>,
 ) {
-    for entity in removed.read().filter_map(|entity| entities.get(entity).ok()) {
+    for entity in removed
+        .read()
+        .filter_map(|entity| entities.get(entity).ok())
+    {
         if let Ok(mut entity) = commands.get_entity(entity) {
             entity.remove::<ExtractedTerrainView>();
         }

@@ -6,7 +6,10 @@ use bytemuck::{Pod, Zeroable};
 /// What the draws of terrain know; see the WGSL file for units and meanings.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable, PartialEq)]
-#[allow(missing_docs, reason = "each field is documented once, in draw_types.wgsl")]
+#[expect(
+    missing_docs,
+    reason = "each field is documented once, in draw_types.wgsl"
+)]
 pub struct DrawParams {
     pub clip_from_anchor: [[f32; 4]; 4],
     pub previous_clip_from_anchor: [[f32; 4]; 4],

@@ -35,7 +35,10 @@ pub(crate) fn build(app: &mut App) {
     let shared = readback::SharedStats::default();
     app.insert_resource(shared.clone())
         .add_systems(PreUpdate, readback::publish)
-        .add_systems(Update, (texture::make_arrays, relief::start, relief::finish).chain());
+        .add_systems(
+            Update,
+            (texture::make_arrays, relief::start, relief::finish).chain(),
+        );
     readback::register(app);
     let shaders = pipeline::load_shaders(app);
     let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -74,4 +77,31 @@ pub(crate) fn build(app: &mut App) {
                     .before(per_view_shadow_pass::<EARLY_SHADOW_PASS>),
             ),
         );
+}
+
+/// What the plugin holds on the GPU.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Census {
+    /// Pipelines queued.
+    pub pipelines: usize,
+    /// Buffers of the terrain and of all views.
+    pub buffers: usize,
+    /// Views that record passes.
+    pub views: usize,
+}
+
+/// Counts what the plugin holds in a render world: all 0 as long as no camera has a
+/// [`TerrainView`](crate::TerrainView) or the world no terrain.
+pub fn census(render_world: &World) -> Census {
+    let views = render_world
+        .get_resource::<TerrainViews>()
+        .map_or(0, |views| views.0.len());
+    let terrain = render_world.get_resource::<prepare::TerrainBuffers>();
+    Census {
+        pipelines: render_world
+            .get_resource::<pipeline::Pipelines>()
+            .map_or(0, |found| found.count()),
+        buffers: terrain.map_or(0, prepare::TerrainBuffers::count) + views * prepare::VIEW_BUFFERS,
+        views,
+    }
 }

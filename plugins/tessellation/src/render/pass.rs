@@ -31,14 +31,17 @@ pub fn tessellate(
     stats: Res<SharedStats>,
     mut ctx: RenderContext,
 ) {
-    let Some(state) = states.0.get_mut(&view.into_inner()) else { return };
+    let Some(state) = states.0.get_mut(&view.into_inner()) else {
+        return;
+    };
     if state.settled {
         if state.counters.is_waiting() {
             state.counters.copy(ctx.command_encoder(), &state.result);
         }
         return;
     }
-    let (Some(groups), Some(pipelines), Some(heights)) = (&state.groups, pipelines, &terrain.group) else {
+    let (Some(groups), Some(pipelines), Some(heights)) = (&state.groups, pipelines, &terrain.group)
+    else {
         return;
     };
     let (Some(levels), Some(plan), Some(emit)) = (
@@ -54,11 +57,24 @@ pub fn tessellate(
     let [items, workgroups] = state.counts;
     let columns = workgroups.min(EMIT_COLUMNS);
     for (name, pipeline, group, size) in [
-        ("terrain_levels", levels, &groups.levels, [items.div_ceil(64), 1]),
+        (
+            "terrain_levels",
+            levels,
+            &groups.levels,
+            [items.div_ceil(64), 1],
+        ),
         ("terrain_plan", plan, &groups.plan, [1, 1]),
-        ("terrain_emit", emit, &groups.emit, [columns, workgroups.div_ceil(EMIT_COLUMNS)]),
+        (
+            "terrain_emit",
+            emit,
+            &groups.emit,
+            [columns, workgroups.div_ceil(EMIT_COLUMNS)],
+        ),
     ] {
-        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor { label: Some(name), ..default() });
+        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+            label: Some(name),
+            ..default()
+        });
         let span = recorder.pass_span(&mut pass, name);
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, group, &[]);
@@ -86,15 +102,32 @@ pub fn draw_gbuffer(
     mut ctx: RenderContext,
 ) {
     let (entity, prepass, depth) = view.into_inner();
-    let Some((state, material)) = states.0.get(&entity).zip(terrain.material.as_ref()) else { return };
-    let Some(groups) = state.groups.as_ref().filter(|_| state.filled && state.visible) else { return };
-    let Some(pipeline) = state.pipeline.and_then(|id| cache.get_render_pipeline(id)) else { return };
-    let (Some(deferred), Some(pass_id)) = (&prepass.deferred, &prepass.deferred_lighting_pass_id) else {
+    let Some((state, material)) = states.0.get(&entity).zip(terrain.material.as_ref()) else {
+        return;
+    };
+    let Some(groups) = state
+        .groups
+        .as_ref()
+        .filter(|_| state.filled && state.visible)
+    else {
+        return;
+    };
+    let Some(pipeline) = state.pipeline.and_then(|id| cache.get_render_pipeline(id)) else {
+        return;
+    };
+    let (Some(deferred), Some(pass_id)) = (&prepass.deferred, &prepass.deferred_lighting_pass_id)
+    else {
         return;
     };
     let attachments = [
-        prepass.normal.as_ref().map(|texture| texture.get_attachment()),
-        prepass.motion_vectors.as_ref().map(|texture| texture.get_attachment()),
+        prepass
+            .normal
+            .as_ref()
+            .map(|texture| texture.get_attachment()),
+        prepass
+            .motion_vectors
+            .as_ref()
+            .map(|texture| texture.get_attachment()),
         Some(deferred.get_attachment()),
         Some(pass_id.get_attachment()),
     ];
@@ -131,14 +164,25 @@ pub fn draw_shadows(
     cache: Res<PipelineCache>,
     mut ctx: RenderContext,
 ) {
-    let Some(state) = states.0.get(&view.into_inner()) else { return };
+    let Some(state) = states.0.get(&view.into_inner()) else {
+        return;
+    };
     let drawn = |state: &&ViewState| state.filled && state.visible && !state.shadows.is_empty();
-    let Some(groups) = Some(state).filter(drawn).and_then(|state| state.groups.as_ref()) else { return };
-    let Some(pipeline) = pipelines.and_then(|pipelines| cache.get_render_pipeline(pipelines.shadow)) else {
+    let Some(groups) = Some(state)
+        .filter(drawn)
+        .and_then(|state| state.groups.as_ref())
+    else {
+        return;
+    };
+    let Some(pipeline) =
+        pipelines.and_then(|pipelines| cache.get_render_pipeline(pipelines.shadow))
+    else {
         return;
     };
     for (light, offset) in &state.shadows {
-        let Ok(shadow) = shadow_views.get(*light) else { continue };
+        let Ok(shadow) = shadow_views.get(*light) else {
+            continue;
+        };
         let recorder = ctx.diagnostic_recorder();
         let recorder = recorder.as_deref();
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {

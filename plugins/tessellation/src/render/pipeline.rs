@@ -108,7 +108,10 @@ impl Pipelines {
         );
         let plan_layout = BindGroupLayoutDescriptor::new(
             "terrain_plan",
-            &BindGroupLayoutEntries::sequential(compute, (view(), write(), write(), write(), write())),
+            &BindGroupLayoutEntries::sequential(
+                compute,
+                (view(), write(), write(), write(), write()),
+            ),
         );
         let emit_layout = BindGroupLayoutDescriptor::new(
             "terrain_emit",
@@ -159,9 +162,17 @@ impl Pipelines {
                 ..default()
             })
         };
-        let levels = pass("levels", &shaders.levels, vec![levels_layout.clone(), terrain_layout.clone()]);
+        let levels = pass(
+            "levels",
+            &shaders.levels,
+            vec![levels_layout.clone(), terrain_layout.clone()],
+        );
         let plan = pass("plan", &shaders.plan, vec![plan_layout.clone()]);
-        let emit = pass("emit", &shaders.emit, vec![emit_layout.clone(), terrain_layout.clone()]);
+        let emit = pass(
+            "emit",
+            &shaders.emit,
+            vec![emit_layout.clone(), terrain_layout.clone()],
+        );
         let shadow = cache.queue_render_pipeline(RenderPipelineDescriptor {
             label: Some("terrain_shadow".into()),
             layout: vec![draw_layout.clone()],
@@ -172,7 +183,10 @@ impl Pipelines {
                 buffers: Vec::new(),
             },
             // Both sides: the sun may stand behind a slope's back.
-            primitive: PrimitiveState { cull_mode: None, ..default() },
+            primitive: PrimitiveState {
+                cull_mode: None,
+                ..default()
+            },
             depth_stencil: Some(depth(CompareFunction::GreaterEqual)),
             ..default()
         });
@@ -193,7 +207,12 @@ impl Pipelines {
     }
 
     /// The G-buffer pipeline for `key`, queued on first use.
-    pub fn draw(&mut self, cache: &PipelineCache, shaders: &Shaders, key: DrawKey) -> CachedRenderPipelineId {
+    pub fn draw(
+        &mut self,
+        cache: &PipelineCache,
+        shaders: &Shaders,
+        key: DrawKey,
+    ) -> CachedRenderPipelineId {
         if let Some((_, id)) = self.draw.iter().find(|(known, _)| *known == key) {
             return *id;
         }
@@ -208,9 +227,17 @@ impl Pipelines {
             }
         }
         let target = |format: TextureFormat| {
-            Some(ColorTargetState { format, blend: None, write_mask: ColorWrites::ALL })
+            Some(ColorTargetState {
+                format,
+                blend: None,
+                write_mask: ColorWrites::ALL,
+            })
         };
-        let view = if key.lines { &self.line_layout } else { &self.draw_layout };
+        let view = if key.lines {
+            &self.line_layout
+        } else {
+            &self.draw_layout
+        };
         let id = cache.queue_render_pipeline(RenderPipelineDescriptor {
             label: Some("terrain_gbuffer".into()),
             layout: vec![view.clone(), self.material_layout.clone()],
@@ -226,7 +253,9 @@ impl Pipelines {
                 entry_point: Some("fragment".into()),
                 targets: vec![
                     key.normals.then(|| target(NORMAL_PREPASS_FORMAT)).flatten(),
-                    key.motion.then(|| target(MOTION_VECTOR_PREPASS_FORMAT)).flatten(),
+                    key.motion
+                        .then(|| target(MOTION_VECTOR_PREPASS_FORMAT))
+                        .flatten(),
                     target(DEFERRED_PREPASS_FORMAT),
                     target(DEFERRED_LIGHTING_PASS_ID_FORMAT),
                 ],

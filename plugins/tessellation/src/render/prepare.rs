@@ -4,16 +4,16 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use bevy::core_pipeline::prepass::ViewPrepassTextures;
 use bevy::math::{DAffine3, DMat4, DVec2, DVec3, DVec4};
 use bevy::pbr::{ShadowView, ViewLightEntities};
-use bevy::core_pipeline::prepass::ViewPrepassTextures;
 use bevy::prelude::*;
 use bevy::render::camera::TemporalJitter;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::{
-    AddressMode, BindGroup, BindGroupEntries, Buffer, BufferBinding, BufferDescriptor, BufferInitDescriptor,
-    BufferUsages, CachedRenderPipelineId, FilterMode, MipmapFilterMode, PipelineCache,
-    SamplerDescriptor,
+    AddressMode, BindGroup, BindGroupEntries, Buffer, BufferBinding, BufferDescriptor,
+    BufferInitDescriptor, BufferUsages, CachedRenderPipelineId, FilterMode, MipmapFilterMode,
+    PipelineCache, SamplerDescriptor,
 };
 use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
 use bevy::render::texture::{FallbackImage, GpuImage};
@@ -45,6 +45,19 @@ pub struct TerrainBuffers {
     pub material: Option<BindGroup>,
     material_images: Vec<AssetId<Image>>,
 }
+
+impl TerrainBuffers {
+    /// Buffers that exist.
+    pub fn count(&self) -> usize {
+        [&self.layers, &self.data, &self.uniform]
+            .into_iter()
+            .flatten()
+            .count()
+    }
+}
+
+/// Buffers of one view: three of records, uniform, vertices, indices, result, draws, counters.
+pub const VIEW_BUFFERS: usize = 9;
 
 /// State of every view that tessellates, by render-world entity.
 #[derive(Resource, Default)]
@@ -104,7 +117,11 @@ pub fn terrain(
     }
     let storage = |label, contents: &[u8]| {
         // A binding may not be empty.
-        let contents = if contents.is_empty() { &[0; 256] } else { contents };
+        let contents = if contents.is_empty() {
+            &[0; 256]
+        } else {
+            contents
+        };
         device.create_buffer_with_data(&BufferInitDescriptor {
             label: Some(label),
             contents,
@@ -112,8 +129,14 @@ pub fn terrain(
         })
     };
     buffers.version = extracted.version;
-    buffers.layers = Some(storage("terrain_layers", bytemuck::cast_slice(&terrain.gpu.layers)));
-    buffers.data = Some(storage("terrain_data", bytemuck::cast_slice(&terrain.gpu.data)));
+    buffers.layers = Some(storage(
+        "terrain_layers",
+        bytemuck::cast_slice(&terrain.gpu.layers),
+    ));
+    buffers.data = Some(storage(
+        "terrain_data",
+        bytemuck::cast_slice(&terrain.gpu.data),
+    ));
     buffers.uniform = Some(device.create_buffer_with_data(&BufferInitDescriptor {
         label: Some("terrain_uniform"),
         contents: bytemuck::bytes_of(&terrain.gpu.uniform),
@@ -132,7 +155,10 @@ type ViewItem<'a> = (
 );
 
 /// Writes each view's uniforms, and unsettles the views whose key changed.
-#[expect(clippy::too_many_arguments, reason = "a system's arguments are what it reads")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a system's arguments are what it reads"
+)]
 pub fn views(
     extracted: Res<ExtractedTerrain>,
     mut states: ResMut<TerrainViews>,
@@ -157,7 +183,10 @@ pub fn views(
         }
         let camera = Camera::new(view, jitter);
         let params = view_params(view, &camera, settings, terrain, extracted.sun);
-        let state = states.0.entry(entity).or_insert_with(|| ViewState::new(&device, &settings.settings, &settings.cover));
+        let state = states
+            .0
+            .entry(entity)
+            .or_insert_with(|| ViewState::new(&device, &settings.settings, &settings.cover));
         state.update(&device, &queue, settings, &params, extracted.version);
         state.visible = fill || lines;
         state.lines = lines;
@@ -172,19 +201,29 @@ pub fn views(
         let anchor = DVec2::new(f64::from(params.anchor[0]), f64::from(params.anchor[1]));
         let mut main = draw_params(terrain, &camera, anchor, view, extracted.time);
         main.flags = u32::from(fill) * FILL + u32::from(lines) * LINES;
-        let before = state.previous_clip_from_world.unwrap_or(camera.clip_from_world);
+        let before = state
+            .previous_clip_from_world
+            .unwrap_or(camera.clip_from_world);
         main.previous_clip_from_anchor = from_anchor(before, anchor);
         state.previous_clip_from_world = Some(camera.clip_from_world);
         queue.write_buffer(&state.draw, 0, bytemuck::bytes_of(&main));
         state.shadows.clear();
-        for light in lights.into_iter().flat_map(|lights| lights.lights.iter().copied()) {
+        for light in lights
+            .into_iter()
+            .flat_map(|lights| lights.lights.iter().copied())
+        {
             let slot = state.shadows.len() as u64 + 1;
-            let Ok(shadow) = shadow_views.get(light) else { continue };
+            let Ok(shadow) = shadow_views.get(light) else {
+                continue;
+            };
             if slot > SHADOW_SLOTS {
                 break;
             }
             let clip = Camera::new(shadow, None).clip_from_world;
-            let params = DrawParams { clip_from_anchor: from_anchor(clip, anchor), ..main };
+            let params = DrawParams {
+                clip_from_anchor: from_anchor(clip, anchor),
+                ..main
+            };
             queue.write_buffer(&state.draw, slot * DRAW_SLOT, bytemuck::bytes_of(&params));
             state.shadows.push((light, (slot * DRAW_SLOT) as u32));
         }
@@ -212,7 +251,10 @@ impl Camera {
         if let Some(jitter) = jitter {
             jitter.jitter_projection(&mut clip_from_view, view.viewport.zw().as_vec2());
         }
-        let given = view.clip_from_world.filter(|_| jitter.is_none()).map(|clip| clip.as_dmat4());
+        let given = view
+            .clip_from_world
+            .filter(|_| jitter.is_none())
+            .map(|clip| clip.as_dmat4());
         Self {
             position: world_from_view.translation,
             clip_from_world: given.unwrap_or(clip_from_view.as_dmat4() * view_from_world),
@@ -243,7 +285,9 @@ fn view_params(
     // Inside: -w <= x <= w, -w <= y <= w, 0 <= z <= w (Gribb and Hartmann, 2001).
     let planes = [w + x, w - x, w + y, w - y, w - z, z].map(|plane: DVec4| {
         let length = plane.truncate().length();
-        (if length > 0.0 { plane / length } else { plane }).as_vec4().to_array()
+        (if length > 0.0 { plane / length } else { plane })
+            .as_vec4()
+            .to_array()
     });
     // Half the height of the picture in pixels over the tangent of half the field of view.
     let focal = 0.5 * view.viewport.w as f32 * view.clip_from_view.y_axis.y;
@@ -254,15 +298,20 @@ fn view_params(
         sun * ((high - low).max(0.0) / (-sun.y).max(0.05))
     });
     let eye = (settings.focus - DVec3::new(anchor.x, 0.0, anchor.y)).as_vec3();
-    let anchor = anchor.clamp(DVec2::splat(-2e9), DVec2::splat(2e9)).as_ivec2();
+    let anchor = anchor
+        .clamp(DVec2::splat(-2e9), DVec2::splat(2e9))
+        .as_ivec2();
     ViewParams {
         planes,
         sweep: sweep.extend(0.0).to_array(),
         eye: eye.to_array(),
         // An orthographic picture has the same detail at any distance: as seen from a height of
         // one picture.
-        segments_per_radian: if orthographic { view.viewport.w as f32 } else { focal }
-            / settings.settings.pixels_per_edge,
+        segments_per_radian: if orthographic {
+            view.viewport.w as f32
+        } else {
+            focal
+        } / settings.settings.pixels_per_edge,
         anchor: anchor.to_array(),
         corner_count: settings.cover.corners.len() as u32,
         edge_count: settings.cover.edges.len() as u32,
@@ -273,17 +322,30 @@ fn view_params(
     }
 }
 
-fn draw_params(terrain: &TerrainData, camera: &Camera, anchor: DVec2, view: &ExtractedView, time: f32) -> DrawParams {
+fn draw_params(
+    terrain: &TerrainData,
+    camera: &Camera,
+    anchor: DVec2,
+    view: &ExtractedView,
+    time: f32,
+) -> DrawParams {
     let tile = f64::from(terrain.material.tile).clamp(0.01, 10_000.0);
-    let offset = |tile: f64| (anchor / tile - (anchor / tile).floor()).as_vec2().to_array();
+    let offset = |tile: f64| {
+        (anchor / tile - (anchor / tile).floor())
+            .as_vec2()
+            .to_array()
+    };
     let bands = terrain.material.bands;
     let relief = terrain.relief.as_ref();
-    let relief_scale =
-        relief.map_or(0.0, |relief| 1.0 / (f64::from(relief.texel) * f64::from(RELIEF_SIDE)));
+    let relief_scale = relief.map_or(0.0, |relief| {
+        1.0 / (f64::from(relief.texel) * f64::from(RELIEF_SIDE))
+    });
     DrawParams {
         clip_from_anchor: from_anchor(camera.clip_from_world, anchor),
         previous_clip_from_anchor: [[0.0; 4]; 4],
-        camera: (camera.position - DVec3::new(anchor.x, 0.0, anchor.y)).as_vec3().to_array(),
+        camera: (camera.position - DVec3::new(anchor.x, 0.0, anchor.y))
+            .as_vec3()
+            .to_array(),
         time,
         anchor: anchor.as_vec2().to_array(),
         near_offset: offset(tile),
@@ -299,7 +361,9 @@ fn draw_params(terrain: &TerrainData, camera: &Camera, anchor: DVec2, view: &Ext
         snow_slope: bands.snow_slope,
         flags: 0,
         relief_texel: relief.map_or(0.0, |relief| relief.texel),
-        relief_offset: ((anchor - terrain.extent_min) * relief_scale).as_vec2().to_array(),
+        relief_offset: ((anchor - terrain.extent_min) * relief_scale)
+            .as_vec2()
+            .to_array(),
         relief_scale: [relief_scale as f32; 2],
         pad: [0.0; 2],
     }
@@ -308,7 +372,12 @@ fn draw_params(terrain: &TerrainData, camera: &Camera, anchor: DVec2, view: &Ext
 impl ViewState {
     fn new(device: &RenderDevice, settings: &TerrainView, cover: &Arc<Cover>) -> Self {
         let buffer = |label, size: u64, usage| {
-            device.create_buffer(&BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+            device.create_buffer(&BufferDescriptor {
+                label: Some(label),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
         };
         let storage = BufferUsages::STORAGE;
         Self {
@@ -323,8 +392,16 @@ impl ViewState {
             visible: true,
             pipeline: None,
             shadows: Vec::new(),
-            vertices: buffer("terrain_vertices", u64::from(settings.max_vertices) * 16, storage | BufferUsages::COPY_SRC),
-            indices: buffer("terrain_indices", u64::from(settings.max_triangles) * 12, storage | BufferUsages::INDEX | BufferUsages::COPY_SRC),
+            vertices: buffer(
+                "terrain_vertices",
+                u64::from(settings.max_vertices) * 16,
+                storage | BufferUsages::COPY_SRC,
+            ),
+            indices: buffer(
+                "terrain_indices",
+                u64::from(settings.max_triangles) * 12,
+                storage | BufferUsages::INDEX | BufferUsages::COPY_SRC,
+            ),
             result: buffer(
                 "terrain_plan_result",
                 size_of::<PlanResult>() as u64,
@@ -333,8 +410,16 @@ impl ViewState {
             counters: Counters::new(device),
             groups: None,
             records: records(device, cover),
-            uniform: buffer("terrain_view", size_of::<ViewParams>() as u64, BufferUsages::UNIFORM | BufferUsages::COPY_DST),
-            draw: buffer("terrain_draw", DRAW_SLOT * (SHADOW_SLOTS + 1), BufferUsages::UNIFORM | BufferUsages::COPY_DST),
+            uniform: buffer(
+                "terrain_view",
+                size_of::<ViewParams>() as u64,
+                BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            ),
+            draw: buffer(
+                "terrain_draw",
+                DRAW_SLOT * (SHADOW_SLOTS + 1),
+                BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            ),
         }
     }
 
@@ -347,48 +432,79 @@ impl ViewState {
         params: &ViewParams,
         terrain_version: u64,
     ) {
-        let pools = [settings.settings.max_vertices, settings.settings.max_triangles];
-        if pools != [self.params.max_vertices, self.params.max_triangles] && self.params.max_vertices != 0 {
+        let pools = [
+            settings.settings.max_vertices,
+            settings.settings.max_triangles,
+        ];
+        if pools != [self.params.max_vertices, self.params.max_triangles]
+            && self.params.max_vertices != 0
+        {
             *self = Self::new(device, &settings.settings, &settings.cover);
         }
         let same_cover = Arc::ptr_eq(&self.cover, &settings.cover);
         if !same_cover {
-            let counts = |cover: &Cover| [cover.corners.len(), cover.edges.len(), cover.patches.len()];
+            let counts =
+                |cover: &Cover| [cover.corners.len(), cover.edges.len(), cover.patches.len()];
             if self.fits(counts(&settings.cover)) {
-                queue.write_buffer(&self.records[0], 0, bytemuck::cast_slice(&settings.cover.corners));
-                queue.write_buffer(&self.records[1], 0, bytemuck::cast_slice(&settings.cover.edges));
-                queue.write_buffer(&self.records[2], 0, bytemuck::cast_slice(&settings.cover.patches));
+                queue.write_buffer(
+                    &self.records[0],
+                    0,
+                    bytemuck::cast_slice(&settings.cover.corners),
+                );
+                queue.write_buffer(
+                    &self.records[1],
+                    0,
+                    bytemuck::cast_slice(&settings.cover.edges),
+                );
+                queue.write_buffer(
+                    &self.records[2],
+                    0,
+                    bytemuck::cast_slice(&settings.cover.patches),
+                );
             } else {
                 self.records = records(device, &settings.cover);
                 self.groups = None;
             }
             self.cover = settings.cover.clone();
         }
-        let unchanged = same_cover && self.params == *params && self.terrain_version == terrain_version;
+        let unchanged =
+            same_cover && self.params == *params && self.terrain_version == terrain_version;
         if !unchanged {
             self.settled = false;
             self.params = *params;
             self.terrain_version = terrain_version;
             queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(params));
-            let [corners, edges, patches] = [params.corner_count, params.edge_count, params.patch_count];
+            let [corners, edges, patches] =
+                [params.corner_count, params.edge_count, params.patch_count];
             self.counts = [edges.max(patches), patches + edges + corners.div_ceil(64)];
         }
     }
 
     fn fits(&self, [corners, edges, patches]: [usize; 3]) -> bool {
         let room = |buffer: &Buffer, size: usize| buffer.size() >= size as u64;
-        room(&self.records[0], corners * size_of::<crate::layout::Corner>())
-            && room(&self.records[1], edges * size_of::<crate::layout::Edge>())
-            && room(&self.records[2], patches * size_of::<crate::layout::Patch>())
+        room(
+            &self.records[0],
+            corners * size_of::<crate::layout::Corner>(),
+        ) && room(&self.records[1], edges * size_of::<crate::layout::Edge>())
+            && room(
+                &self.records[2],
+                patches * size_of::<crate::layout::Patch>(),
+            )
     }
 
     /// Bytes of GPU memory that this view holds.
     pub fn bytes(&self) -> u64 {
         self.records.iter().map(|buffer| buffer.size()).sum::<u64>()
-            + [&self.uniform, &self.vertices, &self.indices, &self.result, &self.draw]
-                .map(|buffer| buffer.size())
-                .iter()
-                .sum::<u64>()
+            + [
+                &self.uniform,
+                &self.vertices,
+                &self.indices,
+                &self.result,
+                &self.draw,
+            ]
+            .map(|buffer| buffer.size())
+            .iter()
+            .sum::<u64>()
     }
 }
 
@@ -396,14 +512,20 @@ impl ViewState {
 /// needs new ones.
 fn records(device: &RenderDevice, cover: &Cover) -> [Buffer; 3] {
     let make = |label, contents: &[u8]| {
-        let size = (contents.len() as u64 * 5 / 4).next_multiple_of(256).max(256);
+        let size = (contents.len() as u64 * 5 / 4)
+            .next_multiple_of(256)
+            .max(256);
         let buffer = device.create_buffer(&BufferDescriptor {
             label: Some(label),
             size,
             usage: BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
             mapped_at_creation: true,
         });
-        buffer.slice(..).get_mapped_range_mut().slice(..contents.len()).copy_from_slice(contents);
+        buffer
+            .slice(..)
+            .get_mapped_range_mut()
+            .slice(..contents.len())
+            .copy_from_slice(contents);
         buffer.unmap();
         buffer
     };
@@ -430,9 +552,12 @@ pub fn bind_groups(
         return;
     };
     let terrain = &mut *terrain;
-    if let (None, Some(layers), Some(values), Some(uniform)) =
-        (&terrain.group, &terrain.layers, &terrain.data, &terrain.uniform)
-    {
+    if let (None, Some(layers), Some(values), Some(uniform)) = (
+        &terrain.group,
+        &terrain.layers,
+        &terrain.data,
+        &terrain.uniform,
+    ) {
         terrain.group = Some(device.create_bind_group(
             "terrain_heights",
             &cache.get_bind_group_layout(&pipelines.terrain_layout),
@@ -443,14 +568,24 @@ pub fn bind_groups(
             )),
         ));
     }
-    let relief = data.relief.as_ref().and_then(|relief| images.get(&relief.image));
+    let relief = data
+        .relief
+        .as_ref()
+        .and_then(|relief| images.get(&relief.image));
     let albedo = images.get(&data.material.albedo_height);
     let normal = images.get(&data.material.normal_roughness);
     let is_array = |image: &&GpuImage| image.texture_descriptor.size.depth_or_array_layers > 1;
     match (albedo.filter(is_array), normal.filter(is_array)) {
         (Some(albedo), Some(normal)) => {
-            let mut ids = vec![data.material.albedo_height.id(), data.material.normal_roughness.id()];
-            ids.extend(relief.and(data.relief.as_ref()).map(|relief| relief.image.id()));
+            let mut ids = vec![
+                data.material.albedo_height.id(),
+                data.material.normal_roughness.id(),
+            ];
+            ids.extend(
+                relief
+                    .and(data.relief.as_ref())
+                    .map(|relief| relief.image.id()),
+            );
             if terrain.material.is_none() || terrain.material_images != ids {
                 let relief = relief.unwrap_or(&fallback.d2);
                 // A processor that draws pays for every tap in full.
@@ -483,7 +618,9 @@ pub fn bind_groups(
     }
     for state in states.0.values_mut().filter(|state| state.groups.is_none()) {
         let [corners, edges, patches] = &state.records;
-        let group = |name, layout, entries: &[_]| device.create_bind_group(name, &cache.get_bind_group_layout(layout), entries);
+        let group = |name, layout, entries: &[_]| {
+            device.create_bind_group(name, &cache.get_bind_group_layout(layout), entries)
+        };
         let draw = || {
             bevy::render::render_resource::BindingResource::Buffer(BufferBinding {
                 buffer: &state.draw,
@@ -493,23 +630,53 @@ pub fn bind_groups(
         };
         let view = || state.uniform.as_entire_binding();
         state.groups = Some(ViewGroups {
-            levels: group("terrain_levels", &pipelines.levels_layout, &BindGroupEntries::sequential((
-                view(), corners.as_entire_binding(), edges.as_entire_binding(), patches.as_entire_binding(),
-            ))),
-            plan: group("terrain_plan", &pipelines.plan_layout, &BindGroupEntries::sequential((
-                view(), corners.as_entire_binding(), edges.as_entire_binding(), patches.as_entire_binding(),
-                state.result.as_entire_binding(),
-            ))),
-            emit: group("terrain_emit", &pipelines.emit_layout, &BindGroupEntries::sequential((
-                view(), corners.as_entire_binding(), edges.as_entire_binding(), patches.as_entire_binding(),
-                state.vertices.as_entire_binding(), state.indices.as_entire_binding(),
-            ))),
-            draw: group("terrain_draw", &pipelines.draw_layout, &BindGroupEntries::sequential((
-                draw(), state.vertices.as_entire_binding(),
-            ))),
-            lines: group("terrain_lines", &pipelines.line_layout, &BindGroupEntries::sequential((
-                draw(), state.vertices.as_entire_binding(), state.indices.as_entire_binding(),
-            ))),
+            levels: group(
+                "terrain_levels",
+                &pipelines.levels_layout,
+                &BindGroupEntries::sequential((
+                    view(),
+                    corners.as_entire_binding(),
+                    edges.as_entire_binding(),
+                    patches.as_entire_binding(),
+                )),
+            ),
+            plan: group(
+                "terrain_plan",
+                &pipelines.plan_layout,
+                &BindGroupEntries::sequential((
+                    view(),
+                    corners.as_entire_binding(),
+                    edges.as_entire_binding(),
+                    patches.as_entire_binding(),
+                    state.result.as_entire_binding(),
+                )),
+            ),
+            emit: group(
+                "terrain_emit",
+                &pipelines.emit_layout,
+                &BindGroupEntries::sequential((
+                    view(),
+                    corners.as_entire_binding(),
+                    edges.as_entire_binding(),
+                    patches.as_entire_binding(),
+                    state.vertices.as_entire_binding(),
+                    state.indices.as_entire_binding(),
+                )),
+            ),
+            draw: group(
+                "terrain_draw",
+                &pipelines.draw_layout,
+                &BindGroupEntries::sequential((draw(), state.vertices.as_entire_binding())),
+            ),
+            lines: group(
+                "terrain_lines",
+                &pipelines.line_layout,
+                &BindGroupEntries::sequential((
+                    draw(),
+                    state.vertices.as_entire_binding(),
+                    state.indices.as_entire_binding(),
+                )),
+            ),
         });
     }
 }

@@ -5,7 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy::prelude::*;
-use bevy::render::render_resource::{Buffer, BufferDescriptor, BufferUsages, CommandEncoder, MapMode};
+use bevy::render::render_resource::{
+    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, MapMode,
+};
 use bevy::render::renderer::RenderDevice;
 
 use super::prepare::TerrainViews;
@@ -64,7 +66,11 @@ impl SharedStats {
 }
 
 /// Main world: takes the newest counters over and publishes them.
-pub fn publish(shared: Res<SharedStats>, mut stats: ResMut<TessellationStats>, mut diagnostics: Diagnostics) {
+pub fn publish(
+    shared: Res<SharedStats>,
+    mut stats: ResMut<TessellationStats>,
+    mut diagnostics: Diagnostics,
+) {
     let newest = shared.with(|shared| shared.newest);
     stats.set_if_neq(newest);
     for (path, value) in PATHS.into_iter().zip(values(&newest)) {
@@ -94,7 +100,12 @@ impl Counters {
             usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        Self { staging, state: Arc::default(), wanted: false, newest: PlanResult::default() }
+        Self {
+            staging,
+            state: Arc::default(),
+            wanted: false,
+            newest: PlanResult::default(),
+        }
     }
 
     /// Asks for a copy of the counters as soon as the staging buffer is free.
@@ -120,9 +131,14 @@ impl Counters {
             COPIED => {
                 self.state.store(MAPPING, Ordering::Release);
                 let state = self.state.clone();
-                self.staging.slice(..).map_async(MapMode::Read, move |mapped| {
-                    state.store(if mapped.is_ok() { READY } else { FAILED }, Ordering::Release);
-                });
+                self.staging
+                    .slice(..)
+                    .map_async(MapMode::Read, move |mapped| {
+                        state.store(
+                            if mapped.is_ok() { READY } else { FAILED },
+                            Ordering::Release,
+                        );
+                    });
             }
             READY => {
                 let bytes = self.staging.slice(..).get_mapped_range();

@@ -34,8 +34,12 @@ pub struct ReliefTask(Task<Image>);
 pub fn start(mut commands: Commands, terrains: Query<(Entity, &Terrain), Changed<Terrain>>) {
     for (entity, terrain) in &terrains {
         let terrain = terrain.clone();
-        let task = AsyncComputeTaskPool::get().spawn(async move { relief_map(&terrain, RELIEF_SIDE) });
-        commands.entity(entity).remove::<TerrainRelief>().insert(ReliefTask(task));
+        let task =
+            AsyncComputeTaskPool::get().spawn(async move { relief_map(&terrain, RELIEF_SIDE) });
+        commands
+            .entity(entity)
+            .remove::<TerrainRelief>()
+            .insert(ReliefTask(task));
     }
 }
 
@@ -48,8 +52,14 @@ pub fn finish(
     for (entity, terrain, mut task) in &mut tasks {
         if let Some(image) = block_on(poll_once(&mut task.0)) {
             let texel = texel(terrain, RELIEF_SIDE) as f32;
-            let relief = TerrainRelief { image: images.add(image), texel };
-            commands.entity(entity).remove::<ReliefTask>().insert(relief);
+            let relief = TerrainRelief {
+                image: images.add(image),
+                texel,
+            };
+            commands
+                .entity(entity)
+                .remove::<ReliefTask>()
+                .insert(relief);
         }
     }
 }
@@ -65,10 +75,19 @@ pub fn relief_map(terrain: &Terrain, side: u32) -> Image {
     let n = side as usize;
     let spacing = texel(terrain, side);
     let origin = GroundPoint::new(terrain.extent().min + spacing * 0.5);
-    let tile = HeightTile { origin, spacing: DVec2::splat(spacing), width: n, height: n };
+    let tile = HeightTile {
+        origin,
+        spacing: DVec2::splat(spacing),
+        width: n,
+        height: n,
+    };
     let mut heights = vec![0.0; n * n];
     let (mut dx, mut dz) = (vec![0.0; n * n], vec![0.0; n * n]);
-    let planes = Planes { value: &mut heights, dx: &mut dx, dz: &mut dz };
+    let planes = Planes {
+        value: &mut heights,
+        dx: &mut dx,
+        dz: &mut dz,
+    };
     let filled = terrain.fill_tile_parallel(&tile, planes);
     debug_assert!(filled.is_ok(), "the planes have the tile's size");
     if let Some(sea) = terrain.sea_level() {
@@ -77,14 +96,15 @@ pub fn relief_map(terrain: &Terrain, side: u32) -> Image {
         }
     }
     let occlusion = sky_occlusion(&heights, n, spacing);
-    let mut level: Vec<[f32; 3]> =
-        (0..n * n).map(|i| [dx[i], dz[i], occlusion[i]]).collect();
+    let mut level: Vec<[f32; 3]> = (0..n * n).map(|i| [dx[i], dz[i], occlusion[i]]).collect();
     let mut data = Vec::with_capacity(n * n * 8 * 4 / 3 + 64);
     let mut width = n;
     loop {
         for [x, z, o] in &level {
             for value in [*x, *z, *o, 1.0] {
-                data.extend_from_slice(&f16::from_f32(value.clamp(-65504.0, 65504.0)).to_le_bytes());
+                data.extend_from_slice(
+                    &f16::from_f32(value.clamp(-65504.0, 65504.0)).to_le_bytes(),
+                );
             }
         }
         if width == 1 {
@@ -93,7 +113,11 @@ pub fn relief_map(terrain: &Terrain, side: u32) -> Image {
         level = halve(&level, width);
         width /= 2;
     }
-    let size = Extent3d { width: side, height: side, depth_or_array_layers: 1 };
+    let size = Extent3d {
+        width: side,
+        height: side,
+        depth_or_array_layers: 1,
+    };
     let mut image = Image::new_uninit(
         size,
         TextureDimension::D2,
@@ -133,8 +157,16 @@ fn halve(level: &[[f32; 3]], width: usize) -> Vec<[f32; 3]> {
 ///
 /// The horizon is looked for at distances of 1, 2, 4 … 128 texels.
 fn sky_occlusion(heights: &[f32], n: usize, spacing: f64) -> Vec<f32> {
-    const DIRECTIONS: [(isize, isize); 8] =
-        [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+    const DIRECTIONS: [(isize, isize); 8] = [
+        (1, 0),
+        (1, 1),
+        (0, 1),
+        (-1, 1),
+        (-1, 0),
+        (-1, -1),
+        (0, -1),
+        (1, -1),
+    ];
     let row = |z: usize| {
         (0..n).map(move |x| {
             let here = heights[z * n + x];
@@ -144,7 +176,9 @@ fn sky_occlusion(heights: &[f32], n: usize, spacing: f64) -> Vec<f32> {
                 let mut steepest = 0.0_f32;
                 for reach in (0..8).map(|power| 1_isize << power) {
                     let (sx, sz) = (x as isize + dx * reach, z as isize + dz * reach);
-                    let (Ok(sx), Ok(sz)) = (usize::try_from(sx), usize::try_from(sz)) else { break };
+                    let (Ok(sx), Ok(sz)) = (usize::try_from(sx), usize::try_from(sz)) else {
+                        break;
+                    };
                     if sx >= n || sz >= n {
                         break;
                     }
@@ -165,7 +199,11 @@ mod tests {
 
     #[test]
     fn flat_ground_sees_the_whole_sky() {
-        assert!(sky_occlusion(&[5.0; 256], 16, 1.0).iter().all(|&o| o == 1.0));
+        assert!(
+            sky_occlusion(&[5.0; 256], 16, 1.0)
+                .iter()
+                .all(|&o| o == 1.0)
+        );
     }
 
     #[test]

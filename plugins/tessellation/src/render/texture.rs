@@ -1,9 +1,7 @@
 //! Texture arrays with mip levels, from the stacked images that the ground materials come as.
 
 use bevy::asset::RenderAssetUsages;
-use bevy::image::{
-    Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor,
-};
+use bevy::image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::prelude::*;
 use bevy::render::render_resource::{
     Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
@@ -51,9 +49,17 @@ pub fn texture_array(stacked: &Image, layers: u32, srgb: bool) -> Result<Image, 
     let descriptor = &stacked.texture_descriptor;
     let (width, height) = (descriptor.size.width, descriptor.size.height);
     if layers == 0 || !width.is_power_of_two() || height != width * layers {
-        return Err(TextureArrayError::Shape { width, height, layers, wanted: width * layers });
+        return Err(TextureArrayError::Shape {
+            width,
+            height,
+            layers,
+            wanted: width * layers,
+        });
     }
-    if !matches!(descriptor.format, TextureFormat::Rgba8Unorm | TextureFormat::Rgba8UnormSrgb) {
+    if !matches!(
+        descriptor.format,
+        TextureFormat::Rgba8Unorm | TextureFormat::Rgba8UnormSrgb
+    ) {
         return Err(TextureArrayError::Format(descriptor.format));
     }
     let texels = stacked.data.as_deref().ok_or(TextureArrayError::NoData)?;
@@ -69,10 +75,22 @@ pub fn texture_array(stacked: &Image, layers: u32, srgb: bool) -> Result<Image, 
             data.extend_from_slice(&level);
         }
     }
-    let size = Extent3d { width, height: width, depth_or_array_layers: layers };
-    let format = if srgb { TextureFormat::Rgba8UnormSrgb } else { TextureFormat::Rgba8Unorm };
-    let mut image =
-        Image::new_uninit(size, TextureDimension::D2, format, RenderAssetUsages::RENDER_WORLD);
+    let size = Extent3d {
+        width,
+        height: width,
+        depth_or_array_layers: layers,
+    };
+    let format = if srgb {
+        TextureFormat::Rgba8UnormSrgb
+    } else {
+        TextureFormat::Rgba8Unorm
+    };
+    let mut image = Image::new_uninit(
+        size,
+        TextureDimension::D2,
+        format,
+        RenderAssetUsages::RENDER_WORLD,
+    );
     image.data = Some(data);
     image.texture_descriptor.mip_level_count = width.ilog2() + 1;
     image.texture_view_descriptor = Some(TextureViewDescriptor {
@@ -98,7 +116,8 @@ fn halve(level: &[u8], side: usize, srgb: bool) -> Vec<u8> {
     for y in 0..half {
         for x in 0..half {
             for channel in 0..4 {
-                let at = |dx: usize, dy: usize| level[((2 * y + dy) * side + 2 * x + dx) * 4 + channel];
+                let at =
+                    |dx: usize, dy: usize| level[((2 * y + dy) * side + 2 * x + dx) * 4 + channel];
                 let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
                 let byte = if srgb && channel < 3 {
                     let linear = four.map(|byte| Srgba::gamma_function(f32::from(byte) / 255.0));
@@ -123,7 +142,10 @@ pub fn make_arrays(
     mut refused: Local<Vec<AssetId<Image>>>,
 ) {
     for material in &materials {
-        for (handle, srgb) in [(&material.albedo_height, true), (&material.normal_roughness, false)] {
+        for (handle, srgb) in [
+            (&material.albedo_height, true),
+            (&material.normal_roughness, false),
+        ] {
             let id = handle.id();
             let stacked = images
                 .get(id)
@@ -153,7 +175,11 @@ mod tests {
 
     fn stack(width: u32, height: u32, texel: [u8; 4]) -> Image {
         Image::new_fill(
-            Extent3d { width, height, depth_or_array_layers: 1 },
+            Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
             TextureDimension::D2,
             &texel,
             TextureFormat::Rgba8UnormSrgb,
@@ -167,7 +193,10 @@ mod tests {
         assert_eq!(array.texture_descriptor.mip_level_count, 4);
         let data = array.data.expect("texels are kept");
         assert_eq!(data.len(), 2 * (64 + 16 + 4 + 1) * 4);
-        assert!(data.chunks_exact(4).all(|texel| texel == [200, 100, 50, 25]));
+        assert!(
+            data.chunks_exact(4)
+                .all(|texel| texel == [200, 100, 50, 25])
+        );
     }
 
     #[test]

@@ -12,7 +12,10 @@ pub struct Random(pub u64);
 
 impl Random {
     pub fn bits(&mut self) -> u32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 32) as u32
     }
 
@@ -28,10 +31,19 @@ impl Random {
 
 /// A rough 4 km ground with a sea, far from the origin so that fixed point matters.
 pub fn terrain(octaves: u32) -> Terrain {
-    let fractal = Fractal { sum: Sum::Fbm, octaves, amplitude: 200.0, wavelength: 900.0, ..Fractal::default() };
+    let fractal = Fractal {
+        sum: Sum::Fbm,
+        octaves,
+        amplitude: 200.0,
+        wavelength: 900.0,
+        ..Fractal::default()
+    };
     Terrain::new(TerrainData {
         extent: GroundRect::square(DVec2::new(100_000.0, -70_000.0), 4096.0),
-        layers: vec![Layer { source: Source::Fractal(fractal), mask: None }],
+        layers: vec![Layer {
+            source: Source::Fractal(fractal),
+            mask: None,
+        }],
         base: 20.0,
         sea_level: Some(0.0),
     })
@@ -53,7 +65,13 @@ pub fn random_view(random: &mut Random, terrain: &Terrain, finest: f64) -> (Cove
     let cover = Cover::new(&lattice, &leaves, |_| (bounds.min, bounds.max));
     let eye = DVec3::new(focus.x, 100.0 + height, focus.y);
     let pixels = random.within(4.0, 40.0);
-    let params = params(&cover, eye, random.within(0.0, 6.3), random.within(-1.5, 0.5), pixels);
+    let params = params(
+        &cover,
+        eye,
+        random.within(0.0, 6.3),
+        random.within(-1.5, 0.5),
+        pixels,
+    );
     (cover, params)
 }
 
@@ -62,8 +80,10 @@ pub fn params(cover: &Cover, eye: DVec3, yaw: f64, pitch: f64, pixels_per_edge: 
     let anchor = DVec2::new(eye.x, eye.z).floor();
     let focal = 1.0 / 30.0_f64.to_radians().tan();
     let relative = eye - DVec3::new(anchor.x, 0.0, anchor.y);
-    let view_from_anchor =
-        (DMat4::from_translation(relative) * DMat4::from_rotation_y(yaw) * DMat4::from_rotation_x(pitch)).inverse();
+    let view_from_anchor = (DMat4::from_translation(relative)
+        * DMat4::from_rotation_y(yaw)
+        * DMat4::from_rotation_x(pitch))
+    .inverse();
     // Infinite reverse-z perspective, near plane 0.1 m.
     let clip = DMat4::from_cols(
         DVec4::new(focal * 720.0 / 1280.0, 0.0, 0.0, 0.0),
