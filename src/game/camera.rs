@@ -27,8 +27,7 @@ const ZOOM_STEP: f32 = 0.9;
 /// How far beyond the extent of the ground the camera may fly, metres.
 const MARGIN: f64 = 500.0;
 
-/// Greatest height of the camera, metres: the atmosphere's tables are made for views from inside
-/// its lower part.
+/// Greatest height of the camera, metres: the sky is computed as it is seen from the ground.
 const CEILING: f64 = 20_000.0;
 
 /// Where a camera stands and looks.
