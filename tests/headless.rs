@@ -159,7 +159,7 @@ fn the_figure_wades_but_does_not_swim() {
     // Outwards from the middle: an island ends in the sea.
     let away = start.normalize().as_vec2();
     let yaw = camera(&mut app).pose.yaw;
-    let (sin, cos) = yaw.sin_cos();
+    let (sin, cos) = bevy::math::ops::sin_cos(yaw);
     // The wish is as the camera sees it: right is (cos, -sin), away (-sin, -cos) on the ground.
     let walk = Vec2::new(
         away.dot(Vec2::new(cos, -sin)),

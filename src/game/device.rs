@@ -204,6 +204,10 @@ pub fn display() -> Result<(), DeviceError> {
 }
 
 #[cfg(test)]
+#[expect(
+    clippy::field_reassign_with_default,
+    reason = "one limit at a time is changed, and each is looked at"
+)]
 mod tests {
     use super::*;
 

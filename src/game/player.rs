@@ -243,7 +243,12 @@ fn drawn(figure: &Figure, overstep: f32, terrain: &Terrain) -> Transform {
     let Figure { now, before } = figure;
     let place = before.place.lerp(now.place, f64::from(overstep)).as_vec2();
     let height = terrain.height(place.as_dvec2()) as f32;
-    let up = before.up.lerp(now.up, overstep).normalize_or(Vec3::Y);
+    // Equal ends would still be rounded differently for each overstep: a standing figure stands.
+    let up = if before.up == now.up {
+        now.up
+    } else {
+        before.up.lerp(now.up, overstep).normalize_or(Vec3::Y)
+    };
     let yaw = before.yaw + (now.yaw - before.yaw) * overstep;
     Transform {
         translation: Vec3::new(place.x, height, place.y),

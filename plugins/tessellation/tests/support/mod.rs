@@ -58,7 +58,9 @@ pub fn random_view(random: &mut Random, terrain: &Terrain, finest: f64) -> (Cove
         random.within(extent.min.x - margin.x, extent.max.x + margin.x),
         random.within(extent.min.y - margin.y, extent.max.y + margin.y),
     );
-    let height = 4000.0_f64.powf(random.unit());
+    // Squared: near the ground more often than high above it.
+    let height = random.within(1.0, 63.0);
+    let height = height * height;
     let lattice = Lattice::new(extent, finest);
     let leaves = lattice.leaves(focus, height, random.within(1.5, 3.0));
     let bounds = terrain.bounds(&extent);
@@ -78,7 +80,8 @@ pub fn random_view(random: &mut Random, terrain: &Terrain, finest: f64) -> (Cove
 /// A 1280 × 720 view with a vertical field of view of 60 degrees.
 pub fn params(cover: &Cover, eye: DVec3, yaw: f64, pitch: f64, pixels_per_edge: f64) -> ViewParams {
     let anchor = DVec2::new(eye.x, eye.z).floor();
-    let focal = 1.0 / 30.0_f64.to_radians().tan();
+    // 1 / tan 30°.
+    let focal = 3.0_f64.sqrt();
     let relative = eye - DVec3::new(anchor.x, 0.0, anchor.y);
     let view_from_anchor = (DMat4::from_translation(relative)
         * DMat4::from_rotation_y(yaw)
