@@ -9,7 +9,7 @@
 //! | [`settings`], [`paths`] | what the player may set; where files lie |
 //! | [`view`], [`sky`], [`textures`], [`hud`] | what is drawn |
 //! | [`device`], [`setup`] | is there a device; what every run needs, and all errors |
-//! | [`play`], [`shot`], [`bench`] | the three ways to run it; [`offscreen`] is under the last two |
+//! | [`play`], [`shot`], [`mod@bench`] | the three ways to run it; [`offscreen`] is under the last two |
 
 pub mod bench;
 pub mod bench_path;
