@@ -121,7 +121,7 @@ pub struct SceneArgs {
     #[arg(long, value_name = "METRES", help_heading = "Settings")]
     finest_patch: Option<f32>,
     /// Start at this camera: metres, and degrees. Yaw 0 looks north and grows to the left, pitch
-    /// grows upwards. [default: that of the scene]
+    /// grows upwards. [default: that of the scene; for play, behind the figure]
     #[arg(long, value_name = "X,Y,Z,YAW,PITCH", allow_hyphen_values = true)]
     camera: Option<Camera>,
     /// Draw triangle edges.
@@ -182,13 +182,17 @@ impl Play {
     /// # Errors
     /// [`GameError`], naming the file and the reason.
     pub fn setup(&self) -> Result<Setup, GameError> {
-        self.scene.setup(|settings| {
+        let mut setup = self.scene.setup(|settings| {
             if let Some(Size(size)) = self.size {
                 settings.window = (size.x, size.y);
             }
             settings.vsync &= !self.no_vsync;
             settings.panel &= !self.no_hud;
-        })
+        })?;
+        if self.scene.camera.is_none() {
+            setup.start_behind_figure();
+        }
+        Ok(setup)
     }
 }
 

@@ -30,6 +30,13 @@ const MARGIN: f64 = 500.0;
 /// Greatest height of the camera, metres: the sky is computed as it is seen from the ground.
 const CEILING: f64 = 20_000.0;
 
+/// Where [`Pose::behind`] stands: metres back, metres above the ground under the figure, and the
+/// pitch, radians. A figure of 1.8 m then fills a fifth of the height of the default view, at its
+/// lower edge, and leaves the rest to the mountain.
+const BEHIND: f64 = 9.0;
+const OVER: f64 = 2.4;
+const LOOKING_UP: f32 = 9.0 * std::f32::consts::PI / 180.0;
+
 /// Where a camera stands and looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
@@ -55,6 +62,19 @@ impl Pose {
             position,
             yaw: ops::atan2(-to.x, -to.z),
             pitch: ops::atan2(to.y, level).clamp(-PITCH_LIMIT, PITCH_LIMIT),
+        }
+    }
+
+    /// A pose behind someone who stands at `place` (x, z) and looks along `yaw` (radians), so that
+    /// they and what lies ahead of them are in the picture.
+    pub fn behind(place: DVec2, yaw: f32, ground: &impl Ground) -> Self {
+        let (sin, cos) = ops::sin_cos(yaw);
+        let back = DVec2::new(f64::from(sin), f64::from(cos)) * BEHIND;
+        let at = place + back;
+        Self {
+            position: DVec3::new(at.x, ground.height(place) + OVER, at.y),
+            yaw,
+            pitch: LOOKING_UP,
         }
     }
 
@@ -241,6 +261,29 @@ mod tests {
         }
         assert_eq!(camera.velocity, Vec3::ZERO);
         assert_eq!(run(camera, PlayerInput::default(), 1.0 / 60.0), camera);
+    }
+
+    #[test]
+    fn from_behind_the_figure_is_ahead_and_below_the_middle() {
+        struct Flat;
+        impl Ground for Flat {
+            fn sample(&self, _: DVec2) -> dolomite_terrain::GroundSample {
+                dolomite_terrain::GroundSample {
+                    height: 7.0,
+                    ..default()
+                }
+            }
+        }
+        let place = DVec2::new(100.0, -50.0);
+        for yaw in [0.0, 1.0, 3.0, 5.0] {
+            let pose = Pose::behind(place, yaw, &Flat);
+            let middle = DVec3::new(place.x, 7.0 + 0.9, place.y);
+            let seen = pose.rotation().inverse() * (middle - pose.position).as_vec3();
+            assert!(seen.x.abs() < 1e-4 && seen.z < -8.0, "{seen}");
+            // Below the middle, and within the lower half of the default view of 55 degrees.
+            let down = -seen.y / -seen.z;
+            assert!(down > 0.0 && down < 0.52, "{seen}");
+        }
     }
 
     #[test]

@@ -35,6 +35,9 @@ pub struct HudPlugin;
 struct Figures;
 
 #[derive(Component)]
+struct FigurePanel;
+
+#[derive(Component)]
 struct KeyPanel;
 
 #[derive(Component)]
@@ -57,26 +60,23 @@ impl Plugin for HudPlugin {
 
 fn spawn(mut commands: Commands, settings: Res<Settings>, camera: Single<Entity, With<UiCamera>>) {
     let camera = *camera;
-    let shown = if settings.panel {
-        Visibility::Inherited
-    } else {
-        Visibility::Hidden
-    };
+    let shown = visible(settings.panel);
     commands.spawn((
-        panel(camera, px(12), auto()),
+        FigurePanel,
+        panel(camera),
         shown,
         children![(Figures, line(""), TextColor(Color::srgb(0.93, 0.95, 0.97)))],
     ));
     commands.spawn((
         KeyPanel,
-        panel(camera, auto(), px(12)),
+        panel(camera),
         Visibility::Hidden,
         children![(
             line(keys::table().trim_end()),
             TextColor(Color::srgb(0.93, 0.95, 0.97))
         )],
     ));
-    let mut fault = panel(camera, px(12), auto());
+    let mut fault = panel(camera);
     fault.1.top = auto();
     fault.1.bottom = px(12);
     fault.1.max_width = percent(96);
@@ -88,15 +88,14 @@ fn spawn(mut commands: Commands, settings: Res<Settings>, camera: Single<Entity,
     ));
 }
 
-/// A translucent panel at the top, `left` or `right`.
-fn panel(camera: Entity, left: Val, right: Val) -> (UiTargetCamera, Node, BackgroundColor) {
+/// A translucent panel in the upper left corner.
+fn panel(camera: Entity) -> (UiTargetCamera, Node, BackgroundColor) {
     (
         UiTargetCamera(camera),
         Node {
             position_type: PositionType::Absolute,
             top: px(12),
-            left,
-            right,
+            left: px(12),
             padding: UiRect::axes(px(12), px(9)),
             border_radius: BorderRadius::all(px(7)),
             ..default()
@@ -183,9 +182,18 @@ fn thousands(number: u64) -> String {
     text
 }
 
-fn show_keys(switches: Res<Switches>, panel: Option<Single<&mut Visibility, With<KeyPanel>>>) {
-    if let Some(mut panel) = panel {
-        **panel = visible(switches.keys);
+/// The panel of keys takes the place of the panel of figures: a small window cannot hold both.
+fn show_keys(
+    switches: Res<Switches>,
+    settings: Res<Settings>,
+    keys: Option<Single<&mut Visibility, With<KeyPanel>>>,
+    figures: Option<Single<&mut Visibility, (With<FigurePanel>, Without<KeyPanel>)>>,
+) {
+    if let Some(mut keys) = keys {
+        **keys = visible(switches.keys);
+    }
+    if let Some(mut figures) = figures {
+        **figures = visible(settings.panel && !switches.keys);
     }
 }
 

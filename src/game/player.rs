@@ -64,6 +64,13 @@ impl Figure {
             before: stance,
         }
     }
+
+    /// The same figure, facing along `yaw`, radians.
+    pub fn facing(mut self, yaw: f32) -> Self {
+        self.now.yaw = yaw;
+        self.before.yaw = yaw;
+        self
+    }
 }
 
 /// The set in which the figure walks (schedule `FixedUpdate`).

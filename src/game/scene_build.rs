@@ -70,7 +70,7 @@ pub(super) fn from_file(
         source: Box::new(source),
     })?;
     check_numbers(file).map_err(value)?;
-    let (camera, figure) = match file.start {
+    let (camera, figure, facing) = match file.start {
         Some(start) => start_of(start),
         None => default_start(&terrain),
     };
@@ -82,6 +82,7 @@ pub(super) fn from_file(
         sun: file.sun,
         camera,
         figure,
+        facing,
         files,
     })
 }
@@ -116,7 +117,7 @@ pub(super) fn from_map(path: &Path, options: &MapOptions) -> Result<LoadedScene,
         path: path.to_owned(),
         source: Box::new(source),
     })?;
-    let (camera, figure) = default_start(&terrain);
+    let (camera, figure, facing) = default_start(&terrain);
     // Nothing tells at which latitude the map lies; its own range gives the bands.
     let at = |share: f32| low + (high - low) * share;
     Ok(LoadedScene {
@@ -137,6 +138,7 @@ pub(super) fn from_map(path: &Path, options: &MapOptions) -> Result<LoadedScene,
         sun: SunFile::default(),
         camera,
         figure,
+        facing,
         files: vec![(path.to_owned(), changed(path))],
     })
 }
@@ -251,6 +253,7 @@ fn check_numbers(file: &SceneFile) -> Result<(), String> {
             f64::from(pitch),
             figure.0,
             figure.1,
+            f64::from(figure.2),
         ];
         if numbers.iter().any(|number| !number.is_finite()) {
             return Err("`start` holds a number that is not finite".to_owned());
@@ -259,12 +262,13 @@ fn check_numbers(file: &SceneFile) -> Result<(), String> {
     Ok(())
 }
 
-fn start_of(start: StartFile) -> (Pose, DVec2) {
+fn start_of(start: StartFile) -> (Pose, DVec2, f32) {
     let (x, y, z, yaw, pitch) = start.camera;
     let pose = Pose {
         position: DVec3::new(x, y, z),
         yaw: yaw.to_radians(),
         pitch: pitch.to_radians().clamp(-PITCH_LIMIT, PITCH_LIMIT),
     };
-    (pose, DVec2::from(start.figure))
+    let (x, z, facing) = start.figure;
+    (pose, DVec2::new(x, z), facing.to_radians())
 }

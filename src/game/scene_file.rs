@@ -123,8 +123,8 @@ pub struct StartFile {
     /// The camera as `(x, y, z, yaw, pitch)`: metres and degrees. Yaw 0 looks north (−z) and
     /// grows to the left; pitch grows upwards.
     pub camera: (f64, f64, f64, f32, f32),
-    /// The figure, `(x, z)`.
-    pub figure: (f64, f64),
+    /// The figure as `(x, z, yaw)`; it faces along the yaw.
+    pub figure: (f64, f64, f32),
 }
 
 #[cfg(test)]

@@ -78,6 +78,8 @@ pub struct LoadedScene {
     pub camera: Pose,
     /// Where the figure starts, (x, z), metres.
     pub figure: DVec2,
+    /// Where the figure faces at the start, radians about +y; 0 is north.
+    pub facing: f32,
     /// The files it was read from, with their times of change, for hot reload.
     pub files: Vec<(PathBuf, Option<SystemTime>)>,
 }
@@ -229,8 +231,9 @@ pub(super) fn changed(path: &Path) -> Option<SystemTime> {
 }
 
 /// Where camera and figure start when a scene does not say: a fifth of the extent south of the
-/// middle, an eighth of the extent above the ground there, looking over the middle.
-pub(super) fn default_start(terrain: &Terrain) -> (Pose, DVec2) {
+/// middle, an eighth of the extent above the ground there, looking over the middle; the figure in
+/// the middle, facing the same way.
+pub(super) fn default_start(terrain: &Terrain) -> (Pose, DVec2, f32) {
     let extent = terrain.extent();
     let size = extent.max - extent.min;
     let middle = (extent.min + extent.max) * 0.5;
@@ -242,7 +245,8 @@ pub(super) fn default_start(terrain: &Terrain) -> (Pose, DVec2) {
     };
     let eye = DVec3::new(south.x, height(south) + size.y * 0.125, south.y);
     let target = DVec3::new(middle.x, height(middle), middle.y);
-    (Pose::looking_at(eye, target), middle)
+    let camera = Pose::looking_at(eye, target);
+    (camera, middle, camera.yaw)
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ use super::hot_reload::AssetsDir;
 use super::hud::HudPlugin;
 use super::offscreen::OffscreenError;
 use super::paths::{self, AssetsError};
+use super::player::Figure;
 use super::scenes::{self, CurrentScene, SceneError, SceneRequest};
 use super::settings::{Settings, SettingsError};
 use super::simulation::{SimulationPlugin, Switches};
@@ -94,6 +95,13 @@ impl Setup {
             switches: Switches::default(),
             panels: true,
         })
+    }
+
+    /// Starts the camera behind the figure, looking where it faces.
+    pub fn start_behind_figure(&mut self) {
+        let scene = &mut self.scene.0;
+        let place = Figure::at(scene.figure, &scene.terrain).now.place;
+        scene.camera = Pose::behind(place, scene.facing, &scene.terrain);
     }
 
     /// Adds simulation, view and panels to an app that has Bevy's own plugins.

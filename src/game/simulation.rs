@@ -67,7 +67,7 @@ impl Plugin for SimulationPlugin {
 
 fn spawn(mut commands: Commands, scene: Res<CurrentScene>, settings: Res<Settings>) {
     commands.spawn((Landscape, scene.terrain.clone()));
-    commands.spawn(Figure::at(scene.figure, &scene.terrain));
+    commands.spawn(Figure::at(scene.figure, &scene.terrain).facing(scene.facing));
     commands.spawn(start_camera(scene.camera, &scene, &settings));
 }
 
