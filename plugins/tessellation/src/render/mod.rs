@@ -10,6 +10,7 @@
 
 mod extract;
 mod layout;
+mod params;
 mod pass;
 mod pipeline;
 mod prepare;
