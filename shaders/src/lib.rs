@@ -41,6 +41,13 @@ macro_rules! files {
 
 /// Every file.
 pub const ALL: &[ShaderFile] = files![
+    "stage/coordinate.wgsl",
+    "stage/level.wgsl",
+    "stage/place.wgsl",
+    "stage/probe.wgsl",
+    "stage/ruler.wgsl",
+    "stage/shape.wgsl",
+    "stage/types.wgsl",
     "terrain/bindings.wgsl",
     "terrain/classic.wgsl",
     "terrain/fixed.wgsl",

@@ -1,6 +1,7 @@
 //! Every study, one folder each.
 
 pub mod noise;
+pub mod tessellation;
 
 use crate::study::Study;
 

@@ -42,6 +42,7 @@ mod plugin;
 #[cfg(feature = "render")]
 pub mod render;
 mod settings;
+pub mod stage;
 mod stats;
 pub mod twin;
 
