@@ -1,9 +1,14 @@
 //! The command line of `dolomite_lab`.
 
 use crate::studies::STUDIES;
+use crate::studies::tessellation::captures::{CaptureError, compare};
 use crate::study::{LabError, Options, Report, Study, write_index};
-use clap::Parser;
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser};
+use serde_json::Value;
+use std::ffi::OsString;
 use std::path::PathBuf;
+use thiserror::Error;
 
 /// Measures run time against error: Dolomite's methods against f64 oracles, beside other libraries.
 #[derive(Debug, Parser)]
@@ -24,6 +29,52 @@ pub struct Arguments {
     /// Timed runs of each measurement, of which the median counts
     #[arg(long, default_value_t = Options::default().repeats)]
     pub repeats: usize,
+    /// Triangles of a timed tessellation
+    #[arg(
+        long,
+        default_value_t = Options::default().triangles,
+        value_parser = clap::value_parser!(u32).range(1..=16_000_000)
+    )]
+    pub triangles: u32,
+    /// Of `tessellation` alone: compare the captured patches of this file, one JSON object a line,
+    /// in place of the study; prints one JSON object and writes no files
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub cases: Option<PathBuf>,
+}
+
+/// Why nothing was printed.
+#[derive(Debug, Error)]
+pub enum CliError {
+    /// A study's files.
+    #[error(transparent)]
+    Lab(#[from] LabError),
+    /// Captures could not be compared.
+    #[error(transparent)]
+    Captures(#[from] CaptureError),
+}
+
+/// The study that `--cases` goes with.
+const OF_CASES: &str = "tessellation";
+
+/// Reads a command line, its first word the program's name.
+///
+/// # Errors
+/// What clap says to the user: a mistake, or the help that was asked for.
+pub fn parse_from<I>(words: I) -> Result<Arguments, clap::Error>
+where
+    I: IntoIterator<Item: Into<OsString> + Clone>,
+{
+    let arguments = Arguments::try_parse_from(words)?;
+    if arguments.cases.is_some() && arguments.study != OF_CASES {
+        return Err(Arguments::command().error(
+            ErrorKind::ArgumentConflict,
+            format!(
+                "--cases goes with the study {OF_CASES} alone, not with {}",
+                arguments.study
+            ),
+        ));
+    }
+    Ok(arguments)
 }
 
 /// Fewest and most samples: a percentile needs some hundreds, and 2^23 positions of 16 bytes are
@@ -52,21 +103,25 @@ fn known_study(text: &str) -> Result<String, String> {
 fn study_list() -> String {
     let mut text = String::from("Studies:\n");
     for study in STUDIES {
-        text += &format!("  {:<10} {}\n", study.name, study.about);
+        text += &format!("  {:<18} {}\n", study.name, study.about);
     }
     text += "\nA JSON object per study goes to standard output, progress to standard error.";
     text
 }
 
-/// Runs what was asked for and writes the files; gives one report a study.
+/// Runs what was asked for and writes the files; gives the JSON objects to print, one a study.
 ///
 /// # Errors
-/// [`LabError`].
-pub fn run(arguments: &Arguments) -> Result<Vec<Report>, LabError> {
+/// [`CliError`].
+pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
+    if let Some(cases) = &arguments.cases {
+        return Ok(vec![compare(cases)?]);
+    }
     let options = Options {
         seed: arguments.seed,
         samples: arguments.samples,
         repeats: arguments.repeats,
+        triangles: arguments.triangles,
     };
     let all = arguments.study == "all";
     let chosen = |study: &&Study| all || study.name == arguments.study;
@@ -85,31 +140,65 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Report>, LabError> {
             write_index(&arguments.out, &reports)?.display()
         );
     }
-    Ok(reports)
+    Ok(reports.iter().map(Report::to_json).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
+
+    fn parse(words: &str) -> Result<Arguments, clap::Error> {
+        parse_from(["lab"].into_iter().chain(words.split_whitespace()))
+    }
 
     #[test]
     fn the_command_line_holds_together() {
         Arguments::command().debug_assert();
-        let parsed =
-            Arguments::try_parse_from(["lab", "noise", "--seed", "7", "--out", "x"]).unwrap();
+        let parsed = parse("noise --seed 7 --out x").unwrap();
         assert_eq!((parsed.seed, parsed.out), (7, PathBuf::from("x")));
-        assert!(Arguments::try_parse_from(["lab", "all"]).is_ok());
+        assert!(parse("all").is_ok());
     }
 
     #[test]
     fn what_does_not_exist_is_refused() {
-        let refusal = Arguments::try_parse_from(["lab", "nothing"])
-            .unwrap_err()
-            .to_string();
-        assert!(refusal.contains("noise, all"), "{refusal}");
-        assert!(Arguments::try_parse_from(["lab", "noise", "--samples", "3"]).is_err());
-        assert!(Arguments::try_parse_from(["lab"]).is_err());
+        let refusal = parse("nothing").unwrap_err().to_string();
+        for study in STUDIES {
+            assert!(refusal.contains(study.name), "{refusal}");
+        }
+        assert!(refusal.contains(", all"), "{refusal}");
+        assert!(parse("noise --samples 3").is_err());
+        assert!(parse("").is_err());
+    }
+
+    #[test]
+    fn cases_go_with_tessellation_alone() {
+        let parsed = parse("tessellation --cases x.jsonl").unwrap();
+        assert_eq!(parsed.cases, Some(PathBuf::from("x.jsonl")));
+        for study in ["noise", "all"] {
+            let refusal = parse(&format!("{study} --cases x.jsonl")).unwrap_err();
+            assert_eq!(refusal.kind(), ErrorKind::ArgumentConflict);
+            assert!(refusal.to_string().contains(study), "{refusal}");
+        }
+    }
+
+    #[test]
+    fn cases_that_cannot_be_read_are_an_error() {
+        let parsed = parse("tessellation --cases no/such/file.jsonl").unwrap();
+        let error = run(&parsed).unwrap_err();
+        assert!(matches!(error, CliError::Captures(_)));
+        assert!(error.to_string().contains("file.jsonl"), "{error}");
+    }
+
+    #[test]
+    fn triangles_have_a_range() {
+        assert_eq!(parse("noise").unwrap().triangles, 1_000_000);
+        assert_eq!(parse("noise --triangles 1").unwrap().triangles, 1);
+        for wrong in ["0", "16000001", "-1", "many"] {
+            assert!(
+                parse(&format!("noise --triangles={wrong}")).is_err(),
+                "{wrong}"
+            );
+        }
     }
 
     #[test]

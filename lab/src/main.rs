@@ -1,15 +1,14 @@
 //! `dolomite_lab`: see [`dolomite_lab`].
 
-use clap::Parser;
 use dolomite_lab::cli;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = cli::Arguments::parse();
+    let arguments = cli::parse_from(std::env::args_os()).unwrap_or_else(|error| error.exit());
     match cli::run(&arguments) {
-        Ok(reports) => {
-            for report in reports {
-                println!("{:#}", report.to_json());
+        Ok(objects) => {
+            for object in objects {
+                println!("{object:#}");
             }
             ExitCode::SUCCESS
         }

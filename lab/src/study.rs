@@ -16,6 +16,8 @@ pub struct Options {
     pub samples: usize,
     /// Timed runs of each measurement; the median counts.
     pub repeats: usize,
+    /// Triangles of a timed tessellation.
+    pub triangles: u32,
 }
 
 impl Default for Options {
@@ -24,6 +26,7 @@ impl Default for Options {
             seed: 1,
             samples: 1 << 16,
             repeats: 9,
+            triangles: 1_000_000,
         }
     }
 }

@@ -6,4 +6,4 @@ pub mod tessellation;
 use crate::study::Study;
 
 /// All of them, in the order in which `all` runs them.
-pub const STUDIES: &[Study] = &[noise::STUDY];
+pub const STUDIES: &[Study] = &[noise::STUDY, tessellation::STUDY];

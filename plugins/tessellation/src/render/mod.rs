@@ -16,6 +16,7 @@ mod pipeline;
 mod prepare;
 mod readback;
 pub mod relief;
+pub mod stage;
 pub mod texture;
 
 use bevy::core_pipeline::prepass::node::early_prepass;

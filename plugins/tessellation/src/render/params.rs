@@ -19,7 +19,7 @@ pub struct Camera {
     /// As drawn, jitter and all.
     pub clip_from_world: DMat4,
     /// Without the sub-pixel jitter of temporal anti-aliasing: what selection and culling use.
-    steady_clip_from_world: DMat4,
+    pub steady_clip_from_world: DMat4,
 }
 
 impl Camera {

@@ -30,25 +30,48 @@ pub struct Shaders {
     plan: Handle<Shader>,
     emit: Handle<Shader>,
     draw: Handle<Shader>,
-    _modules: Vec<Handle<Shader>>,
+    _modules: ModuleShaders,
+}
+
+/// Every WGSL file that others import: these handles keep them alive.
+#[derive(Resource, Clone)]
+pub struct ModuleShaders(#[expect(dead_code, reason = "held, never read")] Vec<Handle<Shader>>);
+
+impl ModuleShaders {
+    /// Registers them with the asset system, the first time.
+    pub fn load(app: &mut App) -> Self {
+        if let Some(known) = app.world().get_resource::<Self>() {
+            return known.clone();
+        }
+        let mut assets = app.world_mut().resource_mut::<Assets<Shader>>();
+        let modules = dolomite_shaders::ALL
+            .iter()
+            .filter(|file| file.is_module())
+            .map(|file| assets.add(shader(file.source, file.path)))
+            .collect();
+        let modules = Self(modules);
+        app.insert_resource(modules.clone());
+        modules
+    }
+}
+
+/// A shader asset of ours, validated in debug builds.
+pub fn shader(source: impl Into<std::borrow::Cow<'static, str>>, path: &str) -> Shader {
+    let mut shader = Shader::from_wgsl(source, path);
+    if cfg!(debug_assertions) {
+        shader.validate_shader = bevy::shader::ValidateShader::Enabled;
+    }
+    shader
 }
 
 /// Registers every WGSL file with the asset system.
 pub fn load_shaders(app: &mut App) -> Shaders {
+    let modules = ModuleShaders::load(app);
     let mut assets = app.world_mut().resource_mut::<Assets<Shader>>();
     let mut entry = |path: &str| {
         let file = dolomite_shaders::find(path);
-        let mut shader = Shader::from_wgsl(file.source, file.path);
-        if cfg!(debug_assertions) {
-            shader.validate_shader = bevy::shader::ValidateShader::Enabled;
-        }
-        assets.add(shader)
+        assets.add(shader(file.source, file.path))
     };
-    let modules = dolomite_shaders::ALL
-        .iter()
-        .filter(|file| file.is_module())
-        .map(|file| entry(file.path))
-        .collect();
     Shaders {
         levels: entry("tessellation/levels.wgsl"),
         plan: entry("tessellation/plan.wgsl"),
@@ -278,7 +301,7 @@ impl Pipelines {
     }
 }
 
-fn depth(compare: CompareFunction) -> DepthStencilState {
+pub(super) fn depth(compare: CompareFunction) -> DepthStencilState {
     DepthStencilState {
         format: CORE_3D_DEPTH_FORMAT,
         depth_write_enabled: Some(true),

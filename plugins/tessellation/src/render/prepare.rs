@@ -81,7 +81,7 @@ pub struct ViewState {
     pub shadows: Vec<(Entity, u32)>,
     pub indices: Buffer,
     pub result: Buffer,
-    pub counters: Counters,
+    pub counters: Counters<PlanResult>,
     pub groups: Option<ViewGroups>,
     records: [Buffer; 3],
     uniform: Buffer,

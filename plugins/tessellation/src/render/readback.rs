@@ -9,9 +9,9 @@ use bevy::render::render_resource::{
     Buffer, BufferDescriptor, BufferUsages, CommandEncoder, MapMode,
 };
 use bevy::render::renderer::RenderDevice;
+use bytemuck::Pod;
 
 use super::prepare::TerrainViews;
-use crate::layout::PlanResult;
 use crate::stats::TessellationStats;
 
 /// Paths of the diagnostics, in the order of [`values`].
@@ -85,18 +85,19 @@ const READY: u8 = 3;
 const FAILED: u8 = 4;
 
 /// One view's counters on their way back from the GPU.
-pub struct Counters {
+pub struct Counters<T> {
     staging: Buffer,
     state: Arc<AtomicU8>,
     wanted: bool,
-    newest: PlanResult,
+    /// What arrived last.
+    pub newest: T,
 }
 
-impl Counters {
+impl<T: Pod> Counters<T> {
     pub fn new(device: &RenderDevice) -> Self {
         let staging = device.create_buffer(&BufferDescriptor {
             label: Some("terrain_counters"),
-            size: size_of::<PlanResult>() as u64,
+            size: size_of::<T>() as u64,
             usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -104,7 +105,7 @@ impl Counters {
             staging,
             state: Arc::default(),
             wanted: false,
-            newest: PlanResult::default(),
+            newest: T::zeroed(),
         }
     }
 
@@ -126,7 +127,7 @@ impl Counters {
     }
 
     /// After the submit: starts the mapping, or reads what has arrived.
-    fn advance(&mut self) {
+    pub fn advance(&mut self) {
         match self.state.load(Ordering::Acquire) {
             COPIED => {
                 self.state.store(MAPPING, Ordering::Release);

@@ -24,17 +24,23 @@
 //! | [`ruler`] | in which order a strip between two rows of vertices is stitched |
 //! | [`shape`] | counts; which vertices a primitive joins |
 //! | [`coordinate`] | where an inner vertex lies |
+//! | [`patches`] | patches with control points; which corners and edges they share |
 //! | [`half_edge`] | whether triangles form a manifold with the border that they should have |
 
+mod components;
 pub mod coordinate;
 pub mod half_edge;
 pub mod level;
+pub mod patches;
 pub mod place;
 pub mod ruler;
 pub mod shape;
+pub mod shapes;
 mod tessellate;
 
+pub use components::{Patches, StageCamera};
 pub use level::Levels;
+pub use patches::{PatchLayout, PatchMesh, PatchMeshError};
 pub use tessellate::{Primitives, Tessellation, Tessellator, tessellate};
 
 /// The parameter space of a patch.

@@ -1,0 +1,141 @@
+//! What a user implements to tessellate a kind of patches, and the plugin that takes it.
+
+use std::marker::PhantomData;
+
+use bevy::prelude::*;
+use bevy::render::render_resource::AsBindGroup;
+
+use crate::stage::{Mode, PatchLayout, Spacing, Winding};
+
+/// A kind of patches: its layout, its functions in WGSL, and the data that they read.
+///
+/// The type is a resource of the main world. Its fields are bound as [`AsBindGroup`] derives them, at
+/// `@group(1)` of every shader of the kind; textures and buffers that `control` or `evaluate` read
+/// need `visibility(compute, vertex, fragment)`, as they run in compute shaders.
+///
+/// The shader file has no import path of its own, imports `dolomite::stage::api` and holds
+/// ```wgsl
+/// fn control(input: Patch, view: StageView) -> PatchLevels
+/// fn evaluate(input: Patch, at: vec3<f32>) -> Vertex
+/// ```
+/// and where the constants below say so `amplify` and `material` too. It is loaded again when its
+/// file changes, if the app watches files. A field of a struct must not bear the name of an imported
+/// function.
+pub trait PatchKind: AsBindGroup + Resource + Clone {
+    /// Domain, control points, corners.
+    const LAYOUT: PatchLayout;
+    /// How levels become vertices along an edge. The fractional ones change without a pop.
+    const SPACING: Spacing = Spacing::FractionalOdd;
+    /// Orientation of the triangles in the (u, v) plane; counter-clockwise ones face the viewer where
+    /// `evaluate` keeps their orientation.
+    const WINDING: Winding = Winding::Ccw;
+    /// How coordinates are rounded.
+    const MODE: Mode = Mode::Exact;
+    /// Whether the functions read `time`: then the kind is tessellated in every frame.
+    const ANIMATED: bool = false;
+    /// Whether `evaluate` gives a previous position of its own: 12 bytes a vertex, for motion
+    /// vectors.
+    const MOVES: bool = false;
+    /// Greatest |u| or |v| of a vertex; texture coordinates are stored in 1/32767 of it.
+    const UV_RANGE: f32 = 1.0;
+    /// Above 0: the shader file has a function
+    /// `amplify(a, b, c: StoredVertex, number: u32) -> StoredVertex`, which gives so many vertices,
+    /// three a triangle, in place of each primitive (a, b, c); for a segment c is b.
+    const AMPLIFIED: u32 = 0;
+    /// Whether the shader file has a function `material(surface: Surface) -> Shaded`; else
+    /// [`Self::materials`] is the material.
+    const CUSTOM_MATERIAL: bool = false;
+    /// Whether back faces are drawn.
+    const DOUBLE_SIDED: bool = false;
+    /// Whether it is drawn into shadow maps.
+    const SHADOWS: bool = true;
+
+    /// Path of the shader file among the app's assets.
+    fn shader() -> &'static str;
+
+    /// Materials that vertices choose from; at most 16 count.
+    fn materials(&self) -> Vec<PatchMaterial> {
+        vec![PatchMaterial::default()]
+    }
+
+    /// Most that one view keeps of this kind.
+    fn pool(&self) -> PatchPool {
+        PatchPool::default()
+    }
+}
+
+/// A material of patches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PatchMaterial {
+    /// Diffuse colour of dielectrics, specular colour of metals.
+    pub base_color: LinearRgba,
+    /// Light that it sends out, cd/m².
+    pub emissive: LinearRgba,
+    /// Perceptual roughness, 0.089 to 1.
+    pub roughness: f32,
+    /// 0 or 1.
+    pub metallic: f32,
+    /// Specular strength of dielectrics; 0.5 is 4 % at normal incidence.
+    pub reflectance: f32,
+    /// Whether the base colour is shown as it is, without light.
+    pub unlit: bool,
+}
+
+impl Default for PatchMaterial {
+    fn default() -> Self {
+        Self {
+            base_color: LinearRgba::rgb(0.5, 0.5, 0.5),
+            emissive: LinearRgba::BLACK,
+            roughness: 0.6,
+            metallic: 0.0,
+            reflectance: 0.5,
+            unlit: false,
+        }
+    }
+}
+
+/// Room for what one view emits of one kind. Beyond it all levels are lowered evenly, and
+/// [`StageStats`](super::StageStats) says so; never more room is taken than the patches can fill.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PatchPool {
+    /// Vertices, 20 bytes each (32 with `MOVES`).
+    pub vertices: u32,
+    /// Triangles of 12 bytes, or segments of 8.
+    pub primitives: u32,
+}
+
+impl PatchPool {
+    /// The greatest pool that fits into so many bytes, two primitives a vertex.
+    #[must_use]
+    pub const fn bytes(bytes: u32) -> Self {
+        // 20 for a vertex and 24 for two triangles.
+        let vertices = bytes / 44;
+        Self {
+            vertices,
+            primitives: 2 * vertices,
+        }
+    }
+}
+
+impl Default for PatchPool {
+    /// 23 MB: half a million vertices, a million triangles.
+    fn default() -> Self {
+        Self {
+            vertices: 1 << 19,
+            primitives: 1 << 20,
+        }
+    }
+}
+
+/// Adds a kind of patches to an app: `app.add_plugins(PatchPlugin(kind))`.
+///
+/// Brings the stage itself along, once. Does nothing but keep the resource in an app that does not
+/// render.
+pub struct PatchPlugin<K>(pub K);
+
+impl<K: PatchKind> Plugin for PatchPlugin<K> {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(self.0.clone());
+        super::add_kind::<K>(app, PhantomData);
+    }
+}

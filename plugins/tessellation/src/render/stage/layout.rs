@@ -1,0 +1,131 @@
+//! What the stage's shaders are told, byte for byte as `shaders/src/stage/api.wgsl` and
+//! `draw_types.wgsl` (a test compares them).
+
+use bytemuck::{Pod, Zeroable};
+
+/// The view as control functions see it; see the WGSL file for units and meanings.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable, PartialEq)]
+#[expect(missing_docs, reason = "each field is documented once, in api.wgsl")]
+pub struct StageView {
+    pub planes: [[f32; 4]; 6],
+    pub sweep: [f32; 4],
+    pub eye: [f32; 3],
+    pub pixels_per_radian: f32,
+    pub anchor: [f32; 3],
+    pub pixels_per_edge: f32,
+    pub time: f32,
+    pub previous_time: f32,
+    pub orthographic: f32,
+    pub pad: f32,
+}
+
+/// All that the compute passes of one kind in one view depend on, beside buffers.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable, PartialEq)]
+#[expect(missing_docs, reason = "each field is documented once, in api.wgsl")]
+pub struct StageParams {
+    pub view: StageView,
+    pub corners: u32,
+    pub edges: u32,
+    pub patches: u32,
+    pub max_vertices: u32,
+    pub max_primitives: u32,
+    pub corner_table: u32,
+    pub edge_table: u32,
+    pub patch_table: u32,
+    pub points: u32,
+    pub point_size: u32,
+    pub uv_range: f32,
+    pub amplified: u32,
+}
+
+impl StageParams {
+    /// Corners, edges and patches.
+    pub const fn items(&self) -> u32 {
+        self.corners + self.edges + self.patches
+    }
+
+    /// Bytes of the work buffer that have to be 0 before the first pass: head, corners, edges.
+    pub const fn cleared_bytes(&self) -> u64 {
+        (HEAD_WORDS + self.corners as u64 + self.edges as u64) * 4
+    }
+
+    /// Bytes of the work buffer, see `work.wgsl`.
+    pub const fn work_bytes(&self) -> u64 {
+        let items = self.items() as u64;
+        let blocks = items.div_ceil(BLOCK as u64);
+        self.cleared_bytes() + (2 * self.patches as u64 + 2 * blocks + 2 * items) * 4
+    }
+}
+
+/// Words at the start of the work buffer, as `HEAD` in `work.wgsl`.
+pub const HEAD_WORDS: u64 = 32;
+/// Items of a block, as in `work.wgsl`.
+pub const BLOCK: u32 = 256;
+/// Byte offset in the work buffer of the arguments for `draw_indirect`.
+pub const AMPLIFIED_ARGUMENTS: u64 = 5 * 4;
+/// Byte offset in the work buffer of the arguments for the emit dispatch.
+pub const DISPATCH_ARGUMENTS: u64 = 9 * 4;
+
+/// The head of the work buffer as it is read back.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable, PartialEq, Eq)]
+pub struct WorkHead {
+    /// Arguments of the indexed draw.
+    pub indexed: [u32; 5],
+    /// Arguments of the amplified draw.
+    pub amplified: [u32; 4],
+    /// Arguments of the emit dispatch.
+    pub dispatch: [u32; 3],
+    /// Vertices emitted.
+    pub vertices: u32,
+    /// Primitives emitted.
+    pub primitives: u32,
+    /// Patches that an outer level discarded.
+    pub discarded: u32,
+    /// How often all levels were lowered by a fifth to fit the pools.
+    pub lowered: u32,
+    /// Vertices that the pool would have to hold without lowering.
+    pub wanted_vertices: u32,
+    /// Primitives that the pool would have to hold without lowering.
+    pub wanted_primitives: u32,
+}
+
+/// What the draws know; see the WGSL file for units and meanings.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable, PartialEq)]
+#[expect(
+    missing_docs,
+    reason = "each field is documented once, in draw_types.wgsl"
+)]
+pub struct StageDraw {
+    pub clip_from_stage: [[f32; 4]; 4],
+    pub previous_clip_from_stage: [[f32; 4]; 4],
+    pub camera: [f32; 3],
+    pub time: f32,
+    pub anchor: [f32; 3],
+    pub uv_range: f32,
+}
+
+/// Distance between the slots of the dynamic uniform: a multiple of every device's alignment.
+pub const DRAW_SLOT: u64 = 256;
+
+/// A row of the table of materials.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable, PartialEq)]
+#[expect(
+    missing_docs,
+    reason = "each field is documented once, in draw_types.wgsl"
+)]
+pub struct MaterialRow {
+    pub base_color: [f32; 4],
+    pub emissive: [f32; 4],
+    pub surface: [f32; 4],
+}
+
+/// Rows of the table.
+pub const MATERIAL_ROWS: usize = 16;
+
+/// Bytes of a stored vertex, as `VERTEX_WORDS` in `vertex.wgsl`.
+pub const VERTEX_BYTES: u64 = 20;

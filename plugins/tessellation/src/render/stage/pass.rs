@@ -1,0 +1,362 @@
+//! What is recorded for each view: the compute passes of the kinds that changed, then the draws.
+
+use bevy::core_pipeline::prepass::ViewPrepassTextures;
+use bevy::pbr::ShadowView;
+use bevy::prelude::*;
+use bevy::render::diagnostic::RecordDiagnostics;
+use bevy::render::render_phase::TrackedRenderPass;
+use bevy::render::render_resource::{
+    BindGroupEntries, BindingResource, BufferBinding, ComputePassDescriptor, IndexFormat,
+    PipelineCache, RenderPassDescriptor, StoreOp,
+};
+use bevy::render::renderer::{RenderContext, RenderDevice, ViewQuery};
+use bevy::render::view::ViewDepthTexture;
+
+use super::StageShared;
+use super::extract::ExtractedStageCamera;
+use super::layout::{AMPLIFIED_ARGUMENTS, DISPATCH_ARGUMENTS, StageDraw};
+use super::pipeline::{DrawKey, KindPipelines, KindView};
+use super::prepare::{Kind, StageKinds, ViewGroups, ViewKind};
+
+/// Columns of a dispatch's grid, as in `work.wgsl`.
+const COLUMNS: u32 = 32_768;
+
+/// Compute passes a kind and view, when it is not settled.
+pub const DISPATCHES: u32 = 5;
+
+/// Pipelines and bind groups that are missing.
+pub fn bind_groups(
+    mut kinds: ResMut<StageKinds>,
+    views: Query<&ViewPrepassTextures>,
+    cache: Res<PipelineCache>,
+    device: Res<RenderDevice>,
+    shared: Res<StageShared>,
+) {
+    for kind in kinds.0.values_mut() {
+        let (Some(layout), Some(_), Some(_)) = (&kind.data_layout, &kind.data, &kind.buffers)
+        else {
+            continue;
+        };
+        if kind.pipelines.is_none() {
+            kind.pipelines = Some(KindPipelines::new(kind, layout, &cache));
+        }
+        let Kind {
+            pipelines: Some(pipelines),
+            buffers: Some(buffers),
+            views: states,
+            shaders,
+            traits,
+            name,
+            ..
+        } = kind
+        else {
+            continue;
+        };
+        if let Some(fault) = pipelines.fault(&cache) {
+            if !pipelines.told {
+                pipelines.told = true;
+                error!("{name}: its shader is not used until it is corrected: {fault}");
+                shared.report(name, fault);
+            }
+        } else if pipelines.told {
+            pipelines.told = false;
+            shared.clear(name);
+        }
+        for (entity, state) in states.iter_mut() {
+            if let Ok(prepass) = views.get(*entity) {
+                let of = KindView {
+                    name,
+                    shaders,
+                    traits,
+                };
+                pipelines.draw(&of, &cache, draw_key(prepass));
+            }
+            if state.groups.is_some() {
+                continue;
+            }
+            let given = (
+                state.uniform.as_entire_binding(),
+                buffers.tables.as_entire_binding(),
+                buffers.data.as_entire_binding(),
+            );
+            let work = state.work.as_entire_binding();
+            let slot = BindingResource::Buffer(BufferBinding {
+                buffer: &state.draw,
+                offset: 0,
+                size: (size_of::<StageDraw>() as u64).try_into().ok(),
+            });
+            let mut emit = vec![
+                given.0.clone(),
+                given.1.clone(),
+                given.2.clone(),
+                work.clone(),
+                state.vertices.as_entire_binding(),
+                state.indices.as_entire_binding(),
+            ];
+            emit.extend(
+                state
+                    .previous
+                    .as_ref()
+                    .map(|previous| previous.as_entire_binding()),
+            );
+            let mut draw = vec![slot, buffers.materials.as_entire_binding()];
+            if traits.amplified > 0 {
+                draw.push(state.vertices.as_entire_binding());
+                draw.push(state.indices.as_entire_binding());
+                draw.extend(
+                    state
+                        .previous
+                        .as_ref()
+                        .map(|previous| previous.as_entire_binding()),
+                );
+            }
+            let group =
+                |name, layout, resources: Vec<BindingResource>| {
+                    let entries: Vec<_> =
+                        (0_u32..)
+                            .zip(resources)
+                            .map(|(binding, resource)| {
+                                bevy::render::render_resource::BindGroupEntry { binding, resource }
+                            })
+                            .collect();
+                    device.create_bind_group(name, &cache.get_bind_group_layout(layout), &entries)
+                };
+            state.groups = Some(ViewGroups {
+                work: device.create_bind_group(
+                    "stage_work",
+                    &cache.get_bind_group_layout(&pipelines.work_layout),
+                    &BindGroupEntries::sequential((
+                        given.0.clone(),
+                        given.1.clone(),
+                        given.2.clone(),
+                        work,
+                    )),
+                ),
+                emit: group("stage_emit", &pipelines.emit_layout, emit),
+                given: device.create_bind_group(
+                    "stage_given",
+                    &cache.get_bind_group_layout(&pipelines.given_layout),
+                    &BindGroupEntries::sequential(given),
+                ),
+                draw: group("stage_draw", &pipelines.draw_layout, draw),
+            });
+        }
+    }
+}
+
+fn draw_key(prepass: &ViewPrepassTextures) -> DrawKey {
+    DrawKey {
+        normals: prepass.normal.is_some(),
+        motion: prepass.motion_vectors.is_some(),
+    }
+}
+
+/// control → measure → plan → place → emit, for each kind whose inputs changed.
+pub fn tessellate(
+    view: ViewQuery<Entity, With<ExtractedStageCamera>>,
+    mut kinds: ResMut<StageKinds>,
+    cache: Res<PipelineCache>,
+    shared: Res<StageShared>,
+    mut ctx: RenderContext,
+) {
+    let entity = view.into_inner();
+    for kind in kinds.0.values_mut() {
+        let (Some(pipelines), Some(data), Some(state)) =
+            (&kind.pipelines, &kind.data, kind.views.get_mut(&entity))
+        else {
+            continue;
+        };
+        if !state.settled
+            && let Some(groups) = &state.groups
+        {
+            let found = pipelines.compute.map(|id| cache.get_compute_pipeline(id));
+            let [
+                Some(control),
+                Some(measure),
+                Some(plan),
+                Some(place),
+                Some(emit),
+            ] = found
+            else {
+                continue;
+            };
+            let recorder = ctx.diagnostic_recorder();
+            let recorder = recorder.as_deref();
+            let encoder = ctx.command_encoder();
+            encoder.clear_buffer(&state.work, 0, Some(state.cleared));
+            let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+                label: Some("stage"),
+                ..default()
+            });
+            let span = recorder.pass_span(&mut pass, "stage");
+            let [patches, items] = state.groups_of;
+            pass.set_bind_group(0, &groups.work, &[]);
+            pass.set_bind_group(1, &data.bind_group, &[]);
+            for (pipeline, groups) in [
+                (control, patches),
+                (measure, items),
+                (plan, 1),
+                (place, items),
+            ] {
+                pass.set_pipeline(pipeline);
+                pass.dispatch_workgroups(groups.min(COLUMNS), groups.div_ceil(COLUMNS), 1);
+            }
+            pass.set_pipeline(emit);
+            pass.set_bind_group(0, &groups.emit, &[]);
+            pass.dispatch_workgroups_indirect(&state.work, DISPATCH_ARGUMENTS);
+            span.end(&mut pass);
+            drop(pass);
+            shared.count_dispatches(DISPATCHES);
+            state.settled = true;
+            state.filled = true;
+            state.counters.want();
+        }
+        if state.counters.is_waiting() {
+            state.counters.copy(ctx.command_encoder(), &state.work);
+        }
+    }
+}
+
+/// The primitives of every kind into the G-buffer and the depth buffer.
+pub fn draw_gbuffer(
+    view: ViewQuery<(Entity, &ViewPrepassTextures, &ViewDepthTexture), With<ExtractedStageCamera>>,
+    mut kinds: ResMut<StageKinds>,
+    cache: Res<PipelineCache>,
+    mut ctx: RenderContext,
+) {
+    let (entity, prepass, depth) = view.into_inner();
+    let (Some(deferred), Some(pass_id)) = (&prepass.deferred, &prepass.deferred_lighting_pass_id)
+    else {
+        return;
+    };
+    let key = draw_key(prepass);
+    let mut drawn = Vec::new();
+    for kind in kinds.0.values_mut() {
+        let Kind {
+            pipelines: Some(pipelines),
+            shaders,
+            traits,
+            name,
+            data: Some(data),
+            views,
+            ..
+        } = kind
+        else {
+            continue;
+        };
+        let of = KindView {
+            name,
+            shaders,
+            traits,
+        };
+        let id = pipelines.draw(&of, &cache, key);
+        let Some(state) = views.get(&entity).filter(|state| state.filled) else {
+            continue;
+        };
+        if let (Some(pipeline), Some(groups)) = (cache.get_render_pipeline(id), &state.groups) {
+            drawn.push((pipeline, groups, data, state, &kind.traits));
+        }
+    }
+    if drawn.is_empty() {
+        return;
+    }
+    let attachments = [
+        prepass
+            .normal
+            .as_ref()
+            .map(|texture| texture.get_attachment()),
+        prepass
+            .motion_vectors
+            .as_ref()
+            .map(|texture| texture.get_attachment()),
+        Some(deferred.get_attachment()),
+        Some(pass_id.get_attachment()),
+    ];
+    let recorder = ctx.diagnostic_recorder();
+    let recorder = recorder.as_deref();
+    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+        label: Some("stage_gbuffer"),
+        color_attachments: &attachments,
+        depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    });
+    let span = recorder.pass_span(&mut pass, "stage_gbuffer");
+    for (pipeline, groups, data, state, traits) in drawn {
+        pass.set_render_pipeline(pipeline);
+        pass.set_bind_group(0, &groups.given, &[]);
+        pass.set_bind_group(1, &data.bind_group, &[]);
+        pass.set_bind_group(2, &groups.draw, &[0]);
+        draw(&mut pass, state, traits.amplified);
+    }
+    span.end(&mut pass);
+}
+
+fn draw<'a>(pass: &mut TrackedRenderPass<'a>, state: &'a ViewKind, amplified: u32) {
+    if amplified > 0 {
+        pass.draw_indirect(&state.work, AMPLIFIED_ARGUMENTS);
+        return;
+    }
+    pass.set_vertex_buffer(0, state.vertices.slice(..));
+    if let Some(previous) = &state.previous {
+        pass.set_vertex_buffer(1, previous.slice(..));
+    }
+    pass.set_index_buffer(state.indices.slice(..), IndexFormat::Uint32);
+    pass.draw_indexed_indirect(&state.work, 0);
+}
+
+/// The same primitives into the shadow maps of the view's lights.
+pub fn draw_shadows(
+    view: ViewQuery<Entity, With<ExtractedStageCamera>>,
+    kinds: Res<StageKinds>,
+    shadow_views: Query<&ShadowView>,
+    cache: Res<PipelineCache>,
+    mut ctx: RenderContext,
+) {
+    let entity = view.into_inner();
+    // All kinds of a light in one pass: a list of the lights, in the order of the slots.
+    let states = || {
+        kinds.0.values().filter_map(|kind| {
+            let state = kind.views.get(&entity).filter(|state| state.filled)?;
+            Some((kind, state, state.groups.as_ref()?))
+        })
+    };
+    let lights: Vec<(Entity, u32)> = states()
+        .map(|(_, state, _)| &state.shadows)
+        .max_by_key(|shadows| shadows.len())
+        .cloned()
+        .unwrap_or_default();
+    for (light, offset) in lights {
+        let Ok(shadow) = shadow_views.get(light) else {
+            continue;
+        };
+        let recorder = ctx.diagnostic_recorder();
+        let recorder = recorder.as_deref();
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("stage_shadow"),
+            color_attachments: &[],
+            depth_stencil_attachment: Some(shadow.depth_attachment.get_attachment(StoreOp::Store)),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        let span = recorder.pass_span(&mut pass, "stage_shadow");
+        for (kind, state, groups) in states().filter(|(kind, ..)| kind.traits.shadows) {
+            let Some((pipeline, data)) = kind
+                .pipelines
+                .as_ref()
+                .and_then(|pipelines| cache.get_render_pipeline(pipelines.shadow))
+                .zip(kind.data.as_ref())
+            else {
+                continue;
+            };
+            pass.set_render_pipeline(pipeline);
+            pass.set_bind_group(0, &groups.given, &[]);
+            pass.set_bind_group(1, &data.bind_group, &[]);
+            pass.set_bind_group(2, &groups.draw, &[offset]);
+            draw(&mut pass, state, kind.traits.amplified);
+        }
+        span.end(&mut pass);
+    }
+}

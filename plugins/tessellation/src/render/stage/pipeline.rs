@@ -1,0 +1,374 @@
+//! Shaders, layouts and pipelines of a kind; made when a camera first sees one of its patches.
+
+use std::num::NonZero;
+
+use bevy::core_pipeline::deferred::{DEFERRED_LIGHTING_PASS_ID_FORMAT, DEFERRED_PREPASS_FORMAT};
+use bevy::core_pipeline::prepass::{MOTION_VECTOR_PREPASS_FORMAT, NORMAL_PREPASS_FORMAT};
+use bevy::mesh::VertexBufferLayout;
+use bevy::prelude::*;
+use bevy::render::render_resource::binding_types::{
+    storage_buffer_read_only_sized, storage_buffer_sized, uniform_buffer_sized,
+};
+use bevy::render::render_resource::{
+    BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedComputePipelineId,
+    CachedPipelineState, CachedRenderPipelineId, ColorTargetState, ColorWrites, CompareFunction,
+    ComputePipelineDescriptor, Face, FragmentState, FrontFace, PipelineCache, PrimitiveState,
+    PrimitiveTopology, RenderPipelineDescriptor, ShaderStages, TextureFormat, VertexAttribute,
+    VertexFormat, VertexState, VertexStepMode,
+};
+use bevy::shader::{Shader, ShaderDefVal};
+
+use super::kind::PatchKind;
+use super::layout::{MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES};
+use super::prepare::{Kind, KindTraits};
+use crate::render::pipeline::{ModuleShaders, depth, shader};
+use crate::stage::{Domain, Mode, Spacing, Winding};
+
+/// Entry shaders of a kind, the user's functions named in them.
+#[derive(Clone)]
+pub struct KindShaders {
+    control: Handle<Shader>,
+    measure: Handle<Shader>,
+    plan: Handle<Shader>,
+    place: Handle<Shader>,
+    emit: Handle<Shader>,
+    draw: Handle<Shader>,
+    _user: Handle<Shader>,
+    _modules: ModuleShaders,
+    defs: Vec<ShaderDefVal>,
+}
+
+impl KindShaders {
+    /// Puts the user's functions into the stage's shaders.
+    pub fn new<K: PatchKind>(app: &mut App, name: &str) -> Self {
+        let modules = ModuleShaders::load(app);
+        let path = K::shader();
+        let user = app.world().resource::<AssetServer>().load(path);
+        let mut assets = app.world_mut().resource_mut::<Assets<Shader>>();
+        let mut entry = |file: &str| {
+            let file = dolomite_shaders::find(file);
+            let user = format!("\"{path}\"");
+            let mut source = file
+                .source
+                .replace("dolomite::stage::user::", &format!("{user}::"));
+            if K::AMPLIFIED > 0 {
+                source = source.replace("dolomite::stage::user_amplify::", &format!("{user}::"));
+            }
+            if K::CUSTOM_MATERIAL {
+                source = source.replace("dolomite::stage::user_material::", &format!("{user}::"));
+            }
+            assets.add(shader(source, &format!("{}#{name}", file.path)))
+        };
+        Self {
+            control: entry("stage/control.wgsl"),
+            measure: entry("stage/measure.wgsl"),
+            plan: entry("stage/plan.wgsl"),
+            place: entry("stage/place_items.wgsl"),
+            emit: entry("stage/emit.wgsl"),
+            draw: entry("stage/draw.wgsl"),
+            _user: user,
+            _modules: modules,
+            defs: defs::<K>(),
+        }
+    }
+}
+
+/// The kind's rules, as `rules.wgsl` reads them.
+fn defs<K: PatchKind>() -> Vec<ShaderDefVal> {
+    let mut defs = Vec::new();
+    match K::LAYOUT.domain {
+        Domain::Triangles => {}
+        Domain::Quads => defs.extend(["STAGE_QUADS", "STAGE_FOUR_POINTS"]),
+        Domain::Isolines => defs.extend(["STAGE_ISOLINES", "STAGE_FOUR_POINTS"]),
+    }
+    match K::SPACING {
+        Spacing::Equal => {}
+        Spacing::FractionalEven => defs.push("STAGE_FRACTIONAL_EVEN"),
+        Spacing::FractionalOdd => defs.push("STAGE_FRACTIONAL_ODD"),
+    }
+    for (on, name) in [
+        (K::MODE == Mode::D3d, "STAGE_D3D"),
+        (K::WINDING == Winding::Cw, "STAGE_CLOCKWISE"),
+        (K::MOVES, "STAGE_MOVES"),
+        (K::AMPLIFIED > 0, "STAGE_AMPLIFY"),
+    ] {
+        if on {
+            defs.push(name);
+        }
+    }
+    defs.into_iter().map(ShaderDefVal::from).collect()
+}
+
+/// What a G-buffer pipeline is specialised by.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct DrawKey {
+    pub normals: bool,
+    pub motion: bool,
+}
+
+/// Layouts and pipelines of a kind.
+pub struct KindPipelines {
+    pub work_layout: BindGroupLayoutDescriptor,
+    pub emit_layout: BindGroupLayoutDescriptor,
+    /// What the user's functions read, for vertex shaders.
+    pub given_layout: BindGroupLayoutDescriptor,
+    pub draw_layout: BindGroupLayoutDescriptor,
+    data_layout: BindGroupLayoutDescriptor,
+    /// control, measure, plan, place, emit.
+    pub compute: [CachedComputePipelineId; 5],
+    pub shadow: CachedRenderPipelineId,
+    draw: Vec<(DrawKey, CachedRenderPipelineId)>,
+    /// Whether a fault was told of.
+    pub told: bool,
+}
+
+impl KindPipelines {
+    /// Queues what every view needs.
+    pub fn new(
+        kind: &Kind,
+        data_layout: &BindGroupLayoutDescriptor,
+        cache: &PipelineCache,
+    ) -> Self {
+        let compute = ShaderStages::COMPUTE;
+        let params = || uniform_buffer_sized(false, NonZero::new(size_of::<StageParams>() as u64));
+        let read = || storage_buffer_read_only_sized(false, None);
+        let write = || storage_buffer_sized(false, None);
+        let work_layout = BindGroupLayoutDescriptor::new(
+            "stage_work",
+            &BindGroupLayoutEntries::sequential(compute, (params(), read(), read(), write())),
+        );
+        let emit_layout = if kind.traits.moves {
+            BindGroupLayoutDescriptor::new(
+                "stage_emit",
+                &BindGroupLayoutEntries::sequential(
+                    compute,
+                    (params(), read(), read(), read(), write(), write(), write()),
+                ),
+            )
+        } else {
+            BindGroupLayoutDescriptor::new(
+                "stage_emit",
+                &BindGroupLayoutEntries::sequential(
+                    compute,
+                    (params(), read(), read(), read(), write(), write()),
+                ),
+            )
+        };
+        let given_layout = BindGroupLayoutDescriptor::new(
+            "stage_given",
+            &BindGroupLayoutEntries::sequential(ShaderStages::VERTEX, (params(), read(), read())),
+        );
+        let draw = uniform_buffer_sized(true, NonZero::new(size_of::<StageDraw>() as u64));
+        let rows = (MATERIAL_ROWS * size_of::<MaterialRow>()) as u64;
+        let materials = uniform_buffer_sized(false, NonZero::new(rows));
+        let both = ShaderStages::VERTEX_FRAGMENT;
+        let draw_layout = if kind.traits.amplified == 0 {
+            BindGroupLayoutDescriptor::new(
+                "stage_draw",
+                &BindGroupLayoutEntries::sequential(both, (draw, materials)),
+            )
+        } else if kind.traits.moves {
+            BindGroupLayoutDescriptor::new(
+                "stage_draw",
+                &BindGroupLayoutEntries::sequential(
+                    both,
+                    (draw, materials, read(), read(), read()),
+                ),
+            )
+        } else {
+            BindGroupLayoutDescriptor::new(
+                "stage_draw",
+                &BindGroupLayoutEntries::sequential(both, (draw, materials, read(), read())),
+            )
+        };
+        let shaders = &kind.shaders;
+        let pass = |name: &'static str,
+                    shader: &Handle<Shader>,
+                    layout: &BindGroupLayoutDescriptor,
+                    read: bool| {
+            let mut shader_defs = shaders.defs.clone();
+            if read {
+                shader_defs.push("STAGE_READ".into());
+            }
+            cache.queue_compute_pipeline(ComputePipelineDescriptor {
+                label: Some(format!("stage_{name} {}", kind.name).into()),
+                layout: vec![layout.clone(), data_layout.clone()],
+                shader: shader.clone(),
+                shader_defs,
+                entry_point: Some(name.into()),
+                ..default()
+            })
+        };
+        let compute = [
+            pass("control_patches", &shaders.control, &work_layout, false),
+            pass("measure", &shaders.measure, &work_layout, false),
+            pass("plan", &shaders.plan, &work_layout, false),
+            pass("place_items", &shaders.place, &work_layout, false),
+            pass("emit", &shaders.emit, &emit_layout, true),
+        ];
+        let shadow = cache.queue_render_pipeline(RenderPipelineDescriptor {
+            label: Some(format!("stage_shadow {}", kind.name).into()),
+            layout: vec![
+                given_layout.clone(),
+                data_layout.clone(),
+                draw_layout.clone(),
+            ],
+            vertex: vertex_state(kind, shaders.defs.clone()),
+            primitive: PrimitiveState {
+                topology: topology(&kind.traits),
+                cull_mode: None,
+                ..default()
+            },
+            depth_stencil: Some(depth(CompareFunction::GreaterEqual)),
+            ..default()
+        });
+        Self {
+            work_layout,
+            emit_layout,
+            given_layout,
+            draw_layout,
+            data_layout: data_layout.clone(),
+            compute,
+            shadow,
+            draw: Vec::new(),
+            told: false,
+        }
+    }
+
+    /// The G-buffer pipeline for `key`, queued on first use.
+    pub fn draw(
+        &mut self,
+        kind: &KindView,
+        cache: &PipelineCache,
+        key: DrawKey,
+    ) -> CachedRenderPipelineId {
+        if let Some((_, id)) = self.draw.iter().find(|(known, _)| *known == key) {
+            return *id;
+        }
+        let mut defs = kind.shaders.defs.clone();
+        defs.push("GBUFFER".into());
+        for (on, name) in [
+            (key.normals, "NORMAL_PREPASS"),
+            (key.motion, "MOTION_VECTORS"),
+        ] {
+            if on {
+                defs.push(name.into());
+            }
+        }
+        let target = |format: TextureFormat| {
+            Some(ColorTargetState {
+                format,
+                blend: None,
+                write_mask: ColorWrites::ALL,
+            })
+        };
+        let id = cache.queue_render_pipeline(RenderPipelineDescriptor {
+            label: Some(format!("stage_gbuffer {}", kind.name).into()),
+            layout: vec![
+                self.given_layout.clone(),
+                self.data_layout.clone(),
+                self.draw_layout.clone(),
+            ],
+            vertex: vertex_state_of(kind.shaders, kind.traits, defs.clone()),
+            fragment: Some(FragmentState {
+                shader: kind.shaders.draw.clone(),
+                shader_defs: defs,
+                entry_point: Some("fragment".into()),
+                targets: vec![
+                    key.normals.then(|| target(NORMAL_PREPASS_FORMAT)).flatten(),
+                    key.motion
+                        .then(|| target(MOTION_VECTOR_PREPASS_FORMAT))
+                        .flatten(),
+                    target(DEFERRED_PREPASS_FORMAT),
+                    target(DEFERRED_LIGHTING_PASS_ID_FORMAT),
+                ],
+            }),
+            primitive: PrimitiveState {
+                topology: topology(kind.traits),
+                front_face: FrontFace::Ccw,
+                cull_mode: (!kind.traits.double_sided).then_some(Face::Back),
+                ..default()
+            },
+            depth_stencil: Some(depth(CompareFunction::GreaterEqual)),
+            ..default()
+        });
+        self.draw.push((key, id));
+        id
+    }
+
+    /// Number of pipelines queued so far.
+    pub fn count(&self) -> usize {
+        self.compute.len() + 1 + self.draw.len()
+    }
+
+    /// Why a pipeline could not be made, if one could not.
+    pub fn fault(&self, cache: &PipelineCache) -> Option<String> {
+        let compute = self
+            .compute
+            .iter()
+            .map(|id| cache.get_compute_pipeline_state(*id));
+        let render = self.draw.iter().map(|(_, id)| id).chain([&self.shadow]);
+        compute
+            .chain(render.map(|id| cache.get_render_pipeline_state(*id)))
+            .find_map(|state| match state {
+                CachedPipelineState::Err(fault) => Some(fault.to_string()),
+                _ => None,
+            })
+    }
+}
+
+/// What of a kind its draw pipelines depend on, apart from the pipelines.
+pub struct KindView<'a> {
+    pub name: &'static str,
+    pub shaders: &'a KindShaders,
+    pub traits: &'a KindTraits,
+}
+
+const fn topology(traits: &KindTraits) -> PrimitiveTopology {
+    match traits.layout.domain {
+        Domain::Isolines if traits.amplified == 0 => PrimitiveTopology::LineList,
+        _ => PrimitiveTopology::TriangleList,
+    }
+}
+
+fn vertex_state(kind: &Kind, defs: Vec<ShaderDefVal>) -> VertexState {
+    vertex_state_of(&kind.shaders, &kind.traits, defs)
+}
+
+/// Amplified vertices are fetched by the shader, others by the vertex buffers.
+fn vertex_state_of(
+    shaders: &KindShaders,
+    traits: &KindTraits,
+    defs: Vec<ShaderDefVal>,
+) -> VertexState {
+    let attribute = |format, offset, shader_location| VertexAttribute {
+        format,
+        offset,
+        shader_location,
+    };
+    let layout = |stride, attributes| VertexBufferLayout {
+        array_stride: stride,
+        step_mode: VertexStepMode::Vertex,
+        attributes,
+    };
+    let mut buffers = Vec::new();
+    if traits.amplified == 0 {
+        buffers.push(layout(
+            VERTEX_BYTES,
+            vec![
+                attribute(VertexFormat::Float32x3, 0, 0),
+                attribute(VertexFormat::Uint32, 12, 1),
+                attribute(VertexFormat::Snorm16x2, 16, 2),
+            ],
+        ));
+        if traits.moves {
+            buffers.push(layout(12, vec![attribute(VertexFormat::Float32x3, 0, 3)]));
+        }
+    }
+    VertexState {
+        shader: shaders.draw.clone(),
+        shader_defs: defs,
+        entry_point: Some("vertex".into()),
+        buffers,
+    }
+}

@@ -1,0 +1,512 @@
+//! Buffers of each kind and of each view of it, and the decision whether there is anything to do.
+
+use std::any::TypeId;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use bevy::ecs::system::{StaticSystemParam, SystemParamItem};
+use bevy::math::{DMat4, DVec3};
+use bevy::pbr::{ShadowView, ViewLightEntities};
+use bevy::prelude::*;
+use bevy::render::camera::TemporalJitter;
+use bevy::render::render_resource::{
+    AsBindGroup, AsBindGroupError, BindGroup, BindGroupLayoutDescriptor, Buffer, BufferDescriptor,
+    BufferInitDescriptor, BufferUsages, PipelineCache, PreparedBindGroup,
+};
+use bevy::render::renderer::{RenderDevice, RenderQueue};
+use bevy::render::view::ExtractedView;
+use bytemuck::{Pod, Zeroable, cast_slice};
+
+use super::extract::{ExtractedStageCamera, StageScene, same_meshes};
+use super::kind::{PatchKind, PatchMaterial, PatchPool};
+use super::layout::{
+    DRAW_SLOT, MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES, WorkHead,
+};
+use super::pipeline::{KindPipelines, KindShaders};
+use super::view::{StageSpace, stage_view};
+use crate::render::params::Camera;
+use crate::render::readback::Counters;
+use crate::stage::patches::{BINDING_LIMIT, PATCH_WORDS};
+use crate::stage::{Domain, PatchLayout, PatchMesh};
+
+/// Shadow views that a view draws into at most.
+const SHADOW_SLOTS: u64 = 16;
+
+/// What is the same for all entities and views of a kind.
+#[derive(Clone, Copy, Debug)]
+pub struct KindTraits {
+    pub layout: PatchLayout,
+    pub animated: bool,
+    pub moves: bool,
+    pub uv_range: f32,
+    pub amplified: u32,
+    pub double_sided: bool,
+    pub shadows: bool,
+}
+
+/// One entity, as the shaders read it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable, PartialEq)]
+pub struct Instance {
+    /// To the world, row by row.
+    pub rows: [[f32; 4]; 3],
+    /// The same in the last frame.
+    pub previous: [[f32; 4]; 3],
+    /// Parameters.
+    pub params: [[f32; 4]; 4],
+}
+
+/// Every kind, by its type.
+#[derive(Resource, Default)]
+pub struct StageKinds(pub HashMap<TypeId, Kind>);
+
+/// A kind of patches in the render world.
+pub struct Kind {
+    pub name: &'static str,
+    pub traits: KindTraits,
+    pub shaders: KindShaders,
+    pub pool: PatchPool,
+    pub materials: Vec<PatchMaterial>,
+    pub materials_changed: bool,
+    pub instances: Vec<(Arc<PatchMesh>, Instance)>,
+    pub instances_changed: bool,
+    /// Entities whose mesh has another layout.
+    pub other_layout: usize,
+    /// Counts the changes that tessellation depends on.
+    pub version: u64,
+    /// Layout and bind group of the user's data.
+    pub data_layout: Option<BindGroupLayoutDescriptor>,
+    pub data: Option<PreparedBindGroup>,
+    pub pipelines: Option<KindPipelines>,
+    pub buffers: Option<KindBuffers>,
+    pub views: HashMap<Entity, ViewKind>,
+}
+
+/// Buffers that all views of a kind share.
+pub struct KindBuffers {
+    meshes: Vec<Arc<PatchMesh>>,
+    pub tables: Buffer,
+    pub data: Buffer,
+    pub materials: Buffer,
+    /// Counts and places; the rest is the view's.
+    params: StageParams,
+    /// Most vertices and primitives that the patches can have.
+    greatest: [u64; 2],
+}
+
+/// One kind in one view.
+pub struct ViewKind {
+    params: StageParams,
+    version: u64,
+    /// False when this frame has to dispatch.
+    pub settled: bool,
+    /// Whether the buffers hold a finished tessellation.
+    pub filled: bool,
+    pub uniform: Buffer,
+    pub work: Buffer,
+    pub vertices: Buffer,
+    pub indices: Buffer,
+    pub previous: Option<Buffer>,
+    pub draw: Buffer,
+    pub counters: Counters<WorkHead>,
+    pub groups: Option<ViewGroups>,
+    previous_clip: Option<DMat4>,
+    /// Shadow views to draw into, and the slot of each.
+    pub shadows: Vec<(Entity, u32)>,
+    pub cleared: u64,
+    pub groups_of: [u32; 2],
+}
+
+/// Bind groups of one kind in one view.
+pub struct ViewGroups {
+    pub work: BindGroup,
+    pub emit: BindGroup,
+    pub given: BindGroup,
+    pub draw: BindGroup,
+}
+
+/// The bind group of the user's data.
+pub fn data<K: PatchKind>(
+    mut kinds: ResMut<StageKinds>,
+    settings: Option<Res<ExtractedKind<K>>>,
+    cache: Res<PipelineCache>,
+    device: Res<RenderDevice>,
+    param: StaticSystemParam<<K as AsBindGroup>::Param>,
+) {
+    let Some(kind) = kinds.0.get_mut(&TypeId::of::<K>()) else {
+        return;
+    };
+    let Some(settings) = settings else {
+        return;
+    };
+    if kind.instances.is_empty() || (kind.data.is_some() && !settings.is_changed()) {
+        return;
+    }
+    let layout = kind
+        .data_layout
+        .get_or_insert_with(|| K::bind_group_layout_descriptor(&device));
+    let mut param: SystemParamItem<<K as AsBindGroup>::Param> = param.into_inner();
+    match settings
+        .0
+        .as_bind_group(layout, &device, &cache, &mut param)
+    {
+        Ok(prepared) => {
+            kind.data = Some(prepared);
+            kind.version += 1;
+        }
+        // An image that has not arrived: again in the next frame.
+        Err(AsBindGroupError::RetryNextUpdate) => {}
+        Err(fault) => error!("{}: {fault}", kind.name),
+    }
+}
+
+/// The user's resource in the render world.
+#[derive(Resource)]
+pub struct ExtractedKind<K>(pub K);
+
+/// Uploads tables, entities and materials that changed.
+pub fn buffers(
+    mut kinds: ResMut<StageKinds>,
+    cameras: Query<(), With<ExtractedStageCamera>>,
+    device: Res<RenderDevice>,
+    queue: Res<RenderQueue>,
+) {
+    for kind in kinds.0.values_mut() {
+        if kind.instances.is_empty() || cameras.is_empty() {
+            kind.buffers = None;
+            kind.views.clear();
+            continue;
+        }
+        let other_meshes = kind
+            .buffers
+            .as_ref()
+            .is_none_or(|buffers| !same_meshes(&buffers.meshes, &kind.instances));
+        if other_meshes {
+            match KindBuffers::new(kind, &device) {
+                Ok(buffers) => kind.buffers = Some(buffers),
+                Err(bytes) => {
+                    error!(
+                        "{}: the patches of {} entities need {bytes} bytes in one buffer, more than {BINDING_LIMIT}; none of this kind is drawn until there are fewer",
+                        kind.name,
+                        kind.instances.len()
+                    );
+                    kind.instances.clear();
+                    kind.buffers = None;
+                }
+            }
+            kind.views.clear();
+            kind.instances_changed = false;
+            kind.materials_changed = true;
+        }
+        let Some(buffers) = &kind.buffers else {
+            continue;
+        };
+        if kind.instances_changed {
+            let instances: Vec<Instance> = kind.instances.iter().map(|(_, i)| *i).collect();
+            queue.write_buffer(&buffers.data, 0, cast_slice(&instances));
+            kind.instances_changed = false;
+        }
+        if kind.materials_changed {
+            queue.write_buffer(
+                &buffers.materials,
+                0,
+                cast_slice(&material_rows(&kind.materials)),
+            );
+            kind.materials_changed = false;
+        }
+    }
+}
+
+fn material_rows(materials: &[PatchMaterial]) -> [MaterialRow; MATERIAL_ROWS] {
+    let mut rows = [MaterialRow::default(); MATERIAL_ROWS];
+    for (row, material) in rows.iter_mut().zip(materials) {
+        let base = material.base_color;
+        let shine = material.emissive;
+        *row = MaterialRow {
+            base_color: [
+                base.red,
+                base.green,
+                base.blue,
+                f32::from(u8::from(material.unlit)),
+            ],
+            emissive: [shine.red, shine.green, shine.blue, material.reflectance],
+            surface: [material.roughness, material.metallic, 1.0, 0.0],
+        };
+    }
+    rows
+}
+
+impl KindBuffers {
+    /// Tables of all entities; fails with the size that is too large for a buffer.
+    fn new(kind: &Kind, device: &RenderDevice) -> Result<Self, u64> {
+        let (mut corners, mut edges, mut patches) = (Vec::new(), Vec::new(), Vec::<u32>::new());
+        let (mut indices, mut points) = (Vec::new(), Vec::new());
+        // Entities of one mesh share its control points: where they and their indices begin.
+        let mut known: HashMap<*const PatchMesh, (u32, u32)> = HashMap::new();
+        let layout = kind.traits.layout;
+        let mut patch_count = 0_u64;
+        for (entity, (mesh, _)) in (0_u32..).zip(&kind.instances) {
+            patch_count += mesh.patches() as u64;
+            let bytes = patch_count * PATCH_WORDS * 4;
+            if bytes > BINDING_LIMIT {
+                return Err(bytes);
+            }
+            let (first_index, first_point) = *known.entry(Arc::as_ptr(mesh)).or_insert_with(|| {
+                let first = (
+                    indices.len() as u32,
+                    points.len() as u32 / layout.point_size,
+                );
+                indices.extend_from_slice(mesh.indices());
+                points.extend_from_slice(mesh.points());
+                first
+            });
+            let topology = mesh.topology();
+            let first_patch = patches.len() as u32 / PATCH_WORDS as u32;
+            let first_corner = corners.len() as u32;
+            let first_edge = edges.len() as u32;
+            corners.extend(topology.corners.iter().map(|owner| owner + 4 * first_patch));
+            edges.extend(topology.edges.iter().map(|owner| owner + 4 * first_patch));
+            for (number, shared) in (0_u32..).zip(&topology.patches) {
+                patches.extend([
+                    entity,
+                    number,
+                    first_index + number * layout.points,
+                    first_point,
+                ]);
+                patches.extend(shared[..4].iter().map(|corner| corner + first_corner));
+                // The sum leaves the mark of reversal in the top bit alone.
+                patches.extend(shared[4..].iter().map(|edge| edge + first_edge));
+            }
+        }
+        let mut params = StageParams::zeroed();
+        params.corners = corners.len() as u32;
+        params.edges = edges.len() as u32;
+        params.patches = patch_count as u32;
+        params.corner_table = 0;
+        params.edge_table = params.corners;
+        params.patch_table = params.corners + params.edges;
+        params.points = (kind.instances.len() * size_of::<Instance>() / 16) as u32;
+        params.point_size = layout.point_size;
+        params.uv_range = kind.traits.uv_range;
+        params.amplified = kind.traits.amplified;
+        let index_table = params.patch_table + patches.len() as u32;
+        for patch in patches.chunks_exact_mut(PATCH_WORDS as usize) {
+            patch[2] += index_table;
+        }
+        let tables: Vec<u32> = [corners, edges, patches, indices].concat();
+        let mut data: Vec<[f32; 4]> = kind
+            .instances
+            .iter()
+            .flat_map(|(_, instance)| bytemuck::cast::<_, [[f32; 4]; 10]>(*instance))
+            .collect();
+        data.extend(points);
+        let greatest = (tables.len() as u64 * 4)
+            .max(data.len() as u64 * 16)
+            .max(params.work_bytes());
+        if greatest > BINDING_LIMIT {
+            return Err(greatest);
+        }
+        let make = |label, contents: &[u8], usage| {
+            device.create_buffer_with_data(&BufferInitDescriptor {
+                label: Some(label),
+                contents,
+                usage: usage | BufferUsages::COPY_DST,
+            })
+        };
+        let rows = [MaterialRow::default(); MATERIAL_ROWS];
+        Ok(Self {
+            meshes: kind
+                .instances
+                .iter()
+                .map(|(mesh, _)| mesh.clone())
+                .collect(),
+            tables: make("stage_tables", cast_slice(&tables), BufferUsages::STORAGE),
+            data: make("stage_data", cast_slice(&data), BufferUsages::STORAGE),
+            materials: make("stage_materials", cast_slice(&rows), BufferUsages::UNIFORM),
+            params,
+            greatest: greatest_sizes(layout.domain, patch_count),
+        })
+    }
+}
+
+/// Most vertices and primitives of so many patches.
+const fn greatest_sizes(domain: Domain, patches: u64) -> [u64; 2] {
+    let [vertices, primitives] = match domain {
+        Domain::Triangles => [3169, 6144],
+        Domain::Quads => [4225, 8192],
+        Domain::Isolines => [4160, 4096],
+    };
+    [patches * vertices, patches * primitives]
+}
+
+type ViewItem<'a> = (
+    Entity,
+    &'a ExtractedView,
+    &'a ExtractedStageCamera,
+    Option<&'a ViewLightEntities>,
+    Option<&'a TemporalJitter>,
+);
+
+/// Writes the uniforms of each kind in each view, and unsettles those whose inputs changed.
+pub fn views(
+    mut kinds: ResMut<StageKinds>,
+    scene: Res<StageScene>,
+    views: Query<ViewItem>,
+    shadow_views: Query<&ExtractedView, With<ShadowView>>,
+    device: Res<RenderDevice>,
+    queue: Res<RenderQueue>,
+) {
+    for kind in kinds.0.values_mut() {
+        kind.views.retain(|entity, _| views.contains(*entity));
+        let Some(buffers) = &kind.buffers else {
+            continue;
+        };
+        for (entity, view, camera, lights, jitter) in &views {
+            let matrices = Camera::new(view, jitter);
+            let space = StageSpace::new(matrices.position);
+            let mut params = buffers.params;
+            let time = if kind.traits.animated {
+                scene.time
+            } else {
+                [0.0; 2]
+            };
+            params.view = stage_view(view, &matrices, &space, &camera.0, scene.sun, time);
+            let [vertices, primitives] = pool_sizes(kind.pool, buffers.greatest);
+            params.max_vertices = vertices;
+            params.max_primitives = primitives;
+            let state = kind
+                .views
+                .entry(entity)
+                .or_insert_with(|| ViewKind::new(&device, &params, &kind.traits));
+            if [state.params.max_vertices, state.params.max_primitives] != [vertices, primitives] {
+                *state = ViewKind::new(&device, &params, &kind.traits);
+            }
+            state.update(&queue, &params, kind.version);
+            let mut main = StageDraw {
+                clip_from_stage: space.clip_from_stage(matrices.clip_from_world),
+                previous_clip_from_stage: space
+                    .clip_from_stage(state.previous_clip.unwrap_or(matrices.clip_from_world)),
+                camera: space.relative(matrices.position),
+                time: scene.time[0],
+                anchor: params.view.anchor,
+                uv_range: params.uv_range,
+            };
+            state.previous_clip = Some(matrices.clip_from_world);
+            queue.write_buffer(&state.draw, 0, bytemuck::bytes_of(&main));
+            state.shadows.clear();
+            let lights = lights
+                .into_iter()
+                .flat_map(|lights| lights.lights.iter().copied());
+            for light in lights.filter(|_| kind.traits.shadows) {
+                let slot = state.shadows.len() as u64 + 1;
+                let Ok(shadow) = shadow_views.get(light) else {
+                    continue;
+                };
+                if slot > SHADOW_SLOTS {
+                    break;
+                }
+                let clip = Camera::new(shadow, None).clip_from_world;
+                main.clip_from_stage = space.clip_from_stage(clip);
+                queue.write_buffer(&state.draw, slot * DRAW_SLOT, bytemuck::bytes_of(&main));
+                state.shadows.push((light, (slot * DRAW_SLOT) as u32));
+            }
+        }
+    }
+}
+
+/// The pool, but not more than can be filled or bound, and room for one of each at least.
+fn pool_sizes(pool: PatchPool, greatest: [u64; 2]) -> [u32; 2] {
+    let size = |wanted: u32, greatest: u64, bytes: u64| {
+        u64::from(wanted)
+            .min(greatest)
+            .min(BINDING_LIMIT / bytes)
+            .max(1) as u32
+    };
+    [
+        size(pool.vertices, greatest[0], VERTEX_BYTES),
+        size(pool.primitives, greatest[1], 12),
+    ]
+}
+
+impl ViewKind {
+    fn new(device: &RenderDevice, params: &StageParams, traits: &KindTraits) -> Self {
+        let buffer = |label, size: u64, usage| {
+            device.create_buffer(&BufferDescriptor {
+                label: Some(label),
+                size,
+                usage: usage | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let storage = BufferUsages::STORAGE;
+        let vertices = u64::from(params.max_vertices);
+        Self {
+            params: StageParams {
+                max_vertices: params.max_vertices,
+                max_primitives: params.max_primitives,
+                ..Zeroable::zeroed()
+            },
+            version: 0,
+            settled: false,
+            filled: false,
+            uniform: buffer(
+                "stage_params",
+                size_of::<StageParams>() as u64,
+                BufferUsages::UNIFORM,
+            ),
+            work: buffer(
+                "stage_work",
+                params.work_bytes(),
+                storage | BufferUsages::INDIRECT,
+            ),
+            vertices: buffer(
+                "stage_vertices",
+                vertices * VERTEX_BYTES,
+                storage | BufferUsages::VERTEX,
+            ),
+            indices: buffer(
+                "stage_indices",
+                u64::from(params.max_primitives) * 12,
+                storage | BufferUsages::INDEX,
+            ),
+            previous: traits.moves.then(|| {
+                buffer(
+                    "stage_previous",
+                    vertices * 12,
+                    storage | BufferUsages::VERTEX,
+                )
+            }),
+            draw: buffer(
+                "stage_draw",
+                DRAW_SLOT * (SHADOW_SLOTS + 1),
+                BufferUsages::UNIFORM,
+            ),
+            counters: Counters::new(device),
+            groups: None,
+            previous_clip: None,
+            shadows: Vec::new(),
+            cleared: params.cleared_bytes(),
+            groups_of: [
+                params.patches.div_ceil(64),
+                params.items().div_ceil(super::layout::BLOCK),
+            ],
+        }
+    }
+
+    /// Takes over this frame's inputs; unsettles the view if any of them changed.
+    fn update(&mut self, queue: &RenderQueue, params: &StageParams, version: u64) {
+        if self.params != *params || self.version != version {
+            self.settled = false;
+            self.params = *params;
+            self.version = version;
+            queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(params));
+        }
+    }
+}
+
+impl StageSpace {
+    /// Position relative to the anchor.
+    fn relative(&self, world: DVec3) -> [f32; 3] {
+        (world - self.anchor).as_vec3().to_array()
+    }
+}

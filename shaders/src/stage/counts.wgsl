@@ -1,0 +1,71 @@
+#define_import_path dolomite::stage::counts
+
+// Shapes and sizes of items, from the words of the work buffer. The buffer is bound here for the
+// passes that read or write it without atomics.
+
+#import dolomite::stage::types::{Rules, Shape, ONE, ISOLINES, TRIANGLES}
+#import dolomite::stage::api::{stage, tables, PATCH_WORDS}
+#import dolomite::stage::level::{lift_inner, segments, shape_from_levels}
+#import dolomite::stage::rules::stage_rules
+#import dolomite::stage::shape::{inner_vertices, primitive_count}
+#import dolomite::stage::work::{corner_word, edge_word, inner_word, lower}
+
+#ifdef STAGE_READ
+@group(0) @binding(3) var<storage, read> work: array<u32>;
+#else
+@group(0) @binding(3) var<storage, read_write> work: array<u32>;
+#endif
+
+const EDGE_NUMBER: u32 = 0x7fffffffu;
+
+// The shape of patch `id`, which is not discarded, with levels lowered by `steps`.
+fn patch_shape(rules: Rules, id: u32, steps: u32) -> Shape {
+    let at = inner_word(stage, id);
+    let inner = vec2(work[at], work[at + 1u]);
+    if rules.domain == ISOLINES {
+        return shape_from_levels(rules, vec4(lower_lines(rules, inner.x, steps), lower(rules, inner.y, steps), ONE, ONE), vec2(ONE));
+    }
+    let own = stage.patch_table + id * PATCH_WORDS + 8u;
+    var outer = vec4(ONE);
+    outer.x = work[edge_word(stage, tables[own] & EDGE_NUMBER)];
+    outer.y = work[edge_word(stage, tables[own + 1u] & EDGE_NUMBER)];
+    outer.z = work[edge_word(stage, tables[own + 2u] & EDGE_NUMBER)];
+    if rules.domain != TRIANGLES {
+        outer.w = work[edge_word(stage, tables[own + 3u] & EDGE_NUMBER)];
+    }
+    outer.x = lower(rules, outer.x, steps);
+    outer.y = lower(rules, outer.y, steps);
+    outer.z = lower(rules, outer.z, steps);
+    if rules.domain != TRIANGLES {
+        outer.w = lower(rules, outer.w, steps);
+    }
+    let lowered = vec2(lower(rules, inner.x, steps), lower(rules, inner.y, steps));
+    return shape_from_levels(rules, outer, lift_inner(rules, outer, lowered));
+}
+
+// The number of lines has equal spacing.
+fn lower_lines(rules: Rules, level: u32, steps: u32) -> u32 {
+    return lower(Rules(rules.domain, 0u, rules.mode), level, steps);
+}
+
+// Vertices and primitives of an item.
+fn item_size(item: u32, steps: u32) -> vec2<u32> {
+    let rules = stage_rules();
+    if item < stage.corners {
+        return vec2(work[corner_word(item)], 0u);
+    }
+    let edge = item - stage.corners;
+    if edge < stage.edges {
+        let level = work[edge_word(stage, edge)];
+        if level == 0u {
+            return vec2(0u);
+        }
+        return vec2(segments(lower(rules, level, steps), rules.spacing) - 1u, 0u);
+    }
+    let id = edge - stage.edges;
+    if id >= stage.patches || work[inner_word(stage, id)] == 0u {
+        return vec2(0u);
+    }
+    let shape = patch_shape(rules, id, steps);
+    return vec2(inner_vertices(rules.domain, shape), primitive_count(rules.domain, shape));
+}

@@ -1,0 +1,130 @@
+// Tessellated patches into the G-buffer and into shadow maps.
+
+#import dolomite::stage::draw_types::{Shaded, Surface, stage_draw}
+#import dolomite::stage::vertex::{VERTEX_WORDS, unpack_material, unpack_normal}
+
+struct Varying {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+    @location(3) @interpolate(flat) row: u32,
+#ifdef MOTION_VECTORS
+    @location(4) clip_now: vec4<f32>,
+    @location(5) clip_before: vec4<f32>,
+#endif
+}
+
+fn rasterised(position: vec3<f32>, normal: vec3<f32>, uv: vec2<f32>, before: vec3<f32>, row: u32) -> Varying {
+    var out: Varying;
+    out.clip = stage_draw.clip_from_stage * vec4(position, 1.0);
+    out.position = position;
+    out.normal = normal;
+    out.uv = uv;
+    out.row = row;
+#ifdef MOTION_VECTORS
+    out.clip_now = out.clip;
+    out.clip_before = stage_draw.previous_clip_from_stage * vec4(before, 1.0);
+#endif
+    return out;
+}
+
+#ifdef STAGE_AMPLIFY
+#import dolomite::stage::amplify_types::StoredVertex
+#import dolomite::stage::user_amplify::amplify
+
+@group(2) @binding(2) var<storage, read> pool: array<u32>;
+@group(2) @binding(3) var<storage, read> indices: array<u32>;
+#ifdef STAGE_MOVES
+@group(2) @binding(4) var<storage, read> previous: array<f32>;
+#endif
+
+fn stored(index: u32) -> StoredVertex {
+    let at = index * VERTEX_WORDS;
+    let position = bitcast<vec3<f32>>(vec3(pool[at], pool[at + 1u], pool[at + 2u]));
+    var before = position;
+#ifdef STAGE_MOVES
+    before = vec3(previous[3u * index], previous[3u * index + 1u], previous[3u * index + 2u]);
+#endif
+    let uv = unpack2x16snorm(pool[at + 4u]) * stage_draw.uv_range;
+    return StoredVertex(position, unpack_normal(pool[at + 3u]), uv, before, unpack_material(pool[at + 3u]));
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) primitive: u32) -> Varying {
+#ifdef STAGE_ISOLINES
+    let a = stored(indices[2u * primitive]);
+    let b = stored(indices[2u * primitive + 1u]);
+    let c = b;
+#else
+    let a = stored(indices[3u * primitive]);
+    let b = stored(indices[3u * primitive + 1u]);
+    let c = stored(indices[3u * primitive + 2u]);
+#endif
+    let v = amplify(a, b, c, number);
+    return rasterised(v.position, v.normal, v.uv, v.previous, v.material);
+}
+#else
+@vertex
+fn vertex(
+    @location(0) position: vec3<f32>,
+    @location(1) packed: u32,
+    @location(2) uv: vec2<f32>,
+#ifdef STAGE_MOVES
+    @location(3) before: vec3<f32>,
+#endif
+) -> Varying {
+#ifndef STAGE_MOVES
+    let before = position;
+#endif
+    return rasterised(position, unpack_normal(packed), uv * stage_draw.uv_range, before, unpack_material(packed));
+}
+#endif
+
+#ifdef GBUFFER
+#import bevy_pbr::rgb9e5::vec3_to_rgb9e5_
+#import bevy_pbr::utils::octahedral_encode
+#import bevy_pbr::pbr_deferred_types::{pack_unorm4x8_, pack_24bit_normal_and_flags, DEFERRED_FLAGS_FOG_ENABLED_BIT, DEFERRED_FLAGS_UNLIT_BIT, DEFERRED_MESH_FLAGS_SHADOW_RECEIVER_BIT}
+#import dolomite::stage::user_material::material
+
+struct GBuffer {
+#ifdef NORMAL_PREPASS
+    @location(0) normal: vec4<f32>,
+#endif
+#ifdef MOTION_VECTORS
+    @location(1) motion: vec2<f32>,
+#endif
+    @location(2) deferred: vec4<u32>,
+    // Bevy's default deferred lighting pass.
+    @location(3) lighting_pass: u32,
+}
+
+@fragment
+fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
+    let shaded = material(Surface(in.position, normalize(select(-in.normal, in.normal, front)), in.uv, in.row));
+    let unlit = select(0u, DEFERRED_FLAGS_UNLIT_BIT, shaded.unlit);
+    var out: GBuffer;
+    out.deferred = vec4(
+        // The G-buffer holds base colour with a gamma of 2.2, and the colour of what is not lit in
+        // place of what shines.
+        pack_unorm4x8_(vec4(pow(select(shaded.base_color, vec3(0.0), shaded.unlit), vec3(1.0 / 2.2)), shaded.roughness)),
+        vec3_to_rgb9e5_(select(shaded.emissive, shaded.base_color, shaded.unlit)),
+        pack_unorm4x8_(vec4(shaded.reflectance, shaded.metallic, shaded.occlusion, 0.0)),
+        pack_24bit_normal_and_flags(
+            octahedral_encode(shaded.normal),
+            DEFERRED_FLAGS_FOG_ENABLED_BIT | DEFERRED_MESH_FLAGS_SHADOW_RECEIVER_BIT | unlit,
+        ),
+    );
+    out.lighting_pass = 1u;
+#ifdef NORMAL_PREPASS
+    out.normal = vec4(shaded.normal * 0.5 + 0.5, 1.0);
+#endif
+#ifdef MOTION_VECTORS
+    let now = in.clip_now.xy / in.clip_now.w;
+    let before = in.clip_before.xy / in.clip_before.w;
+    // Half of the NDC difference, y down, as Bevy's prepass has it.
+    out.motion = (now - before) * vec2(0.5, -0.5);
+#endif
+    return out;
+}
+#endif

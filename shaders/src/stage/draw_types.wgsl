@@ -1,0 +1,63 @@
+#define_import_path dolomite::stage::draw_types
+
+// What the draws of the stage know, byte for byte as plugins/tessellation/src/render/stage/layout.rs,
+// and what material functions are given and give.
+
+struct StageDraw {
+    // From stage space to clip space, this frame and the last.
+    clip_from_stage: mat4x4<f32>,
+    previous_clip_from_stage: mat4x4<f32>,
+    // Camera in stage space, metres.
+    camera: vec3<f32>,
+    // Seconds, wrapped at 3600.
+    time: f32,
+    // World position of stage space's origin.
+    anchor: vec3<f32>,
+    uv_range: f32,
+}
+
+// A row of the kind's table of materials.
+struct MaterialRow {
+    // Linear colour; w is 1 where the surface does not receive light.
+    base_color: vec4<f32>,
+    // Luminance in cd/m2; w is the reflectance.
+    emissive: vec4<f32>,
+    // Perceptual roughness, metallic, occlusion.
+    surface: vec4<f32>,
+}
+
+// What the rasteriser gives.
+struct Surface {
+    // In stage space, metres.
+    position: vec3<f32>,
+    // Of length 1, on the side that is seen.
+    normal: vec3<f32>,
+    uv: vec2<f32>,
+    // Row of the table.
+    material: u32,
+}
+
+// What goes to the G-buffer.
+struct Shaded {
+    base_color: vec3<f32>,
+    emissive: vec3<f32>,
+    normal: vec3<f32>,
+    roughness: f32,
+    metallic: f32,
+    reflectance: f32,
+    occlusion: f32,
+    unlit: bool,
+}
+
+struct Materials {
+    rows: array<MaterialRow, 16>,
+}
+
+@group(2) @binding(0) var<uniform> stage_draw: StageDraw;
+@group(2) @binding(1) var<uniform> materials: Materials;
+
+// The material that the surface's row of the table describes.
+fn table_material(surface: Surface) -> Shaded {
+    let row = materials.rows[min(surface.material, 15u)];
+    return Shaded(row.base_color.xyz, row.emissive.xyz, surface.normal, row.surface.x, row.surface.y, row.emissive.w, row.surface.z, row.base_color.w == 1.0);
+}

@@ -1,0 +1,100 @@
+// Pass 3, one workgroup: if the pools do not hold all, lowers every level by the same share until
+// they do; then sums what comes before each block, and writes the arguments of what follows.
+
+#import dolomite::stage::types::ISOLINES
+#import dolomite::stage::api::stage
+#import dolomite::stage::counts::{item_size, work}
+#import dolomite::stage::rules::stage_rules
+#import dolomite::stage::work::{AMPLIFIED, BLOCK, COLUMNS, DISPATCH, INDEXED, LOWERED, LOWERINGS, PRIMITIVES, VERTICES, WANTED_PRIMITIVES, WANTED_VERTICES, block_word, item_count}
+
+const THREADS: u32 = 256u;
+// Sums stop here instead of wrapping round.
+const ENOUGH: u32 = 0x7fffffffu;
+
+var<workgroup> sums: array<vec2<u32>, 256>;
+
+// Sum over all threads, at most ENOUGH; the same for every thread.
+fn total(thread: u32, own: vec2<u32>) -> vec2<u32> {
+    sums[thread] = own;
+    for (var half = 128u; half > 0u; half >>= 1u) {
+        workgroupBarrier();
+        if thread < half {
+            sums[thread] = min(sums[thread] + sums[thread + half], vec2(ENOUGH));
+        }
+    }
+    return workgroupUniformLoad(&sums[0]);
+}
+
+@compute @workgroup_size(256)
+fn plan(@builtin(local_invocation_index) thread: u32) {
+    let items = item_count(stage);
+    let blocks = (items + BLOCK - 1u) / BLOCK;
+    // A run of blocks for each thread.
+    let run = (blocks + THREADS - 1u) / THREADS;
+    let first = min(thread * run, blocks);
+    let last = min(first + run, blocks);
+
+    var own = vec2(0u);
+    for (var block = first; block < last; block++) {
+        let at = block_word(stage, block);
+        own = min(own + vec2(work[at], work[at + 1u]), vec2(ENOUGH));
+    }
+    let wanted = total(thread, own);
+    let pool = vec2(stage.max_vertices, stage.max_primitives);
+    var sum = wanted;
+    var lowered = 0u;
+    while (sum.x > pool.x || sum.y > pool.y) && lowered < LOWERINGS {
+        lowered++;
+        own = vec2(0u);
+        for (var block = first; block < last; block++) {
+            var size = vec2(0u);
+            for (var item = block * BLOCK; item < min((block + 1u) * BLOCK, items); item++) {
+                size += item_size(item, lowered);
+            }
+            let at = block_word(stage, block);
+            work[at] = size.x;
+            work[at + 1u] = size.y;
+            own = min(own + size, vec2(ENOUGH));
+        }
+        sum = total(thread, own);
+    }
+
+    // What comes before the thread's run: Hillis and Steele, 1986.
+    sums[thread] = own;
+    for (var reach = 1u; reach < THREADS; reach <<= 1u) {
+        workgroupBarrier();
+        var before = vec2(0u);
+        if thread >= reach {
+            before = sums[thread - reach];
+        }
+        workgroupBarrier();
+        sums[thread] = min(sums[thread] + before, vec2(ENOUGH));
+    }
+    var before = sums[thread] - own;
+    for (var block = first; block < last; block++) {
+        let at = block_word(stage, block);
+        let size = vec2(work[at], work[at + 1u]);
+        work[at] = before.x;
+        work[at + 1u] = before.y;
+        before = min(before + size, vec2(ENOUGH));
+    }
+
+    if thread == 0u {
+        let held = min(sum, pool);
+        let corners = select(3u, 2u, stage_rules().domain == ISOLINES);
+        work[INDEXED] = held.y * corners;
+        work[INDEXED + 1u] = 1u;
+        work[AMPLIFIED] = stage.amplified;
+        work[AMPLIFIED + 1u] = held.y;
+        let groups = (held.x + 255u) / 256u + (held.y + 255u) / 256u;
+        work[DISPATCH] = min(groups, COLUMNS);
+        work[DISPATCH + 1u] = (groups + COLUMNS - 1u) / COLUMNS;
+        work[DISPATCH + 2u] = 1u;
+        work[VERTICES] = held.x;
+        work[PRIMITIVES] = held.y;
+        work[LOWERED] = lowered;
+        work[WANTED_VERTICES] = wanted.x;
+        work[WANTED_PRIMITIVES] = wanted.y;
+    }
+}
+

@@ -1,0 +1,84 @@
+#define_import_path dolomite::stage::work
+
+// What the passes of the stage leave to each other in one buffer, in words:
+//
+//   head      32  draw and dispatch arguments, counters
+//   corners    1  each: 1 where a patch uses it
+//   edges      1  each: the greatest level that a patch beside it asks for, 0 without
+//   inner      2  each patch: inner levels (isolines: lines, segments), 0 where it is discarded
+//   blocks     2  for each 256 items: vertices and primitives, then those before them
+//   offsets    2  each item: vertices and primitives before it
+//
+// Items are the corners, then the edges, then the patches. Pure functions: the files with entry
+// points bind the buffer, as atomics or not.
+
+#import dolomite::stage::types::{Rules, ONE, EQUAL, FRACTIONAL_EVEN, FRACTIONAL_ODD, D3D}
+#import dolomite::stage::api::StageParams
+
+// draw_indexed_indirect: index count, 1, 0, 0, 0.
+const INDEXED: u32 = 0u;
+// draw_indirect: vertices of an amplified primitive, primitives, 0, 0.
+const AMPLIFIED: u32 = 5u;
+// dispatch_workgroups_indirect of emit.
+const DISPATCH: u32 = 9u;
+// Counters.
+const VERTICES: u32 = 12u;
+const PRIMITIVES: u32 = 13u;
+const DISCARDED: u32 = 14u;
+const LOWERED: u32 = 15u;
+// What the pools would have to hold without lowering.
+const WANTED_VERTICES: u32 = 16u;
+const WANTED_PRIMITIVES: u32 = 17u;
+const HEAD: u32 = 32u;
+
+// Items of a block.
+const BLOCK: u32 = 256u;
+// Columns of a dispatch's grid: one axis allows 65535 groups.
+const COLUMNS: u32 = 32768u;
+// After so many steps of 4/5 every level is below 1.
+const LOWERINGS: u32 = 19u;
+
+fn item_count(stage: StageParams) -> u32 {
+    return stage.corners + stage.edges + stage.patches;
+}
+
+fn corner_word(corner: u32) -> u32 {
+    return HEAD + corner;
+}
+
+fn edge_word(stage: StageParams, edge: u32) -> u32 {
+    return HEAD + stage.corners + edge;
+}
+
+fn inner_word(stage: StageParams, id: u32) -> u32 {
+    return HEAD + stage.corners + stage.edges + 2u * id;
+}
+
+fn block_word(stage: StageParams, block: u32) -> u32 {
+    return HEAD + stage.corners + stage.edges + 2u * stage.patches + 2u * block;
+}
+
+fn offset_word(stage: StageParams, item: u32) -> u32 {
+    return block_word(stage, (item_count(stage) + BLOCK - 1u) / BLOCK) + 2u * item;
+}
+
+// A level that was lowered to (4/5)^steps of it, clamped and rounded again.
+fn lower(rules: Rules, level: u32, steps: u32) -> u32 {
+    if steps == 0u || level == 0u {
+        return level;
+    }
+    var share = 1024u;
+    for (var k = 0u; k < steps; k++) {
+        share = share * 4u / 5u;
+    }
+    // At most 2^29: no carry is lost.
+    var lowered = ((level >> 9u) * share) >> 1u;
+    if rules.spacing == EQUAL {
+        lowered = (lowered + ONE - 1u) & ~(ONE - 1u);
+    } else if rules.mode == D3D {
+        lowered = (lowered + 255u) & ~255u;
+    }
+    let least = select(ONE, 2u * ONE, rules.spacing == FRACTIONAL_EVEN);
+    let greatest = select(64u * ONE, 63u * ONE, rules.spacing == FRACTIONAL_ODD);
+    return clamp(lowered, least, greatest);
+}
