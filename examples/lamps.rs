@@ -99,7 +99,7 @@ fn setup(
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) -> Result {
     let post = Arc::new(post()?);
-    let globe = Arc::new(shapes::octahedron());
+    let globe = Arc::new(shapes::octahedron(1));
     for k in 0..7 {
         let side = if k % 2 == 0 { -1.0 } else { 1.0 };
         let turn = if k % 2 == 0 {
@@ -127,33 +127,20 @@ fn setup(
         ));
     }
     commands.spawn((
-        Mesh3d(meshes.add(Plane3d::default().mesh().size(80.0, 80.0))),
+        Mesh3d(meshes.add(Plane3d::default().mesh().size(400.0, 400.0))),
         MeshMaterial3d(materials.add(StandardMaterial {
             base_color: Color::linear_rgb(0.14, 0.13, 0.12),
             perceptual_roughness: 0.8,
             ..default()
         })),
     ));
-    commands.spawn((
-        DirectionalLight {
-            illuminance: 2_500.0,
-            color: Color::linear_rgb(0.55, 0.7, 1.0),
-            shadow_maps_enabled: true,
-            ..default()
-        },
-        Transform::from_xyz(-3.0, 3.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
+    commands.spawn(support::light(1_200.0, 40.0));
     let circle = support::Circle {
         centre: Vec3::new(0.0, 2.0, -6.0),
         distance: 12.5,
         yaw: 0.28,
         pitch: 0.12,
     };
-    commands.spawn(support::camera(circle, 3.0));
-    commands.insert_resource(GlobalAmbientLight {
-        brightness: 60.0,
-        color: Color::linear_rgb(0.5, 0.65, 1.0),
-        ..default()
-    });
+    commands.spawn(support::camera(circle, 3.0, 12.0));
     Ok(())
 }

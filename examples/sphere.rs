@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite::tessellation::render::stage::{PatchKind, PatchMaterial, PatchPlugin};
+use dolomite::tessellation::render::stage::{PatchKind, PatchPlugin};
 use dolomite::tessellation::stage::{PatchLayout, Patches, shapes};
 
 #[derive(Resource, AsBindGroup, Clone)]
@@ -15,17 +15,11 @@ struct Rock {}
 impl PatchKind for Rock {
     const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;
 
+    const UV_RANGE: f32 = 2.0;
+    const CUSTOM_MATERIAL: bool = true;
+
     fn shader() -> &'static str {
         "shaders/rock.wgsl"
-    }
-
-    fn materials(&self) -> Vec<PatchMaterial> {
-        let rock = |red, green, blue, roughness| PatchMaterial {
-            base_color: LinearRgba::rgb(red, green, blue),
-            roughness,
-            ..default()
-        };
-        vec![rock(0.16, 0.12, 0.09, 0.95), rock(0.62, 0.60, 0.57, 0.7)]
     }
 }
 
@@ -37,15 +31,15 @@ fn main() {
 }
 
 fn setup(mut commands: Commands) {
-    let mesh = Arc::new(shapes::octahedron());
-    let rock = Patches::<Rock>::new(mesh).with(0, Vec4::new(0.0, 0.16, 1.7, 0.0));
+    let mesh = Arc::new(shapes::octahedron(4));
+    let rock = Patches::<Rock>::new(mesh).with(0, Vec4::new(0.0, 0.14, 1.4, 0.0));
     commands.spawn(rock);
-    commands.spawn(support::light(900.0));
+    commands.spawn(support::light(60_000.0, 700.0));
     let circle = support::Circle {
         centre: Vec3::ZERO,
         distance: 2.9,
         yaw: 0.5,
         pitch: 0.3,
     };
-    commands.spawn(support::camera(circle, 4.0));
+    commands.spawn(support::camera(circle, 3.0, 13.6));
 }

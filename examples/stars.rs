@@ -28,7 +28,7 @@ impl PatchKind for Star {
     fn materials(&self) -> Vec<PatchMaterial> {
         let shines = |red, green, blue| PatchMaterial {
             base_color: LinearRgba::BLACK,
-            emissive: LinearRgba::rgb(red, green, blue) * 30_000.0,
+            emissive: LinearRgba::rgb(red, green, blue) * 22_000.0,
             ..default()
         };
         vec![
@@ -56,7 +56,7 @@ fn random(state: &mut u32) -> f32 {
 }
 
 fn setup(mut commands: Commands) {
-    let mesh = Arc::new(shapes::octahedron());
+    let mesh = Arc::new(shapes::octahedron(1));
     let mut seed = 7;
     for _ in 0..STARS {
         let mut next = || random(&mut seed);
@@ -74,18 +74,19 @@ fn setup(mut commands: Commands) {
             (next() + next() + next() - 1.5) * thick,
             away * ops::sin(angle),
         );
-        let size = 0.05 + 0.35 * next() * next() * next() * next();
+        let size = 0.07 + 0.4 * next() * next() * next() * next();
         let colour = (next() * 5.0).floor().min(4.0);
         commands.spawn((
             Patches::<Star>::new(mesh.clone()).with(0, Vec4::new(colour, 0.0, 0.0, 0.0)),
             Transform::from_translation(at).with_scale(Vec3::splat(size)),
         ));
     }
+    commands.spawn(support::light(0.0, 0.0));
     let circle = support::Circle {
         centre: Vec3::ZERO,
         distance: 95.0,
         yaw: 0.4,
         pitch: 0.55,
     };
-    commands.spawn(support::camera(circle, 4.0));
+    commands.spawn(support::camera(circle, 4.0, 13.5));
 }

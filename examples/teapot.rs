@@ -24,7 +24,7 @@ impl PatchKind for Bezier {
 
     fn materials(&self) -> Vec<PatchMaterial> {
         vec![PatchMaterial {
-            base_color: LinearRgba::rgb(0.62, 0.09, 0.05),
+            base_color: LinearRgba::rgb(0.4, 0.035, 0.02),
             roughness: 0.22,
             ..default()
         }]
@@ -152,20 +152,20 @@ fn setup(
 ) -> Result {
     commands.spawn(Patches::<Bezier>::new(Arc::new(teapot()?)));
     commands.spawn((
-        Mesh3d(meshes.add(Plane3d::default().mesh().size(60.0, 60.0))),
+        Mesh3d(meshes.add(Plane3d::default().mesh().size(400.0, 400.0))),
         MeshMaterial3d(materials.add(StandardMaterial {
-            base_color: Color::linear_rgb(0.45, 0.44, 0.42),
+            base_color: Color::linear_rgb(0.2, 0.19, 0.18),
             perceptual_roughness: 0.6,
             ..default()
         })),
     ));
-    commands.spawn(support::light(2_500.0));
+    commands.spawn(support::light(60_000.0, 1_500.0));
     let circle = support::Circle {
         centre: Vec3::new(0.2, 1.3, 0.0),
         distance: 9.5,
         yaw: 0.5,
         pitch: 0.35,
     };
-    commands.spawn(support::camera(circle, 4.0));
+    commands.spawn(support::camera(circle, 4.0, 14.2));
     Ok(())
 }

@@ -1,6 +1,7 @@
 // A sphere displaced by noise: triangle patches of an octahedron.
-// Entity parameters: 0.x material, 0.y displacement in radii, 0.z waves around it.
+// Entity parameters: 0.y displacement in radii, 0.z waves around it.
 
+#import dolomite::stage::draw_types::{Shaded, Surface}
 #import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex, edge_level, entity_params, in_view, patch_point, stage_position}
 
 // Integer hash (Jarzynski and Olano 2020, pcg3d), one gradient of length about 1 for a lattice point.
@@ -79,8 +80,18 @@ fn evaluate(input: Patch, at: vec3<f32>) -> Vertex {
     // The part of the slope along the sphere tilts the normal.
     let tangent = height.xyz - n * dot(height.xyz, n);
     vertex.normal = n * radius - given.y * tangent;
-    vertex.uv = at.xy;
+    // For the material: height and steepness.
+    vertex.uv = vec2(height.w, given.y * length(tangent));
     vertex.previous = vertex.position;
-    vertex.material = u32(given.x) + select(0u, 1u, height.w > 0.22);
+    vertex.material = 0u;
     return vertex;
+}
+
+// Dark rock where it is steep or low, sand between, ice on the heights.
+fn material(surface: Surface) -> Shaded {
+    let steep = smoothstep(0.25, 0.6, surface.uv.y);
+    let ice = smoothstep(0.22, 0.3, surface.uv.x) * (1.0 - 0.8 * steep);
+    let ground = mix(vec3(0.20, 0.13, 0.08), vec3(0.075, 0.06, 0.055), max(steep, smoothstep(0.1, -0.4, surface.uv.x)));
+    let colour = mix(ground, vec3(0.72, 0.76, 0.8), ice);
+    return Shaded(colour, vec3(0.0), surface.normal, mix(0.95, 0.45, ice), 0.0, 0.5, 1.0, false);
 }

@@ -42,13 +42,13 @@ pub struct Circle {
     pub pitch: f32,
 }
 
-/// The camera of an example.
-pub fn camera(circle: Circle, pixels_per_edge: f32) -> impl Bundle {
+/// The camera of an example; its exposure in EV at ISO 100.
+pub fn camera(circle: Circle, pixels_per_edge: f32, ev100: f32) -> impl Bundle {
     (
         Camera3d::default(),
         Hdr,
         Msaa::Off,
-        Exposure { ev100: 12.0 },
+        Exposure { ev100 },
         Tonemapping::AgX,
         Bloom::NATURAL,
         Smaa::default(),
@@ -60,28 +60,28 @@ pub fn camera(circle: Circle, pixels_per_edge: f32) -> impl Bundle {
     )
 }
 
-/// A sun with shadows, and light from the sky.
-pub fn light(ambient: f32) -> impl Bundle {
+/// A light from above with shadows, in lux, and the sky's, in cd/m².
+pub fn light(sun: f32, sky: f32) -> impl Bundle {
     (
         DirectionalLight {
-            illuminance: 60_000.0,
+            illuminance: sun,
             shadow_maps_enabled: true,
             ..default()
         },
-        AmbientLightOf(ambient),
-        Transform::from_xyz(3.0, 5.0, 4.0).looking_at(Vec3::ZERO, Vec3::Y),
+        Sky(sky),
+        Transform::from_xyz(3.0, 4.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y),
     )
 }
 
 /// Brightness of the sky, cd/m².
 #[derive(Component)]
-pub struct AmbientLightOf(f32);
+pub struct Sky(f32);
 
 fn circle(
     time: Res<Time>,
     keys: Res<ButtonInput<KeyCode>>,
     mut cameras: Query<(&mut Circle, &mut Transform)>,
-    lights: Query<&AmbientLightOf, Added<AmbientLightOf>>,
+    lights: Query<&Sky, Added<Sky>>,
     mut ambient: ResMut<GlobalAmbientLight>,
 ) {
     for light in &lights {

@@ -25,17 +25,20 @@
 //! | [`shape`] | counts; which vertices a primitive joins |
 //! | [`coordinate`] | where an inner vertex lies |
 //! | [`patches`] | patches with control points; which corners and edges they share |
+//! | [`tables`], [`layout`] | what the passes on the GPU read and write |
 //! | [`half_edge`] | whether triangles form a manifold with the border that they should have |
 
 mod components;
 pub mod coordinate;
 pub mod half_edge;
+pub mod layout;
 pub mod level;
 pub mod patches;
 pub mod place;
 pub mod ruler;
 pub mod shape;
 pub mod shapes;
+pub mod tables;
 mod tessellate;
 
 pub use components::{Patches, StageCamera};

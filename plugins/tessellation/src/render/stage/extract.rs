@@ -9,7 +9,8 @@ use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
 
 use super::kind::PatchKind;
-use super::prepare::{Instance, StageKinds};
+use super::prepare::StageKinds;
+use crate::stage::tables::Instance;
 use crate::stage::{PatchMesh, Patches, StageCamera};
 
 /// A camera that tessellates, in the render world.

@@ -12,7 +12,6 @@
 
 mod extract;
 mod kind;
-pub mod layout;
 mod pass;
 mod pipeline;
 mod prepare;

@@ -14,9 +14,9 @@ use bevy::render::view::ViewDepthTexture;
 
 use super::StageShared;
 use super::extract::ExtractedStageCamera;
-use super::layout::{AMPLIFIED_ARGUMENTS, DISPATCH_ARGUMENTS, StageDraw};
 use super::pipeline::{DrawKey, KindPipelines, KindView};
 use super::prepare::{Kind, StageKinds, ViewGroups, ViewKind};
+use crate::stage::layout::{AMPLIFIED_ARGUMENTS, DISPATCH_ARGUMENTS, StageDraw};
 
 /// Columns of a dispatch's grid, as in `work.wgsl`.
 const COLUMNS: u32 = 32_768;

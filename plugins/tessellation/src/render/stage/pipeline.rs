@@ -19,9 +19,9 @@ use bevy::render::render_resource::{
 use bevy::shader::{Shader, ShaderDefVal};
 
 use super::kind::PatchKind;
-use super::layout::{MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES};
 use super::prepare::{Kind, KindTraits};
 use crate::render::pipeline::{ModuleShaders, depth, shader};
+use crate::stage::layout::{MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES};
 use crate::stage::{Domain, Mode, Spacing, Winding};
 
 /// Entry shaders of a kind, the user's functions named in them.

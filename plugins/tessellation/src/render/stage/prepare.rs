@@ -15,18 +15,19 @@ use bevy::render::render_resource::{
 };
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::view::ExtractedView;
-use bytemuck::{Pod, Zeroable, cast_slice};
+use bytemuck::{Zeroable, cast_slice};
 
 use super::extract::{ExtractedStageCamera, StageScene, same_meshes};
 use super::kind::{PatchKind, PatchMaterial, PatchPool};
-use super::layout::{
-    DRAW_SLOT, MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES, WorkHead,
-};
 use super::pipeline::{KindPipelines, KindShaders};
 use super::view::{StageSpace, stage_view};
 use crate::render::params::Camera;
 use crate::render::readback::Counters;
-use crate::stage::patches::{BINDING_LIMIT, PATCH_WORDS};
+use crate::stage::layout::{
+    DRAW_SLOT, MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES, WorkHead,
+};
+use crate::stage::patches::BINDING_LIMIT;
+use crate::stage::tables::{Instance, Tables};
 use crate::stage::{Domain, PatchLayout, PatchMesh};
 
 /// Shadow views that a view draws into at most.
@@ -42,18 +43,6 @@ pub struct KindTraits {
     pub amplified: u32,
     pub double_sided: bool,
     pub shadows: bool,
-}
-
-/// One entity, as the shaders read it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable, PartialEq)]
-pub struct Instance {
-    /// To the world, row by row.
-    pub rows: [[f32; 4]; 3],
-    /// The same in the last frame.
-    pub previous: [[f32; 4]; 3],
-    /// Parameters.
-    pub params: [[f32; 4]; 4],
 }
 
 /// Every kind, by its type.
@@ -239,73 +228,14 @@ fn material_rows(materials: &[PatchMaterial]) -> [MaterialRow; MATERIAL_ROWS] {
 impl KindBuffers {
     /// Tables of all entities; fails with the size that is too large for a buffer.
     fn new(kind: &Kind, device: &RenderDevice) -> Result<Self, u64> {
-        let (mut corners, mut edges, mut patches) = (Vec::new(), Vec::new(), Vec::<u32>::new());
-        let (mut indices, mut points) = (Vec::new(), Vec::new());
-        // Entities of one mesh share its control points: where they and their indices begin.
-        let mut known: HashMap<*const PatchMesh, (u32, u32)> = HashMap::new();
         let layout = kind.traits.layout;
-        let mut patch_count = 0_u64;
-        for (entity, (mesh, _)) in (0_u32..).zip(&kind.instances) {
-            patch_count += mesh.patches() as u64;
-            let bytes = patch_count * PATCH_WORDS * 4;
-            if bytes > BINDING_LIMIT {
-                return Err(bytes);
-            }
-            let (first_index, first_point) = *known.entry(Arc::as_ptr(mesh)).or_insert_with(|| {
-                let first = (
-                    indices.len() as u32,
-                    points.len() as u32 / layout.point_size,
-                );
-                indices.extend_from_slice(mesh.indices());
-                points.extend_from_slice(mesh.points());
-                first
-            });
-            let topology = mesh.topology();
-            let first_patch = patches.len() as u32 / PATCH_WORDS as u32;
-            let first_corner = corners.len() as u32;
-            let first_edge = edges.len() as u32;
-            corners.extend(topology.corners.iter().map(|owner| owner + 4 * first_patch));
-            edges.extend(topology.edges.iter().map(|owner| owner + 4 * first_patch));
-            for (number, shared) in (0_u32..).zip(&topology.patches) {
-                patches.extend([
-                    entity,
-                    number,
-                    first_index + number * layout.points,
-                    first_point,
-                ]);
-                patches.extend(shared[..4].iter().map(|corner| corner + first_corner));
-                // The sum leaves the mark of reversal in the top bit alone.
-                patches.extend(shared[4..].iter().map(|edge| edge + first_edge));
-            }
-        }
-        let mut params = StageParams::zeroed();
-        params.corners = corners.len() as u32;
-        params.edges = edges.len() as u32;
-        params.patches = patch_count as u32;
-        params.corner_table = 0;
-        params.edge_table = params.corners;
-        params.patch_table = params.corners + params.edges;
-        params.points = (kind.instances.len() * size_of::<Instance>() / 16) as u32;
-        params.point_size = layout.point_size;
+        let Tables {
+            words,
+            data,
+            mut params,
+        } = Tables::new(layout, &kind.instances)?;
         params.uv_range = kind.traits.uv_range;
         params.amplified = kind.traits.amplified;
-        let index_table = params.patch_table + patches.len() as u32;
-        for patch in patches.chunks_exact_mut(PATCH_WORDS as usize) {
-            patch[2] += index_table;
-        }
-        let tables: Vec<u32> = [corners, edges, patches, indices].concat();
-        let mut data: Vec<[f32; 4]> = kind
-            .instances
-            .iter()
-            .flat_map(|(_, instance)| bytemuck::cast::<_, [[f32; 4]; 10]>(*instance))
-            .collect();
-        data.extend(points);
-        let greatest = (tables.len() as u64 * 4)
-            .max(data.len() as u64 * 16)
-            .max(params.work_bytes());
-        if greatest > BINDING_LIMIT {
-            return Err(greatest);
-        }
         let make = |label, contents: &[u8], usage| {
             device.create_buffer_with_data(&BufferInitDescriptor {
                 label: Some(label),
@@ -320,11 +250,11 @@ impl KindBuffers {
                 .iter()
                 .map(|(mesh, _)| mesh.clone())
                 .collect(),
-            tables: make("stage_tables", cast_slice(&tables), BufferUsages::STORAGE),
+            tables: make("stage_tables", cast_slice(&words), BufferUsages::STORAGE),
             data: make("stage_data", cast_slice(&data), BufferUsages::STORAGE),
             materials: make("stage_materials", cast_slice(&rows), BufferUsages::UNIFORM),
             params,
-            greatest: greatest_sizes(layout.domain, patch_count),
+            greatest: greatest_sizes(layout.domain, u64::from(params.patches)),
         })
     }
 }
@@ -488,7 +418,7 @@ impl ViewKind {
             cleared: params.cleared_bytes(),
             groups_of: [
                 params.patches.div_ceil(64),
-                params.items().div_ceil(super::layout::BLOCK),
+                params.items().div_ceil(crate::stage::layout::BLOCK),
             ],
         }
     }

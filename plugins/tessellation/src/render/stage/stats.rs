@@ -6,8 +6,8 @@ use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnost
 use bevy::prelude::*;
 use thiserror::Error;
 
-use super::layout::VERTEX_BYTES;
 use super::prepare::StageKinds;
+use crate::stage::layout::VERTEX_BYTES;
 
 /// What the stage does, two or three frames ago; all kinds and views together.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]

@@ -4,9 +4,9 @@ use bevy::math::{DMat4, DVec3, DVec4};
 use bevy::prelude::*;
 use bevy::render::view::ExtractedView;
 
-use super::layout::StageView;
 use crate::render::params::Camera;
 use crate::stage::StageCamera;
+use crate::stage::layout::StageView;
 
 /// Where positions of the stage are counted from.
 pub struct StageSpace {
