@@ -108,6 +108,32 @@ impl Gpu {
         })
     }
 
+    /// The device, for what [`Self::run`] does not do.
+    pub const fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// The queue, for what [`Self::run`] does not do.
+    pub const fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    /// Waits until all that was submitted is done.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn finish(&self) -> Result<(), GpuError> {
+        self.wait()
+    }
+
+    /// Reads a whole buffer back; it needs `COPY_SRC`.
+    ///
+    /// # Errors
+    /// If it does not come back.
+    pub fn read(&self, buffer: &Buffer) -> Result<Vec<u8>, GpuError> {
+        self.download(buffer)
+    }
+
     /// Compiles `entry` of a composed module.
     ///
     /// # Errors

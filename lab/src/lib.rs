@@ -11,6 +11,7 @@
 //! | [`csv`], [`plot`] | the files that a study writes |
 //! | [`study`], [`studies`] | what a study is, and all of them |
 //! | [`gpu`] | compute shaders on whatever adapter there is, without a window |
+//! | [`stage`] | the passes of the tessellation stage, without Bevy's renderer |
 //! | [`cli`] | the command line |
 
 pub mod cli;
@@ -18,5 +19,6 @@ pub mod csv;
 pub mod gpu;
 pub mod metrics;
 pub mod plot;
+pub mod stage;
 pub mod studies;
 pub mod study;

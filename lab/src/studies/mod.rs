@@ -2,8 +2,9 @@
 
 pub mod noise;
 pub mod tessellation;
+pub mod tessellation_speed;
 
 use crate::study::Study;
 
 /// All of them, in the order in which `all` runs them.
-pub const STUDIES: &[Study] = &[noise::STUDY, tessellation::STUDY];
+pub const STUDIES: &[Study] = &[noise::STUDY, tessellation::STUDY, tessellation_speed::STUDY];

@@ -47,5 +47,7 @@ mod stats;
 pub mod twin;
 
 pub use plugin::{PatchBounds, TerrainCover, TerrainCoverSystems, TerrainTessellationPlugin};
-pub use settings::{MaterialBands, TerrainMaterial, TerrainView};
+#[cfg(feature = "render")]
+pub use settings::TerrainMaterial;
+pub use settings::{MaterialBands, TerrainView};
 pub use stats::TessellationStats;

@@ -88,6 +88,7 @@ impl Default for MaterialBands {
     }
 }
 
+#[cfg(feature = "render")]
 /// The look of a terrain: goes on the entity that carries the `Terrain`.
 ///
 /// Both images are 2D arrays of the same size with the layers 0 sand, 1 grass, 2 rock, 3 snow,
@@ -104,6 +105,7 @@ pub struct TerrainMaterial {
     pub bands: MaterialBands,
 }
 
+#[cfg(feature = "render")]
 impl TerrainMaterial {
     /// A material from its two texture arrays, with the default tile size and bands.
     pub fn new(albedo_height: Handle<Image>, normal_roughness: Handle<Image>) -> Self {

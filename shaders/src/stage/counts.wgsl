@@ -18,12 +18,12 @@
 
 const EDGE_NUMBER: u32 = 0x7fffffffu;
 
-// The shape of patch `id`, which is not discarded, with levels lowered by `steps`.
-fn patch_shape(rules: Rules, id: u32, steps: u32) -> Shape {
+// The shape of patch `id`, which is not discarded, with levels lowered to `share`.
+fn patch_shape(rules: Rules, id: u32, share: u32) -> Shape {
     let at = inner_word(stage, id);
     let inner = vec2(work[at], work[at + 1u]);
     if rules.domain == ISOLINES {
-        return shape_from_levels(rules, vec4(lower_lines(rules, inner.x, steps), lower(rules, inner.y, steps), ONE, ONE), vec2(ONE));
+        return shape_from_levels(rules, vec4(lower_lines(rules, inner.x, share), lower(rules, inner.y, share), ONE, ONE), vec2(ONE));
     }
     let own = stage.patch_table + id * PATCH_WORDS + 8u;
     var outer = vec4(ONE);
@@ -33,23 +33,23 @@ fn patch_shape(rules: Rules, id: u32, steps: u32) -> Shape {
     if rules.domain != TRIANGLES {
         outer.w = work[edge_word(stage, tables[own + 3u] & EDGE_NUMBER)];
     }
-    outer.x = lower(rules, outer.x, steps);
-    outer.y = lower(rules, outer.y, steps);
-    outer.z = lower(rules, outer.z, steps);
+    outer.x = lower(rules, outer.x, share);
+    outer.y = lower(rules, outer.y, share);
+    outer.z = lower(rules, outer.z, share);
     if rules.domain != TRIANGLES {
-        outer.w = lower(rules, outer.w, steps);
+        outer.w = lower(rules, outer.w, share);
     }
-    let lowered = vec2(lower(rules, inner.x, steps), lower(rules, inner.y, steps));
+    let lowered = vec2(lower(rules, inner.x, share), lower(rules, inner.y, share));
     return shape_from_levels(rules, outer, lift_inner(rules, outer, lowered));
 }
 
 // The number of lines has equal spacing.
-fn lower_lines(rules: Rules, level: u32, steps: u32) -> u32 {
-    return lower(Rules(rules.domain, 0u, rules.mode), level, steps);
+fn lower_lines(rules: Rules, level: u32, share: u32) -> u32 {
+    return lower(Rules(rules.domain, 0u, rules.mode), level, share);
 }
 
 // Vertices and primitives of an item.
-fn item_size(item: u32, steps: u32) -> vec2<u32> {
+fn item_size(item: u32, share: u32) -> vec2<u32> {
     let rules = stage_rules();
     if item < stage.corners {
         return vec2(work[corner_word(item)], 0u);
@@ -60,12 +60,12 @@ fn item_size(item: u32, steps: u32) -> vec2<u32> {
         if level == 0u {
             return vec2(0u);
         }
-        return vec2(segments(lower(rules, level, steps), rules.spacing) - 1u, 0u);
+        return vec2(segments(lower(rules, level, share), rules.spacing) - 1u, 0u);
     }
     let id = edge - stage.edges;
     if id >= stage.patches || work[inner_word(stage, id)] == 0u {
         return vec2(0u);
     }
-    let shape = patch_shape(rules, id, steps);
+    let shape = patch_shape(rules, id, share);
     return vec2(inner_vertices(rules.domain, shape), primitive_count(rules.domain, shape));
 }

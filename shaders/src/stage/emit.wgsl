@@ -9,7 +9,7 @@
 #import dolomite::stage::rules::stage_rules
 #import dolomite::stage::shape::primitive
 #import dolomite::stage::vertex::{VERTEX_WORDS, pack_normal}
-#import dolomite::stage::work::{COLUMNS, LOWERED, PRIMITIVES, VERTICES, edge_word, item_count, lower, offset_word}
+#import dolomite::stage::work::{COLUMNS, PRIMITIVES, SHARE, VERTICES, edge_word, item_count, lower, offset_word}
 #import dolomite::stage::user::evaluate
 
 @group(0) @binding(4) var<storage, read_write> vertices: array<u32>;
@@ -46,7 +46,7 @@ fn owner(word: u32) -> vec2<u32> {
 
 fn emit_vertex(index: u32, item: u32) {
     let rules = stage_rules();
-    let steps = work[LOWERED];
+    let share = work[SHARE];
     let local = index - work[offset_word(stage, item)];
     var id = 0u;
     var at = vec3(0u);
@@ -58,12 +58,12 @@ fn emit_vertex(index: u32, item: u32) {
         let edge = item - stage.corners;
         let found = owner(tables[stage.edge_table + edge]);
         id = found.x;
-        let level = lower(rules, work[edge_word(stage, edge)], steps);
+        let level = lower(rules, work[edge_word(stage, edge)], share);
         let along = place(stage_edge(level, rules.spacing), local + 1u, rules.mode);
         at = side_coordinate(rules.domain, found.y, along);
     } else {
         id = item - stage.corners - stage.edges;
-        at = inner_coordinate(rules, patch_shape(rules, id, steps), local);
+        at = inner_coordinate(rules, patch_shape(rules, id, share), local);
     }
     let input = load_patch(id);
     let vertex = evaluate(input, as_numbers(at));
@@ -100,7 +100,7 @@ fn pool_index(id: u32, shape: Shape, vertex: vec2<u32>) -> u32 {
 fn emit_primitive(index: u32, item: u32) {
     let rules = stage_rules();
     let id = item - stage.corners - stage.edges;
-    let shape = patch_shape(rules, id, work[LOWERED]);
+    let shape = patch_shape(rules, id, work[SHARE]);
     let local = index - work[offset_word(stage, item) + 1u];
     let found = primitive(rules.domain, shape, local);
     let a = pool_index(id, shape, found[0]);

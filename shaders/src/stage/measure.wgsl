@@ -2,7 +2,7 @@
 
 #import dolomite::stage::api::stage
 #import dolomite::stage::counts::{item_size, work}
-#import dolomite::stage::work::{BLOCK, COLUMNS, block_word, item_count}
+#import dolomite::stage::work::{BLOCK, COLUMNS, WHOLE, block_word, item_count}
 
 var<workgroup> sums: array<vec2<u32>, 256>;
 
@@ -12,7 +12,7 @@ fn measure(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_in
     let item = block * BLOCK + thread;
     var size = vec2(0u);
     if item < item_count(stage) {
-        size = item_size(item, 0u);
+        size = item_size(item, WHOLE);
     }
     sums[thread] = size;
     workgroupBarrier();

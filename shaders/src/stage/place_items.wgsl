@@ -3,7 +3,7 @@
 
 #import dolomite::stage::api::stage
 #import dolomite::stage::counts::{item_size, work}
-#import dolomite::stage::work::{BLOCK, COLUMNS, LOWERED, block_word, item_count, offset_word}
+#import dolomite::stage::work::{BLOCK, COLUMNS, SHARE, block_word, item_count, offset_word}
 
 var<workgroup> sums: array<vec2<u32>, 256>;
 
@@ -11,10 +11,10 @@ var<workgroup> sums: array<vec2<u32>, 256>;
 fn place_items(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let block = group.x + group.y * COLUMNS;
     let item = block * BLOCK + thread;
-    let steps = work[LOWERED];
+    let share = work[SHARE];
     var size = vec2(0u);
     if item < item_count(stage) {
-        size = item_size(item, steps);
+        size = item_size(item, share);
     }
     sums[thread] = size;
     for (var reach = 1u; reach < BLOCK; reach <<= 1u) {

@@ -5,7 +5,7 @@
 #import dolomite::stage::api::stage
 #import dolomite::stage::counts::{item_size, work}
 #import dolomite::stage::rules::stage_rules
-#import dolomite::stage::work::{AMPLIFIED, BLOCK, COLUMNS, DISPATCH, INDEXED, LOWERED, LOWERINGS, PRIMITIVES, VERTICES, WANTED_PRIMITIVES, WANTED_VERTICES, block_word, item_count}
+#import dolomite::stage::work::{AMPLIFIED, BLOCK, COLUMNS, DISPATCH, INDEXED, LOWERED, LOWERINGS, PRIMITIVES, SHARE, VERTICES, WANTED_PRIMITIVES, WANTED_VERTICES, block_word, item_count, share_after}
 
 const THREADS: u32 = 256u;
 // Sums stop here instead of wrapping round.
@@ -25,10 +25,30 @@ fn total(thread: u32, own: vec2<u32>) -> vec2<u32> {
     return workgroupUniformLoad(&sums[0]);
 }
 
+// Sizes of a run of blocks with levels lowered to `share`, written for each block; their sum.
+fn lowered_sizes(first: u32, last: u32, share: u32) -> vec2<u32> {
+    let items = item_count(stage);
+    var own = vec2(0u);
+    for (var block = first; block < last; block++) {
+        var size = vec2(0u);
+        for (var item = block * BLOCK; item < min((block + 1u) * BLOCK, items); item++) {
+            size += item_size(item, share);
+        }
+        let at = block_word(stage, block);
+        work[at] = size.x;
+        work[at + 1u] = size.y;
+        own = min(own + size, vec2(ENOUGH));
+    }
+    return own;
+}
+
+fn fits(sum: vec2<u32>) -> bool {
+    return sum.x <= stage.max_vertices && sum.y <= stage.max_primitives;
+}
+
 @compute @workgroup_size(256)
 fn plan(@builtin(local_invocation_index) thread: u32) {
-    let items = item_count(stage);
-    let blocks = (items + BLOCK - 1u) / BLOCK;
+    let blocks = (item_count(stage) + BLOCK - 1u) / BLOCK;
     // A run of blocks for each thread.
     let run = (blocks + THREADS - 1u) / THREADS;
     let first = min(thread * run, blocks);
@@ -40,22 +60,22 @@ fn plan(@builtin(local_invocation_index) thread: u32) {
         own = min(own + vec2(work[at], work[at + 1u]), vec2(ENOUGH));
     }
     let wanted = total(thread, own);
-    let pool = vec2(stage.max_vertices, stage.max_primitives);
     var sum = wanted;
     var lowered = 0u;
-    while (sum.x > pool.x || sum.y > pool.y) && lowered < LOWERINGS {
-        lowered++;
-        own = vec2(0u);
-        for (var block = first; block < last; block++) {
-            var size = vec2(0u);
-            for (var item = block * BLOCK; item < min((block + 1u) * BLOCK, items); item++) {
-                size += item_size(item, lowered);
+    if !fits(wanted) {
+        // The fewest steps that fit, by halving: sizes fall with the levels.
+        var low = 1u;
+        lowered = LOWERINGS;
+        while low < lowered {
+            let middle = (low + lowered) / 2u;
+            sum = total(thread, lowered_sizes(first, last, share_after(middle)));
+            if fits(sum) {
+                lowered = middle;
+            } else {
+                low = middle + 1u;
             }
-            let at = block_word(stage, block);
-            work[at] = size.x;
-            work[at + 1u] = size.y;
-            own = min(own + size, vec2(ENOUGH));
         }
+        own = lowered_sizes(first, last, share_after(lowered));
         sum = total(thread, own);
     }
 
@@ -80,7 +100,7 @@ fn plan(@builtin(local_invocation_index) thread: u32) {
     }
 
     if thread == 0u {
-        let held = min(sum, pool);
+        let held = min(sum, vec2(stage.max_vertices, stage.max_primitives));
         let corners = select(3u, 2u, stage_rules().domain == ISOLINES);
         work[INDEXED] = held.y * corners;
         work[INDEXED + 1u] = 1u;
@@ -93,6 +113,7 @@ fn plan(@builtin(local_invocation_index) thread: u32) {
         work[VERTICES] = held.x;
         work[PRIMITIVES] = held.y;
         work[LOWERED] = lowered;
+        work[SHARE] = share_after(lowered);
         work[WANTED_VERTICES] = wanted.x;
         work[WANTED_PRIMITIVES] = wanted.y;
     }

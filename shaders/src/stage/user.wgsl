@@ -5,21 +5,37 @@
 
 #import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex, edge_level, entity_params, patch_point, stage_position}
 
-// Levels of the patch as this view sees it. Parameter 0 of the entity, where its x is above 0,
-// gives the level of everything instead.
-fn control(input: Patch, view: StageView) -> PatchLevels {
-    let given = entity_params(input, 0u);
-    if given.x > 0.0 {
-        return PatchLevels(vec4(given.x), vec2(given.x));
+// Level of an edge between two control points.
+fn level_between(input: Patch, view: StageView, rule: f32, a: u32, b: u32) -> f32 {
+    let p = patch_point(input, a, 0u);
+    let q = patch_point(input, b, 0u);
+    if rule < 0.0 {
+        return p.w + q.w;
     }
-    let a = stage_position(input, patch_point(input, 0u, 0u).xyz);
-    let b = stage_position(input, patch_point(input, 1u, 0u).xyz);
-    let c = stage_position(input, patch_point(input, 2u, 0u).xyz);
-    // A triangle's point 0 is at u = 1, its point 1 at v = 1, its point 2 at w = 1.
-    let u = edge_level(view, b, c);
-    let v = edge_level(view, c, a);
-    let w = edge_level(view, a, b);
-    return PatchLevels(vec4(u, v, w, v), vec2(max(u, max(v, w))));
+    return edge_level(view, stage_position(input, p.xyz), stage_position(input, q.xyz));
+}
+
+// Levels of the patch as this view sees it. Parameter 0.x of the entity gives the level of
+// everything instead where it is above 0; where it is below, an edge's level is the sum of the fourth
+// numbers of its ends.
+fn control(input: Patch, view: StageView) -> PatchLevels {
+    let rule = entity_params(input, 0u).x;
+    if rule > 0.0 {
+        return PatchLevels(vec4(rule), vec2(rule));
+    }
+#ifdef STAGE_FOUR_POINTS
+    let u_low = level_between(input, view, rule, 3u, 0u);
+    let v_low = level_between(input, view, rule, 0u, 1u);
+    let u_high = level_between(input, view, rule, 1u, 2u);
+    let v_high = level_between(input, view, rule, 2u, 3u);
+    return PatchLevels(vec4(u_low, v_low, u_high, v_high), vec2(max(v_low, v_high), max(u_low, u_high)));
+#else
+    // Point 0 stands at u = 1, point 1 at v = 1, point 2 at w = 1.
+    let u = level_between(input, view, rule, 1u, 2u);
+    let v = level_between(input, view, rule, 2u, 0u);
+    let w = level_between(input, view, rule, 0u, 1u);
+    return PatchLevels(vec4(u, v, w, 1.0), vec2(max(u, max(v, w))));
+#endif
 }
 
 // The vertex of the patch at a place (u, v, w) of its domain: linear in the points of a triangle
@@ -31,7 +47,8 @@ fn evaluate(input: Patch, at: vec3<f32>) -> Vertex {
     var vertex: Vertex;
 #ifdef STAGE_FOUR_POINTS
     let d = patch_point(input, 3u, 0u).xyz;
-    vertex.position = mix(mix(a, b, at.x), mix(d, c, at.x), at.y);
+    // Exact where the patch is a parallelogram along the axes, unlike three mixes.
+    vertex.position = a + (b - a) * at.x + (d - a) * at.y + (a - b + c - d) * (at.x * at.y);
 #else
     vertex.position = a * at.x + b * at.y + c * at.z;
 #endif

@@ -29,6 +29,8 @@ const LOWERED: u32 = 15u;
 // What the pools would have to hold without lowering.
 const WANTED_VERTICES: u32 = 16u;
 const WANTED_PRIMITIVES: u32 = 17u;
+// What is left of every level, in 1/1024.
+const SHARE: u32 = 18u;
 const HEAD: u32 = 32u;
 
 // Items of a block.
@@ -37,6 +39,7 @@ const BLOCK: u32 = 256u;
 const COLUMNS: u32 = 32768u;
 // After so many steps of 4/5 every level is below 1.
 const LOWERINGS: u32 = 19u;
+const WHOLE: u32 = 1024u;
 
 fn item_count(stage: StageParams) -> u32 {
     return stage.corners + stage.edges + stage.patches;
@@ -62,14 +65,19 @@ fn offset_word(stage: StageParams, item: u32) -> u32 {
     return block_word(stage, (item_count(stage) + BLOCK - 1u) / BLOCK) + 2u * item;
 }
 
-// A level that was lowered to (4/5)^steps of it, clamped and rounded again.
-fn lower(rules: Rules, level: u32, steps: u32) -> u32 {
-    if steps == 0u || level == 0u {
-        return level;
-    }
-    var share = 1024u;
+// What is left of a level after so many steps of 4/5, in 1/1024.
+fn share_after(steps: u32) -> u32 {
+    var share = WHOLE;
     for (var k = 0u; k < steps; k++) {
         share = share * 4u / 5u;
+    }
+    return share;
+}
+
+// A level that was lowered to share / 1024 of it, clamped and rounded again.
+fn lower(rules: Rules, level: u32, share: u32) -> u32 {
+    if share == WHOLE || level == 0u {
+        return level;
     }
     // At most 2^29: no carry is lost.
     var lowered = ((level >> 9u) * share) >> 1u;

@@ -78,12 +78,12 @@ pub fn read(path: &Path) -> Result<Vec<Case>, CaseError> {
 /// One line. `NaN` and `Infinity`, which JSON does not have but some writers put there, are read.
 fn parse(line: &str) -> Result<Case, String> {
     let value: Value = serde_json::from_str(line)
-        .or_else(|error| {
+        .or_else(|_| {
             let quoted = line
                 .replace("-Infinity", "\"-inf\"")
                 .replace("Infinity", "\"inf\"")
                 .replace("NaN", "\"nan\"");
-            serde_json::from_str(&quoted).map_err(|_| error)
+            serde_json::from_str(&quoted)
         })
         .map_err(|error| error.to_string())?;
     let object = value.as_object().ok_or("a JSON object is expected")?;

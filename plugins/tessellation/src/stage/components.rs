@@ -10,7 +10,8 @@ use super::PatchMesh;
 
 /// Patches of kind `K`, placed by the entity's transform. Entities may share one mesh.
 #[derive(Component)]
-#[require(Transform, Visibility)]
+#[require(Transform)]
+#[cfg_attr(feature = "render", require(Visibility))]
 pub struct Patches<K: Send + Sync + 'static> {
     /// The patches; an empty mesh draws nothing.
     pub mesh: Arc<PatchMesh>,

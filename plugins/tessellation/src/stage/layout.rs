@@ -90,6 +90,8 @@ pub struct WorkHead {
     pub wanted_vertices: u32,
     /// Primitives that the pool would have to hold without lowering.
     pub wanted_primitives: u32,
+    /// What is left of every level, in 1/1024.
+    pub share: u32,
 }
 
 /// What the draws know; see the WGSL file for units and meanings.

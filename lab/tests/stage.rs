@@ -1,0 +1,321 @@
+//! The passes of the tessellation stage on whatever adapter there is.
+
+use dolomite_lab::gpu::{Gpu, for_test};
+use dolomite_lab::stage::{Emitted, StagePasses, StageRun};
+use dolomite_tessellation::stage::half_edge::{Manifold, check};
+use dolomite_tessellation::stage::tables::Instance;
+use dolomite_tessellation::stage::{
+    Domain, Levels, Mode, PatchLayout, PatchMesh, Primitives, Spacing, Tessellator, Winding, shapes,
+};
+use std::sync::Arc;
+
+const SPACINGS: [Spacing; 3] = [
+    Spacing::Equal,
+    Spacing::FractionalEven,
+    Spacing::FractionalOdd,
+];
+
+/// Numbers from 0 to 1 (splitmix64: Steele, Lea and Flood 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32
+    }
+}
+
+/// An entity whose edges take their levels from the fourth numbers of their ends.
+fn by_points() -> Instance {
+    let mut entity = Instance::IDENTITY;
+    entity.params[0][0] = -1.0;
+    entity
+}
+
+fn run(
+    gpu: &Gpu,
+    tessellator: Tessellator,
+    mesh: PatchMesh,
+    entity: Instance,
+    pools: [u32; 2],
+) -> Emitted {
+    let passes = StagePasses::new(gpu, tessellator).expect("passes");
+    run_with(gpu, &passes, mesh, entity, pools)
+}
+
+fn run_with(
+    gpu: &Gpu,
+    passes: &StagePasses,
+    mesh: PatchMesh,
+    entity: Instance,
+    pools: [u32; 2],
+) -> Emitted {
+    let layout = mesh.layout();
+    let stage = StageRun::new(gpu, passes, layout, &[(Arc::new(mesh), entity)], pools);
+    let stage = stage.expect("a mesh of a few patches");
+    stage.tessellate(1).expect("a run");
+    stage.read().expect("what was emitted")
+}
+
+fn triangles(emitted: &Emitted) -> Vec<[u32; 3]> {
+    let chunks = emitted.indices.chunks_exact(3);
+    chunks.map(|chunk| [chunk[0], chunk[1], chunk[2]]).collect()
+}
+
+/// Every patch of an octahedron's faces has random levels; the surface stays closed.
+fn sphere(seed: u64, parts: u32, most: f32) -> PatchMesh {
+    let mesh = shapes::octahedron(parts);
+    let mut random = Random(seed);
+    let points = mesh
+        .points()
+        .iter()
+        .map(|[x, y, z, _]| [*x, *y, *z, 0.3 + random.next() * most])
+        .collect();
+    PatchMesh::new(PatchLayout::TRIANGLE, points, mesh.indices().to_vec()).expect("a mesh")
+}
+
+/// A patch whose position is its coordinate: the very vertices and primitives of the twin.
+#[test]
+fn gpu_one_patch_is_the_twins() {
+    let Some(gpu) = for_test() else { return };
+    let mut random = Random(5);
+    for domain in [Domain::Triangles, Domain::Quads, Domain::Isolines] {
+        for (spacing, mode, winding) in [
+            (SPACINGS[0], Mode::Exact, Winding::Ccw),
+            (SPACINGS[1], Mode::D3d, Winding::Cw),
+            (SPACINGS[2], Mode::Exact, Winding::Ccw),
+        ] {
+            let tessellator = Tessellator {
+                domain,
+                spacing,
+                winding,
+                mode,
+            };
+            let passes = StagePasses::new(&gpu, tessellator).expect("passes");
+            for _ in 0..6 {
+                let mut w = || 0.2 + 36.0 * random.next() * random.next();
+                let (layout, points, levels) = if domain == Domain::Triangles {
+                    let w = [w(), w(), w()];
+                    let points = vec![
+                        [1.0, 0.0, 0.0, w[0]],
+                        [0.0, 1.0, 0.0, w[1]],
+                        [0.0, 0.0, 1.0, w[2]],
+                    ];
+                    let outer = [w[1] + w[2], w[2] + w[0], w[0] + w[1], 1.0];
+                    let inner = outer[0].max(outer[1]).max(outer[2]);
+                    (
+                        PatchLayout::TRIANGLE,
+                        points,
+                        Levels {
+                            outer,
+                            inner: [inner; 2],
+                        },
+                    )
+                } else {
+                    let w = [w(), w(), w(), w()];
+                    let points = vec![
+                        [0.0, 0.0, 0.0, w[0]],
+                        [1.0, 0.0, 0.0, w[1]],
+                        [1.0, 1.0, 0.0, w[2]],
+                        [0.0, 1.0, 0.0, w[3]],
+                    ];
+                    let outer = [w[3] + w[0], w[0] + w[1], w[1] + w[2], w[2] + w[3]];
+                    let inner = [outer[1].max(outer[3]), outer[0].max(outer[2])];
+                    let layout = if domain == Domain::Quads {
+                        PatchLayout::QUAD
+                    } else {
+                        PatchLayout::lines(4)
+                    };
+                    (layout, points, Levels { outer, inner })
+                };
+                let indices = (0..points.len() as u32).collect();
+                let mesh = PatchMesh::new(layout, points, indices).expect("one patch");
+                let emitted = run_with(&gpu, &passes, mesh, by_points(), [1 << 13, 1 << 14]);
+                let twin = tessellator.tessellate(&levels);
+                assert!(emitted.guarded);
+                let bits = |c: &[f32; 3]| {
+                    [
+                        c[0].to_bits(),
+                        c[1].to_bits(),
+                        if domain == Domain::Triangles {
+                            c[2].to_bits()
+                        } else {
+                            0
+                        },
+                    ]
+                };
+                let expected: Vec<[u32; 3]> = twin.coordinates.iter().map(bits).collect();
+                let found: Vec<[u32; 3]> = emitted
+                    .vertices
+                    .iter()
+                    .map(|v| [v[0], v[1], v[2]])
+                    .collect();
+                assert!(found == expected, "{tessellator:?} {levels:?}");
+                let flat: Vec<u32> = match twin.primitives {
+                    Primitives::Triangles(triangles) => triangles.concat(),
+                    Primitives::Segments(segments) => segments.concat(),
+                };
+                assert!(emitted.indices == flat, "{tessellator:?} {levels:?}");
+            }
+        }
+    }
+}
+
+/// Shared edges are one: whatever the levels, a closed surface stays closed, and no vertex is left over.
+#[test]
+fn gpu_a_closed_surface_stays_closed() {
+    let Some(gpu) = for_test() else { return };
+    for (seed, spacing) in (1..).zip(SPACINGS) {
+        let tessellator = Tessellator {
+            spacing,
+            ..Default::default()
+        };
+        let emitted = run(
+            &gpu,
+            tessellator,
+            sphere(seed, 5, 30.0),
+            by_points(),
+            [1 << 19, 1 << 20],
+        );
+        let manifold = check(&triangles(&emitted), emitted.vertices.len()).expect("a manifold");
+        assert_eq!(
+            manifold,
+            Manifold {
+                borders: vec![],
+                euler: 2
+            }
+        );
+        let mut used = vec![false; emitted.vertices.len()];
+        emitted
+            .indices
+            .iter()
+            .for_each(|index| used[*index as usize] = true);
+        assert!(used.iter().all(|used| *used));
+        // Vertices share of a triangle: a half and two over all.
+        assert_eq!(2 * emitted.vertices.len(), triangles(&emitted).len() + 4);
+        assert_eq!((emitted.head.lowered, emitted.head.discarded), (0, 0));
+    }
+}
+
+/// Pools of any size: nothing is written behind them; as long as level 1 fits, the surface is whole.
+#[test]
+fn gpu_pools_hold_what_they_say() {
+    let Some(gpu) = for_test() else { return };
+    for spacing in SPACINGS {
+        let tessellator = Tessellator {
+            spacing,
+            ..Default::default()
+        };
+        let passes = StagePasses::new(&gpu, tessellator).expect("passes");
+        let whole = run_with(
+            &gpu,
+            &passes,
+            sphere(3, 3, 31.0),
+            by_points(),
+            [1 << 19, 1 << 20],
+        );
+        let mut last = 0;
+        for pools in [
+            [1, 1],
+            [23, 46],
+            [40, 71],
+            [500, 3000],
+            [3000, 999],
+            [9000, 18_000],
+            [1 << 16, 1 << 17],
+        ] {
+            let emitted = run_with(&gpu, &passes, sphere(3, 3, 31.0), by_points(), pools);
+            assert!(emitted.guarded, "{pools:?}");
+            let head = emitted.head;
+            assert!(
+                head.vertices <= pools[0] && head.primitives <= pools[1],
+                "{head:?}"
+            );
+            assert_eq!(head.wanted_primitives, whole.head.primitives);
+            let fits = whole.head.vertices <= pools[0] && whole.head.primitives <= pools[1];
+            assert_eq!(head.lowered == 0, fits, "{pools:?} {head:?}");
+            assert!(emitted.indices.iter().all(|index| *index < pools[0]));
+            // 72 patches: at level 1 they are 72 triangles of 38 vertices (even spacing: more).
+            if pools[0] >= 500 {
+                let manifold = check(&triangles(&emitted), emitted.vertices.len());
+                assert_eq!(
+                    manifold.expect("a manifold").borders,
+                    [[0; 0]; 0],
+                    "{pools:?}"
+                );
+                assert!(head.primitives >= last);
+                last = head.primitives;
+            }
+        }
+    }
+}
+
+/// Levels that discard: NaN and negative ones take their patches away, the others stay whole.
+#[test]
+fn gpu_hostile_levels_and_patches() {
+    let Some(gpu) = for_test() else { return };
+    for poison in [f32::NAN, f32::NEG_INFINITY, -1e9] {
+        let mesh = shapes::octahedron(2);
+        let mut points: Vec<_> = mesh
+            .points()
+            .iter()
+            .map(|[x, y, z, _]| [*x, *y, *z, 2.5])
+            .collect();
+        points[0][3] = poison;
+        let with = |k: &&[u32]| !k.contains(&0);
+        let kept = mesh.indices().chunks(3).filter(with).count() as u32;
+        let mesh =
+            PatchMesh::new(PatchLayout::TRIANGLE, points, mesh.indices().to_vec()).expect("a mesh");
+        let patches = mesh.patches() as u32;
+        let emitted = run(
+            &gpu,
+            Tessellator::default(),
+            mesh,
+            by_points(),
+            [1 << 16, 1 << 16],
+        );
+        assert_eq!(emitted.head.discarded, patches - kept, "{poison}");
+        let manifold = check(&triangles(&emitted), emitted.vertices.len()).expect("a manifold");
+        assert_eq!((manifold.borders.len(), manifold.euler), (1, 1));
+    }
+    // Infinite levels are the greatest.
+    let points = vec![
+        [0.0, 0.0, 0.0, f32::INFINITY],
+        [1.0, 0.0, 0.0, 1.0],
+        [1.0, 1.0, 0.0, 1.0],
+    ];
+    let mesh = PatchMesh::new(PatchLayout::TRIANGLE, points, vec![0, 1, 2]).expect("a mesh");
+    let emitted = run(
+        &gpu,
+        Tessellator::default(),
+        mesh,
+        by_points(),
+        [1 << 16, 1 << 16],
+    );
+    assert!(emitted.guarded && emitted.head.primitives > 6 * 31 * 31);
+    // Patches without area, folded onto themselves: the same triangles as others.
+    let folded = PatchMesh::new(
+        PatchLayout::QUAD,
+        vec![[0.0, 0.0, 0.0, 4.0]; 3],
+        vec![0, 1, 2, 1, 0, 0, 0, 0],
+    );
+    let quads = Tessellator {
+        domain: Domain::Quads,
+        ..Default::default()
+    };
+    let emitted = run(
+        &gpu,
+        quads,
+        folded.expect("a mesh"),
+        by_points(),
+        [1 << 16, 1 << 16],
+    );
+    assert!(emitted.guarded && emitted.head.primitives == 2 * 2 * 8 * 8);
+    // No patches at all.
+    let none = PatchMesh::new(PatchLayout::TRIANGLE, vec![], vec![]).expect("an empty mesh");
+    let emitted = run(&gpu, Tessellator::default(), none, by_points(), [16, 16]);
+    assert!(emitted.guarded && emitted.head.primitives == 0);
+}
