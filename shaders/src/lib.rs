@@ -46,6 +46,7 @@ pub const ALL: &[ShaderFile] = files![
     "stage/control.wgsl",
     "stage/coordinate.wgsl",
     "stage/counts.wgsl",
+    "stage/divide.wgsl",
     "stage/draw.wgsl",
     "stage/draw_types.wgsl",
     "stage/emit.wgsl",

@@ -156,6 +156,88 @@ fn a_changed_struct_is_seen() {
     same_layout!(&composed("tessellation/plan.wgsl"), Edge { corners });
 }
 
+#[test]
+fn the_stages_records_lie_as_in_rust() {
+    use dolomite_tessellation::stage::layout::{MaterialRow, StageDraw, StageParams, StageView};
+    let control = composed("stage/control.wgsl");
+    same_layout!(
+        &control,
+        StageView {
+            planes,
+            sweep,
+            eye,
+            pixels_per_radian,
+            anchor,
+            pixels_per_edge,
+            time,
+            previous_time,
+            orthographic,
+            pad,
+        }
+    );
+    same_layout!(
+        &control,
+        StageParams {
+            view,
+            corners,
+            edges,
+            patches,
+            max_vertices,
+            max_primitives,
+            corner_table,
+            edge_table,
+            patch_table,
+            points,
+            point_size,
+            uv_range,
+            amplified,
+        }
+    );
+    let draw = composed("stage/user_material.wgsl");
+    same_layout!(
+        &draw,
+        MaterialRow {
+            base_color,
+            emissive,
+            surface,
+        }
+    );
+    let draw = composed("stage/draw.wgsl");
+    same_layout!(
+        &draw,
+        StageDraw {
+            clip_from_stage,
+            previous_clip_from_stage,
+            camera,
+            time,
+            anchor,
+            uv_range,
+        }
+    );
+}
+
+#[test]
+fn the_stages_passes_keep_to_webgpus_limits() {
+    for (path, defs) in [
+        ("stage/control.wgsl", [].as_slice()),
+        ("stage/measure.wgsl", &[]),
+        ("stage/plan.wgsl", &[]),
+        ("stage/place_items.wgsl", &[]),
+        ("stage/emit.wgsl", &["STAGE_READ", "STAGE_MOVES"]),
+    ] {
+        let module = dolomite_shaders::compose(path, defs).expect(path);
+        let storage = module
+            .global_variables
+            .iter()
+            .filter(|(_, v)| matches!(v.space, naga::AddressSpace::Storage { .. }))
+            .count();
+        // Eight in all: two are left for the data of a kind.
+        assert!(storage <= 6, "{path} binds {storage} storage buffers");
+        let size = module.entry_points[0].workgroup_size;
+        assert!(size.iter().product::<u32>() <= 256, "{path}");
+    }
+}
+
 #[cfg(feature = "render")]
 #[test]
 fn draw_parameters_lie_as_in_rust() {

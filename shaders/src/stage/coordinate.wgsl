@@ -4,6 +4,7 @@
 // plugins/tessellation/src/stage/coordinate.rs. Coordinates are in units of 2^-24.
 
 #import dolomite::stage::types::{Rules, Shape, UNIT, TRIANGLES, QUADS, EQUAL, D3D, INNER, CORNER}
+#import dolomite::stage::divide::divide_small
 #import dolomite::stage::place::{StageEdge, place, scaled, stage_edge}
 #import dolomite::stage::shape::{ring_of, ring_start}
 
@@ -46,14 +47,14 @@ fn reference_ring(edge: StageEdge, k: u32, i: u32, side: u32) -> vec3<u32> {
 // Inner vertex `index` of a triangle.
 fn ring_coordinate(edge: StageEdge, index: u32, mode: u32) -> vec3<u32> {
     let a = edge.count;
-    let k = ring_of(a, index / 3u, a / 2u);
+    let k = ring_of(a, divide_small(index, 3u), a / 2u);
     let m = a - 2u * k;
     if m == 0u {
         let third = select(UNIT / 3u, 0x5555u << 8u, mode == D3D);
         return vec3(third, third, UNIT - 2u * third);
     }
     let at = index - ring_start(a, k);
-    let side = at / m;
+    let side = divide_small(at, m);
     let i = at - side * m;
     // Towards the side's start, towards its end, and its distance.
     var c: vec3<u32>;
@@ -80,7 +81,7 @@ fn inner_coordinate(rules: Rules, shape: Shape, index: u32) -> vec3<u32> {
     }
     if rules.domain == QUADS {
         let columns = shape.rows.x - 1u;
-        let row = index / columns;
+        let row = divide_small(index, columns);
         return vec3(
             place(stage_edge(shape.inner.x, rules.spacing), 1u + index - row * columns, rules.mode),
             place(stage_edge(shape.inner.y, rules.spacing), 1u + row, rules.mode),
@@ -88,7 +89,7 @@ fn inner_coordinate(rules: Rules, shape: Shape, index: u32) -> vec3<u32> {
         );
     }
     let columns = shape.sides.y + 1u;
-    let line = index / columns;
+    let line = divide_small(index, columns);
     return vec3(
         place(stage_edge(shape.outer.y, rules.spacing), index - line * columns, rules.mode),
         place(stage_edge(shape.outer.x, EQUAL), line, rules.mode),

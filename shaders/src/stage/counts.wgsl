@@ -48,6 +48,28 @@ fn lower_lines(rules: Rules, level: u32, share: u32) -> u32 {
     return lower(Rules(rules.domain, 0u, rules.mode), level, share);
 }
 
+// Vertices and primitives of a patch's shape.
+fn shape_size(rules: Rules, shape: Shape) -> vec2<u32> {
+    return vec2(inner_vertices(rules.domain, shape), primitive_count(rules.domain, shape));
+}
+
+// The segments of a patch as `place` left them; its levels are not filled in.
+fn placed_shape(id: u32) -> Shape {
+    let at = inner_word(stage, id);
+    let sides = work[at + 2u];
+    let rows = work[at + 3u];
+    var shape: Shape;
+    shape.sides = (vec4(sides) >> vec4(0u, 8u, 16u, 24u)) & vec4(255u);
+    shape.rows = (vec2(rows) >> vec2(0u, 8u)) & vec2(255u);
+    return shape;
+}
+
+// Inner levels of a patch as `place` left them; isolines: levels of lines and segments.
+fn placed_levels(id: u32) -> vec2<u32> {
+    let at = inner_word(stage, id);
+    return vec2(work[at], work[at + 1u]);
+}
+
 // Vertices and primitives of an item.
 fn item_size(item: u32, share: u32) -> vec2<u32> {
     let rules = stage_rules();
@@ -66,6 +88,5 @@ fn item_size(item: u32, share: u32) -> vec2<u32> {
     if id >= stage.patches || work[inner_word(stage, id)] == 0u {
         return vec2(0u);
     }
-    let shape = patch_shape(rules, id, share);
-    return vec2(inner_vertices(rules.domain, shape), primitive_count(rules.domain, shape));
+    return shape_size(rules, patch_shape(rules, id, share));
 }

@@ -3,13 +3,13 @@
 #import dolomite::stage::types::{Rules, Shape, INNER, CORNER, ISOLINES, EQUAL}
 #import dolomite::stage::api::{Patch, stage, tables, load_patch, stage_normal, stage_position, previous_stage_position, PATCH_WORDS}
 #import dolomite::stage::coordinate::{as_numbers, corner_coordinate, inner_coordinate, side_coordinate}
-#import dolomite::stage::counts::{patch_shape, work}
+#import dolomite::stage::counts::{placed_levels, placed_shape, work}
 #import dolomite::stage::level::segments
 #import dolomite::stage::place::{place, stage_edge}
 #import dolomite::stage::rules::stage_rules
 #import dolomite::stage::shape::primitive
 #import dolomite::stage::vertex::{VERTEX_WORDS, pack_normal}
-#import dolomite::stage::work::{COLUMNS, PRIMITIVES, SHARE, VERTICES, edge_word, item_count, lower, offset_word}
+#import dolomite::stage::work::{CHUNK, COLUMNS, PRIMITIVES, SHARE, VERTICES, chunk_word, edge_word, item_count, lower, offset_word}
 #import dolomite::stage::user::evaluate
 
 @group(0) @binding(4) var<storage, read_write> vertices: array<u32>;
@@ -20,9 +20,6 @@
 
 const EDGE_BITS: u32 = 0x7fffffffu;
 const REVERSED: u32 = 0x80000000u;
-
-// First and last item that the workgroup's threads may need.
-var<workgroup> range: array<u32, 2>;
 
 // The last item of which at most `count` vertices (column 0) or primitives (column 1) come before.
 fn find_item(first: u32, last: u32, column: u32, count: u32) -> u32 {
@@ -63,7 +60,11 @@ fn emit_vertex(index: u32, item: u32) {
         at = side_coordinate(rules.domain, found.y, along);
     } else {
         id = item - stage.corners - stage.edges;
-        at = inner_coordinate(rules, patch_shape(rules, id, share), local);
+        var shape = placed_shape(id);
+        let levels = placed_levels(id);
+        shape.inner = levels;
+        shape.outer = vec4(levels, levels);
+        at = inner_coordinate(rules, shape, local);
     }
     let input = load_patch(id);
     let vertex = evaluate(input, as_numbers(at));
@@ -100,7 +101,7 @@ fn pool_index(id: u32, shape: Shape, vertex: vec2<u32>) -> u32 {
 fn emit_primitive(index: u32, item: u32) {
     let rules = stage_rules();
     let id = item - stage.corners - stage.edges;
-    let shape = patch_shape(rules, id, work[SHARE]);
+    let shape = placed_shape(id);
     let local = index - work[offset_word(stage, item) + 1u];
     let found = primitive(rules.domain, shape, local);
     let a = pool_index(id, shape, found[0]);
@@ -125,23 +126,23 @@ fn emit_primitive(index: u32, item: u32) {
 
 @compute @workgroup_size(256)
 fn emit(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let vertex_groups = (work[VERTICES] + 255u) / 256u;
+    let vertex_chunks = (work[VERTICES] + CHUNK - 1u) / CHUNK;
     let number = group.x + group.y * COLUMNS;
-    let primitives = number >= vertex_groups;
+    let primitives = number >= vertex_chunks;
     let column = select(0u, 1u, primitives);
-    let first = (number - select(0u, vertex_groups, primitives)) * 256u;
+    let chunk = number - select(0u, vertex_chunks, primitives);
+    let index = chunk * CHUNK + thread;
     let count = work[select(VERTICES, PRIMITIVES, primitives)];
-    let start = select(0u, stage.corners + stage.edges, primitives);
-    if thread < 2u {
-        let sought = min(first + thread * 255u, max(count, 1u) - 1u);
-        range[thread] = find_item(start, item_count(stage) - 1u, column, sought);
-    }
-    workgroupBarrier();
-    let index = first + thread;
     if index >= count {
         return;
     }
-    let item = find_item(range[0], range[1], column, index);
+    // The item lies between those of this chunk's first and the next chunk's.
+    let first = work[chunk_word(stage, column, chunk)];
+    var last = item_count(stage) - 1u;
+    if (chunk + 1u) * CHUNK < count {
+        last = work[chunk_word(stage, column, chunk + 1u)];
+    }
+    let item = find_item(first, last, column, index);
     if primitives {
         emit_primitive(index, item);
     } else {

@@ -4,6 +4,7 @@
 // formulas are explained.
 
 #import dolomite::stage::types::{ONE, UNIT, EQUAL, D3D}
+#import dolomite::stage::divide::divide
 #import dolomite::stage::level::segments
 
 struct StageEdge {
@@ -20,13 +21,13 @@ fn stage_edge(level: u32, spacing: u32) -> StageEdge {
 
 // a / b rounded to nearest, halves up.
 fn rounded(a: u32, b: u32) -> u32 {
-    let quotient = a / b;
+    let quotient = divide(a, b);
     return quotient + select(0u, 1u, 2u * (a - quotient * b) >= b);
 }
 
 // 65536 / n, rounded to nearest.
 fn reciprocal(n: u32) -> u32 {
-    return (65536u + n / 2u) / n;
+    return divide(65536u + n / 2u, n);
 }
 
 // Last vertex of the half that keeps its number when the edge grows from n - 2 to n segments.
@@ -45,7 +46,7 @@ fn scaled(edge: StageEdge, j: u32, times: u32, parts: u32) -> u32 {
     let i = j - select(0u, 1u, moved);
     let whole = times * i * UNIT;
     let divisor = parts * (n - 2u);
-    let quotient = whole / divisor;
+    let quotient = divide(whole, divisor);
     let rest = (whole - quotient * divisor) * n;
     let shift = times * edge.weight;
     let full = divisor * n;
@@ -53,7 +54,7 @@ fn scaled(edge: StageEdge, j: u32, times: u32, parts: u32) -> u32 {
         return quotient + rounded(rest + (n - 2u * j) * shift, full);
     }
     let less = 2u * j * shift;
-    let steps = less / full;
+    let steps = divide(less, full);
     let twice = 2 * (i32(rest) - i32(less - steps * full)) + i32(full);
     return quotient - steps + select(0u, 1u, twice >= 2 * i32(full)) - select(0u, 1u, twice < 0);
 }

@@ -4,6 +4,7 @@
 // plugins/tessellation/src/stage/shape.rs.
 
 #import dolomite::stage::types::{Shape, TRIANGLES, QUADS, ISOLINES, INNER, CORNER}
+#import dolomite::stage::divide::divide_small
 #import dolomite::stage::ruler::{Step, regular, transition}
 
 fn corner_count(domain: u32) -> u32 {
@@ -131,10 +132,10 @@ fn ring_triangle(a: u32, t: u32, count: u32) -> array<vec2<u32>, 3> {
         let base = ring_start(a, a / 2u);
         return array(vec2(INNER, base), vec2(INNER, base + 1u), vec2(INNER, base + 2u));
     }
-    let k = ring_of(a - 1u, t / 6u, a / 2u - 1u);
+    let k = ring_of(a - 1u, divide_small(t, 6u), a / 2u - 1u);
     let m = a - 2u * k;
     let place = t - 6u * (k - 1u) * (a - 1u - k);
-    let side = place / (2u * m - 2u);
+    let side = divide_small(place, 2u * m - 2u);
     let step = regular(m, place - side * (2u * m - 2u));
     let x = vec2(INNER, ring_vertex(a, k, side, step.outer));
     let z = vec2(INNER, ring_vertex(a, k + 1u, side, step.inner));
@@ -147,7 +148,7 @@ fn ring_triangle(a: u32, t: u32, count: u32) -> array<vec2<u32>, 3> {
 // Half of an inner cell of a quad, split along the diagonal that points to the middle of the patch.
 fn cell_triangle(rows: vec2<u32>, t: u32) -> array<vec2<u32>, 3> {
     let cell = t / 2u;
-    let j = cell / (rows.x - 2u);
+    let j = divide_small(cell, rows.x - 2u);
     let i = cell - j * (rows.x - 2u);
     let columns = rows.x - 1u;
     let low_left = vec2(INNER, j * columns + i);
@@ -170,7 +171,7 @@ fn cell_triangle(rows: vec2<u32>, t: u32) -> array<vec2<u32>, 3> {
 // The vertices of primitive t, counter-clockwise; a segment of isolines repeats its second.
 fn primitive(domain: u32, shape: Shape, t: u32) -> array<vec2<u32>, 3> {
     if domain == ISOLINES {
-        let start = t + t / shape.sides.y;
+        let start = t + divide_small(t, shape.sides.y);
         return array(vec2(INNER, start), vec2(INNER, start + 1u), vec2(INNER, start + 1u));
     }
     if shape.rows.x == 1u {

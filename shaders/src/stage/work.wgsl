@@ -5,9 +5,12 @@
 //   head      32  draw and dispatch arguments, counters
 //   corners    1  each: 1 where a patch uses it
 //   edges      1  each: the greatest level that a patch beside it asks for, 0 without
-//   inner      2  each patch: inner levels (isolines: lines, segments), 0 where it is discarded
+//   inner      4  each patch: inner levels (isolines: lines, segments), 0 where it is discarded; as
+//                 control left them until `place`, then lifted and lowered, and behind them the
+//                 segments of sides and rows, 8 bits each
 //   blocks     2  for each 256 items: vertices and primitives, then those before them
 //   offsets    2  each item: vertices and primitives before it
+//   chunks     1  for each 256 vertices, then for each 256 primitives: the item of the first
 //
 // Items are the corners, then the edges, then the patches. Pure functions: the files with entry
 // points bind the buffer, as atomics or not.
@@ -54,11 +57,11 @@ fn edge_word(stage: StageParams, edge: u32) -> u32 {
 }
 
 fn inner_word(stage: StageParams, id: u32) -> u32 {
-    return HEAD + stage.corners + stage.edges + 2u * id;
+    return HEAD + stage.corners + stage.edges + 4u * id;
 }
 
 fn block_word(stage: StageParams, block: u32) -> u32 {
-    return HEAD + stage.corners + stage.edges + 2u * stage.patches + 2u * block;
+    return HEAD + stage.corners + stage.edges + 4u * stage.patches + 2u * block;
 }
 
 fn offset_word(stage: StageParams, item: u32) -> u32 {
@@ -72,6 +75,15 @@ fn share_after(steps: u32) -> u32 {
         share = share * 4u / 5u;
     }
     return share;
+}
+
+// Vertices or primitives of a chunk.
+const CHUNK: u32 = 256u;
+
+// Chunk `chunk` of the vertices (column 0) or of the primitives (column 1).
+fn chunk_word(stage: StageParams, column: u32, chunk: u32) -> u32 {
+    let before = select(0u, (stage.max_vertices + CHUNK - 1u) / CHUNK, column == 1u);
+    return offset_word(stage, item_count(stage)) + before + chunk;
 }
 
 // A level that was lowered to share / 1024 of it, clamped and rounded again.

@@ -55,7 +55,9 @@ impl StageParams {
     pub const fn work_bytes(&self) -> u64 {
         let items = self.items() as u64;
         let blocks = items.div_ceil(BLOCK as u64);
-        self.cleared_bytes() + (2 * self.patches as u64 + 2 * blocks + 2 * items) * 4
+        let chunks =
+            (self.max_vertices as u64).div_ceil(256) + (self.max_primitives as u64).div_ceil(256);
+        self.cleared_bytes() + (4 * self.patches as u64 + 2 * blocks + 2 * items + chunks) * 4
     }
 }
 

@@ -290,8 +290,8 @@ pub const PATCH_WORDS: u64 = 12;
 /// they share nothing, bytes.
 const fn table_bytes(patches: u64, points: u32) -> u64 {
     let tables = patches * (PATCH_WORDS + points as u64 + 8);
-    // Four corners and four edges a patch: a word and an offset pair each; inner levels, offsets.
-    let work = patches * (8 * 3 + 2 + 2);
+    // Four corners and four edges a patch: a word and an offset pair each; inner levels, segments and offsets.
+    let work = patches * (8 * 3 + 4 + 2);
     4 * if tables > work { tables } else { work }
 }
 

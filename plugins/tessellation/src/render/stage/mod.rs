@@ -21,6 +21,7 @@ mod view;
 use std::any::TypeId;
 use std::marker::PhantomData;
 
+use bevy::asset::LoadState;
 use bevy::core_pipeline::prepass::node::early_prepass;
 use bevy::core_pipeline::{Core3d, Core3dSystems};
 use bevy::pbr::{EARLY_SHADOW_PASS, per_view_shadow_pass};
@@ -40,6 +41,19 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
     build(app);
     let name = core::any::type_name::<K>();
     let shaders = pipeline::KindShaders::new::<K>(app, name);
+    let file = shaders.user.clone();
+    let watch = move |server: Res<AssetServer>, shared: Res<StageShared>, mut told: Local<bool>| {
+        let Some(LoadState::Failed(fault)) = server.get_load_state(&file) else {
+            *told = false;
+            return;
+        };
+        if !*told {
+            *told = true;
+            error!("{name}: its shader cannot be loaded: {fault}");
+            shared.report(name, fault.to_string());
+        }
+    };
+    app.add_systems(PreUpdate, watch);
     let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
         return;
     };

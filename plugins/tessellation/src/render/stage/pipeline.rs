@@ -16,7 +16,7 @@ use bevy::render::render_resource::{
     PrimitiveTopology, RenderPipelineDescriptor, ShaderStages, TextureFormat, VertexAttribute,
     VertexFormat, VertexState, VertexStepMode,
 };
-use bevy::shader::{Shader, ShaderDefVal};
+use bevy::shader::{Shader, ShaderCacheError, ShaderDefVal};
 
 use super::kind::PatchKind;
 use super::prepare::{Kind, KindTraits};
@@ -33,7 +33,8 @@ pub struct KindShaders {
     place: Handle<Shader>,
     emit: Handle<Shader>,
     draw: Handle<Shader>,
-    _user: Handle<Shader>,
+    /// The user's file.
+    pub user: Handle<Shader>,
     _modules: ModuleShaders,
     defs: Vec<ShaderDefVal>,
 }
@@ -66,7 +67,7 @@ impl KindShaders {
             place: entry("stage/place_items.wgsl"),
             emit: entry("stage/emit.wgsl"),
             draw: entry("stage/draw.wgsl"),
-            _user: user,
+            user,
             _modules: modules,
             defs: defs::<K>(),
         }
@@ -311,6 +312,11 @@ impl KindPipelines {
         compute
             .chain(render.map(|id| cache.get_render_pipeline_state(*id)))
             .find_map(|state| match state {
+                // Its files are on their way.
+                CachedPipelineState::Err(
+                    ShaderCacheError::ShaderNotLoaded(_)
+                    | ShaderCacheError::ShaderImportNotYetAvailable,
+                ) => None,
                 CachedPipelineState::Err(fault) => Some(fault.to_string()),
                 _ => None,
             })

@@ -1,0 +1,310 @@
+//! The programmable tessellation stage in an app that renders: what it costs, what it does with
+//! several kinds, cameras and lights, and with functions that cannot be used.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bevy::app::{App, PluginGroup};
+use bevy::asset::io::embedded::EmbeddedAssetRegistry;
+use bevy::camera::RenderTarget;
+use bevy::log::LogPlugin;
+use bevy::prelude::*;
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::render_resource::{AsBindGroup, TextureFormat};
+use bevy::render::{RenderApp, RenderPlugin};
+use bevy::time::TimeUpdateStrategy;
+use bevy::window::{ExitCondition, WindowPlugin};
+use bevy::winit::WinitPlugin;
+use dolomite::game::device;
+use dolomite::tessellation::render::stage::{
+    PatchKind, PatchPlugin, PatchPool, StageCensus, StageStats, census,
+};
+use dolomite::tessellation::stage::{PatchLayout, PatchMesh, Patches, StageCamera, shapes};
+
+#[derive(Resource, AsBindGroup, Clone)]
+struct Globe {
+    pool: PatchPool,
+}
+
+impl PatchKind for Globe {
+    const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;
+
+    fn shader() -> &'static str {
+        "shaders/globe.wgsl"
+    }
+
+    fn pool(&self) -> PatchPool {
+        self.pool
+    }
+}
+
+#[derive(Resource, AsBindGroup, Clone)]
+struct Tube {}
+
+impl PatchKind for Tube {
+    const LAYOUT: PatchLayout = PatchLayout::lines(4);
+    const AMPLIFIED: u32 = 72;
+
+    fn shader() -> &'static str {
+        "shaders/tube.wgsl"
+    }
+}
+
+/// Its file has no function `evaluate`.
+#[derive(Resource, AsBindGroup, Clone)]
+struct Broken {}
+
+impl PatchKind for Broken {
+    const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;
+
+    fn shader() -> &'static str {
+        "embedded://broken.wgsl"
+    }
+}
+
+/// Its file is not there.
+#[derive(Resource, AsBindGroup, Clone)]
+struct Missing {}
+
+impl PatchKind for Missing {
+    const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;
+
+    fn shader() -> &'static str {
+        "shaders/there_is_no_such.wgsl"
+    }
+}
+
+const ROOMY: Globe = Globe {
+    pool: PatchPool {
+        vertices: 1 << 16,
+        primitives: 1 << 17,
+    },
+};
+
+fn app(globe: Globe) -> Option<App> {
+    if let Err(error) = device::probe() {
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "CI must not skip GPU tests: {error}"
+        );
+        eprintln!("skipped: {error}");
+        return None;
+    }
+    let mut app = App::new();
+    app.add_plugins(
+        DefaultPlugins
+            .build()
+            .set(WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            })
+            .set(RenderPlugin {
+                render_creation: device::wgpu_settings().into(),
+                synchronous_pipeline_compilation: true,
+                ..default()
+            })
+            .disable::<LogPlugin>()
+            .disable::<WinitPlugin>()
+            .disable::<PipelinedRenderingPlugin>(),
+    )
+    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
+        16,
+    )));
+    app.world()
+        .resource::<EmbeddedAssetRegistry>()
+        .insert_asset(
+            "broken.wgsl".into(),
+            std::path::Path::new("broken.wgsl"),
+            b"#import dolomite::stage::api::{Patch, PatchLevels, StageView}\n\
+          fn control(input: Patch, view: StageView) -> PatchLevels { return nonsense; }\n"
+                .as_slice(),
+        );
+    app.add_plugins((
+        PatchPlugin(globe),
+        PatchPlugin(Tube {}),
+        PatchPlugin(Broken {}),
+        PatchPlugin(Missing {}),
+    ));
+    app.finish();
+    app.cleanup();
+    Some(app)
+}
+
+fn camera(app: &mut App, components: impl Bundle) -> Entity {
+    let target = Image::new_target_texture(64, 64, TextureFormat::Rgba8UnormSrgb, None);
+    let target = app.world_mut().resource_mut::<Assets<Image>>().add(target);
+    let bundle = (
+        Camera3d::default(),
+        Msaa::Off,
+        RenderTarget::Image(target.into()),
+        Transform::from_xyz(0.0, 0.0, 4.0),
+        components,
+    );
+    app.world_mut().spawn(bundle).id()
+}
+
+fn line() -> PatchMesh {
+    let points = [-2.0, -1.0, 1.0, 2.0_f32].map(|x| [x, x * x * 0.2, 0.0, 0.1]);
+    PatchMesh::from_patches(PatchLayout::lines(4), &points).expect("one line")
+}
+
+/// Runs until `done` says so; the counters come back two or three frames late.
+fn until(app: &mut App, what: &str, done: impl Fn(&StageStats) -> bool) -> StageStats {
+    for _ in 0..600 {
+        app.update();
+        assert_eq!(app.should_exit(), None, "rendering stopped");
+        let stats = app.world().resource::<StageStats>();
+        if done(stats) {
+            return stats.clone();
+        }
+        // Shader files come from a thread of their own.
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    panic!("{what}: {:?}", app.world().resource::<StageStats>());
+}
+
+fn found(app: &App) -> StageCensus {
+    census(app.sub_app(RenderApp).world())
+}
+
+/// The counters of some more frames.
+fn frames(app: &mut App, count: u32) -> Vec<u32> {
+    (0..count)
+        .map(|_| {
+            app.update();
+            app.world().resource::<StageStats>().dispatches
+        })
+        .collect()
+}
+
+#[test]
+fn what_is_not_there_costs_nothing_and_what_rests_is_not_done_again() {
+    let Some(mut app) = app(ROOMY) else { return };
+    camera(&mut app, ());
+    frames(&mut app, 5);
+    assert_eq!(found(&app), StageCensus::default(), "no patches, no camera");
+    let eye = camera(&mut app, StageCamera::default());
+    frames(&mut app, 5);
+    assert_eq!(found(&app), StageCensus::default(), "no patches");
+    let globe = Arc::new(shapes::octahedron(1));
+    for x in [-0.6, 0.0, 0.6] {
+        let place = Transform::from_xyz(x, 0.0, 0.0).with_scale(Vec3::splat(0.3));
+        app.world_mut()
+            .spawn((Patches::<Globe>::new(globe.clone()), place));
+    }
+    let first = until(&mut app, "three globes", |stats| stats.primitives > 24);
+    assert_eq!((found(&app).kinds, found(&app).views), (1, 1));
+    frames(&mut app, 4);
+    assert!(
+        frames(&mut app, 20)
+            .iter()
+            .all(|dispatches| *dispatches == 0),
+        "nothing moves"
+    );
+    // The camera moves: five dispatches, once.
+    let mut place = app.world_mut().get_mut::<Transform>(eye).expect("a camera");
+    place.translation.z = 3.0;
+    let after = frames(&mut app, 8);
+    assert_eq!(after.iter().sum::<u32>(), 5, "{after:?}");
+    let closer = app.world().resource::<StageStats>().clone();
+    assert!(closer.primitives > first.primitives, "{closer:?}");
+    // Back again: the same, to the triangle.
+    let mut place = app.world_mut().get_mut::<Transform>(eye).expect("a camera");
+    place.translation.z = 4.0;
+    frames(&mut app, 8);
+    let back = app.world().resource::<StageStats>().clone();
+    assert_eq!(
+        (back.primitives, back.vertices),
+        (first.primitives, first.vertices)
+    );
+}
+
+/// Two kinds, five entities, two cameras, a light of four cascades for each: each kind is
+/// tessellated once a camera, however many views draw it.
+#[test]
+fn shadow_views_draw_what_was_tessellated_once() {
+    let Some(mut app) = app(ROOMY) else { return };
+    let (globe, line) = (Arc::new(shapes::octahedron(1)), Arc::new(line()));
+    for x in [-1.0, 0.0, 1.0] {
+        let place = Transform::from_xyz(x, 0.0, 0.0).with_scale(Vec3::splat(0.4));
+        app.world_mut()
+            .spawn((Patches::<Globe>::new(globe.clone()), place));
+    }
+    for y in [-0.5, 0.5] {
+        app.world_mut().spawn((
+            Patches::<Tube>::new(line.clone()),
+            Transform::from_xyz(0.0, y, 0.0),
+        ));
+    }
+    let light = DirectionalLight {
+        shadow_maps_enabled: true,
+        ..default()
+    };
+    app.world_mut().spawn((
+        light,
+        Transform::default().looking_to(Vec3::new(-1.0, -2.0, -1.0), Vec3::Y),
+    ));
+    camera(&mut app, StageCamera::default());
+    camera(&mut app, StageCamera::default());
+    until(&mut app, "two kinds", |stats| stats.primitives > 60);
+    frames(&mut app, 6);
+    assert_eq!((found(&app).kinds, found(&app).views), (2, 4));
+    assert!(
+        frames(&mut app, 6)
+            .iter()
+            .all(|dispatches| *dispatches == 0)
+    );
+    // One globe moves: its kind alone, once for each camera, and once more for its last place.
+    let mut globes = app
+        .world_mut()
+        .query_filtered::<&mut Transform, With<Patches<Globe>>>();
+    let mut place = globes.iter_mut(app.world_mut()).next().expect("a globe");
+    place.translation.y = 0.3;
+    let after = frames(&mut app, 8);
+    assert_eq!(after.iter().sum::<u32>(), 20, "{after:?}");
+}
+
+#[test]
+fn functions_that_cannot_be_used_are_named_and_the_others_are_drawn() {
+    let Some(mut app) = app(ROOMY) else { return };
+    let globe = Arc::new(shapes::octahedron(1));
+    app.world_mut().spawn(Patches::<Broken>::new(globe.clone()));
+    app.world_mut()
+        .spawn(Patches::<Missing>::new(globe.clone()));
+    app.world_mut().spawn(Patches::<Globe>::new(globe));
+    camera(&mut app, StageCamera::default());
+    let stats = until(&mut app, "two faults and a globe", |stats| {
+        stats.primitives > 8 && stats.faults.len() == 2
+    });
+    let fault = |kind: &str| {
+        let named = |fault: &&_| -> bool {
+            let fault: &dolomite::tessellation::render::stage::StageFault = fault;
+            fault.kind.ends_with(kind)
+        };
+        stats.faults.iter().find(named).expect(kind).to_string()
+    };
+    assert!(fault("Broken").contains("nonsense") || fault("Broken").contains("evaluate"));
+    assert!(
+        fault("Missing").contains("there_is_no_such.wgsl"),
+        "{}",
+        fault("Missing")
+    );
+}
+
+#[test]
+fn a_pool_of_a_kibibyte_lowers_levels_and_the_app_goes_on() {
+    let pool = PatchPool::bytes(1024);
+    let Some(mut app) = app(Globe { pool }) else {
+        return;
+    };
+    app.world_mut()
+        .spawn(Patches::<Globe>::new(Arc::new(shapes::octahedron(1))));
+    camera(&mut app, StageCamera::default());
+    let stats = until(&mut app, "a globe", |stats| stats.primitives > 0);
+    assert!(
+        stats.lowered > 0 && stats.vertices <= pool.vertices,
+        "{stats:?}"
+    );
+    assert!(stats.primitives >= 8 && stats.wanted_primitives > stats.primitives);
+}
