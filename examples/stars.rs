@@ -28,7 +28,7 @@ impl PatchKind for Star {
     fn materials(&self) -> Vec<PatchMaterial> {
         let shines = |red, green, blue| PatchMaterial {
             base_color: LinearRgba::BLACK,
-            emissive: LinearRgba::rgb(red, green, blue) * 22_000.0,
+            emissive: LinearRgba::rgb(red, green, blue) * 4_000.0,
             ..default()
         };
         vec![
@@ -61,14 +61,14 @@ fn setup(mut commands: Commands) {
     for _ in 0..STARS {
         let mut next = || random(&mut seed);
         // A spiral of two arms, thicker in the middle.
-        let away = 4.0 + 120.0 * next() * next();
+        let away = 0.5 + 120.0 * next() * next();
         let arm = if next() < 0.5 {
             0.0
         } else {
             core::f32::consts::PI
         };
-        let angle = arm + 2.6 * ops::ln(away) + (next() - 0.5) * (next() - 0.5) * 5.0;
-        let thick = 14.0 * ops::exp(-away / 30.0) + 2.0;
+        let angle = arm + 2.6 * ops::ln(away + 4.0) + (next() - 0.5) * (next() - 0.5) * 5.0;
+        let thick = 13.0 * ops::exp(-away * away / 350.0) + 2.0;
         let at = Vec3::new(
             away * ops::cos(angle),
             (next() + next() + next() - 1.5) * thick,

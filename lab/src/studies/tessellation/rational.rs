@@ -98,7 +98,7 @@ impl Edge {
         Ratio(self.places[p], self.denominator)
     }
 
-    fn from_end(&self, p: usize) -> Ratio {
+    fn mirrored_place(&self, p: usize) -> Ratio {
         Ratio(self.denominator - self.places[p], self.denominator)
     }
 
@@ -124,7 +124,9 @@ fn vertices(expected: &Expected) -> Vec<[Ratio; 3]> {
             vertices.extend([[ZERO, ZERO, ONE], [ONE, ZERO, ZERO], [ZERO, ONE, ZERO]]);
             for (side, edge) in outer[..3].iter().enumerate() {
                 let inner = 1..edge.places.len() - 1;
-                vertices.extend(inner.map(|p| on_axes(side, [edge.from_end(p), edge.at(p), ZERO])));
+                vertices.extend(
+                    inner.map(|p| on_axes(side, [edge.mirrored_place(p), edge.at(p), ZERO])),
+                );
             }
             let edge = Edge::new(expected.inner[0]);
             let n = edge.places.len() - 1;
@@ -147,10 +149,10 @@ fn vertices(expected: &Expected) -> Vec<[Ratio; 3]> {
             ]);
             for (side, edge) in outer.iter().enumerate() {
                 vertices.extend((1..edge.places.len() - 1).map(|p| match side {
-                    0 => [ZERO, edge.from_end(p), ZERO],
+                    0 => [ZERO, edge.mirrored_place(p), ZERO],
                     1 => [edge.at(p), ZERO, ZERO],
                     2 => [ONE, edge.at(p), ZERO],
-                    _ => [edge.from_end(p), ONE, ZERO],
+                    _ => [edge.mirrored_place(p), ONE, ZERO],
                 }));
             }
             let [columns, rows] = expected.inner.map(Edge::new);

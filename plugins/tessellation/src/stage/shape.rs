@@ -38,10 +38,10 @@ impl Shape {
     #[must_use]
     pub fn new(levels: &Levels, domain: Domain, spacing: Spacing, mode: Mode) -> Option<Self> {
         let mut outer = [Level(level::ONE); 4];
-        for side in 0..domain.outer_levels() {
+        for (side, level) in outer.iter_mut().enumerate().take(domain.outer_levels()) {
             let lines = domain == Domain::Isolines && side == 0;
             let spacing = if lines { Spacing::Equal } else { spacing };
-            outer[side] = level::outer(levels.outer[side], spacing, mode)?;
+            *level = level::outer(levels.outer[side], spacing, mode)?;
         }
         let inner = level::inner(levels.inner, &outer, domain, spacing, mode);
         Some(Self::from_levels(domain, spacing, outer, inner))
