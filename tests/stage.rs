@@ -7,10 +7,12 @@ use std::time::Duration;
 use bevy::app::{App, PluginGroup};
 use bevy::asset::io::embedded::EmbeddedAssetRegistry;
 use bevy::camera::RenderTarget;
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{AsBindGroup, TextureFormat};
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::render::{RenderApp, RenderPlugin};
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::{ExitCondition, WindowPlugin};
@@ -19,7 +21,9 @@ use dolomite::game::device;
 use dolomite::tessellation::render::stage::{
     PatchKind, PatchPlugin, PatchPool, StageCensus, StageStats, census,
 };
-use dolomite::tessellation::stage::{PatchLayout, PatchMesh, Patches, StageCamera, shapes};
+use dolomite::tessellation::stage::{
+    Drawing, PatchLayout, PatchMesh, Patches, StageCamera, shapes,
+};
 
 #[derive(Resource, AsBindGroup, Clone)]
 struct Globe {
@@ -49,6 +53,40 @@ impl PatchKind for Tube {
         "shaders/tube.wgsl"
     }
 }
+
+/// Follows the time in the vertex shader of its draws.
+#[derive(Resource, AsBindGroup, Clone)]
+struct Waving {}
+
+impl PatchKind for Waving {
+    const LAYOUT: PatchLayout = PatchLayout::QUAD;
+    const DRAWING: Drawing = Drawing::Evaluated;
+    const ANIMATED: bool = true;
+    const MOVES: bool = true;
+    const CUSTOM_MATERIAL: bool = true;
+
+    fn shader() -> &'static str {
+        "embedded://waving.wgsl"
+    }
+}
+
+/// A white flag that moves up and down by half its height twice a second.
+const WAVING: &str = "
+#import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex, patch_point, stage}
+#import dolomite::stage::draw_types::{Shaded, Surface}
+fn control(input: Patch, view: StageView) -> PatchLevels {
+    return PatchLevels(vec4(5.0), vec2(5.0));
+}
+fn place(at: vec3<f32>, time: f32) -> vec3<f32> {
+    return vec3(at.x * 2.0 - 1.0, at.y * 0.5 - 0.25 + 0.5 * sin(12.566 * time), 0.0);
+}
+fn evaluate(input: Patch, at: vec3<f32>) -> Vertex {
+    return Vertex(place(at, stage.view.time), vec3(0.0, 0.0, 1.0), at.xy, place(at, stage.view.previous_time), 0u);
+}
+fn material(surface: Surface) -> Shaded {
+    return Shaded(vec3(1.0), vec3(0.0), surface.normal, 1.0, 0.0, 0.5, 1.0, true);
+}
+";
 
 /// Its file has no function `evaluate`.
 #[derive(Resource, AsBindGroup, Clone)]
@@ -120,7 +158,15 @@ fn app(globe: Globe) -> Option<App> {
           fn control(input: Patch, view: StageView) -> PatchLevels { return nonsense; }\n"
                 .as_slice(),
         );
+    app.world()
+        .resource::<EmbeddedAssetRegistry>()
+        .insert_asset(
+            "waving.wgsl".into(),
+            std::path::Path::new("waving.wgsl"),
+            WAVING.as_bytes(),
+        );
     app.add_plugins((
+        PatchPlugin(Waving {}),
         PatchPlugin(globe),
         PatchPlugin(Tube {}),
         PatchPlugin(Broken {}),
@@ -132,8 +178,13 @@ fn app(globe: Globe) -> Option<App> {
 }
 
 fn camera(app: &mut App, components: impl Bundle) -> Entity {
+    camera_into(app, components).0
+}
+
+fn camera_into(app: &mut App, components: impl Bundle) -> (Entity, Handle<Image>) {
     let target = Image::new_target_texture(64, 64, TextureFormat::Rgba8UnormSrgb, None);
     let target = app.world_mut().resource_mut::<Assets<Image>>().add(target);
+    let image = target.clone();
     let bundle = (
         Camera3d::default(),
         Msaa::Off,
@@ -141,7 +192,7 @@ fn camera(app: &mut App, components: impl Bundle) -> Entity {
         Transform::from_xyz(0.0, 0.0, 4.0),
         components,
     );
-    app.world_mut().spawn(bundle).id()
+    (app.world_mut().spawn(bundle).id(), image)
 }
 
 fn line() -> PatchMesh {
@@ -311,4 +362,60 @@ fn a_pool_of_a_kibibyte_lowers_levels_and_the_app_goes_on() {
         "{stats:?}"
     );
     assert!(stats.primitives >= 8 && stats.wanted_primitives > stats.primitives);
+}
+
+/// The rows of the camera's picture that are white.
+fn white_rows(app: &mut App, image: &Handle<Image>) -> Vec<usize> {
+    #[derive(Resource, Default)]
+    struct Picture(Option<Image>);
+    app.insert_resource(Picture::default());
+    app.world_mut()
+        .spawn(Screenshot::image(image.clone()))
+        .observe(
+            |shot: On<ScreenshotCaptured>, mut picture: ResMut<Picture>| {
+                picture.0 = Some(shot.image.clone());
+            },
+        );
+    for _ in 0..200 {
+        app.update();
+        if let Some(picture) = &app.world().resource::<Picture>().0 {
+            let bright = |row: &usize| {
+                let pixel = picture.get_color_at(32, *row as u32).expect("a pixel");
+                pixel.to_linear().green > 0.5
+            };
+            return (0..64).filter(bright).collect();
+        }
+    }
+    panic!("no picture");
+}
+
+/// Vertices that the draws evaluate: the flag waves, and nothing is dispatched for it.
+#[test]
+fn what_the_draws_evaluate_moves_without_a_dispatch() {
+    let Some(mut app) = app(ROOMY) else { return };
+    app.insert_resource(bevy::pbr::DefaultOpaqueRendererMethod::deferred());
+    let points = [
+        [0.0; 4],
+        [1.0, 0.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+    ];
+    let mesh = PatchMesh::from_patches(PatchLayout::QUAD, &points).expect("one patch");
+    app.world_mut()
+        .spawn(Patches::<Waving>::new(Arc::new(mesh)));
+    let (_, image) = camera_into(&mut app, (StageCamera::default(), Tonemapping::None));
+    until(&mut app, "a flag", |stats| stats.primitives == 50);
+    frames(&mut app, 6);
+    assert!(
+        frames(&mut app, 10)
+            .iter()
+            .all(|dispatches| *dispatches == 0)
+    );
+    let rows: Vec<Vec<usize>> = (0..6).map(|_| white_rows(&mut app, &image)).collect();
+    assert!(rows.iter().all(|rows| !rows.is_empty()), "{rows:?}");
+    assert!(rows.iter().any(|other| other != &rows[0]), "{rows:?}");
+    assert_eq!(app.world().resource::<StageStats>().dispatches, 0);
+    // 12 bytes a vertex.
+    let stats = app.world().resource::<StageStats>();
+    assert_eq!(stats.bytes, u64::from(stats.vertices) * 12 + 50 * 12);
 }

@@ -12,6 +12,7 @@
 //! | [`study`], [`studies`] | what a study is, and all of them |
 //! | [`gpu`] | compute shaders on whatever adapter there is, without a window |
 //! | [`stage`] | the passes of the tessellation stage, without Bevy's renderer |
+//! | [`raster`] | pixels that triangles leave uncovered |
 //! | [`cli`] | the command line |
 
 pub mod cli;
@@ -19,6 +20,7 @@ pub mod csv;
 pub mod gpu;
 pub mod metrics;
 pub mod plot;
+pub mod raster;
 pub mod stage;
 pub mod studies;
 pub mod study;

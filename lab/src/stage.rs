@@ -340,6 +340,11 @@ impl<'a> StageRun<'a> {
         Ok(start.elapsed() / repeats.max(1))
     }
 
+    /// The buffer that begins with the arguments of the indexed draw.
+    pub const fn arguments(&self) -> &Buffer {
+        &self.work
+    }
+
     /// Counters and arguments of the last run.
     ///
     /// # Errors

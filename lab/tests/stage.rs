@@ -1,6 +1,7 @@
 //! The passes of the tessellation stage on whatever adapter there is.
 
 use dolomite_lab::gpu::{Gpu, for_test};
+use dolomite_lab::raster::{Raster, SIDE};
 use dolomite_lab::stage::{Emitted, StagePasses, StageRun};
 use dolomite_tessellation::stage::half_edge::{Manifold, check};
 use dolomite_tessellation::stage::tables::Instance;
@@ -318,4 +319,120 @@ fn gpu_hostile_levels_and_patches() {
     let none = PatchMesh::new(PatchLayout::TRIANGLE, vec![], vec![]).expect("an empty mesh");
     let emitted = run(&gpu, Tessellator::default(), none, by_points(), [16, 16]);
     assert!(emitted.guarded && emitted.head.primitives == 0);
+}
+
+/// A camera inside of a closed surface sees no background, whatever the levels of its edges: 1000
+/// frames over a sentinel colour. The faces are displaced along their edges only, so that each level
+/// shows; a surface with a patch less shows the sentinel.
+#[test]
+fn gpu_no_background_in_a_thousand_frames() {
+    let Some(gpu) = for_test() else { return };
+    let raster = Raster::new(&gpu);
+    let mut random = Random(77);
+    let mut frames = 0;
+    for spacing in SPACINGS {
+        let tessellator = Tessellator {
+            spacing,
+            ..Default::default()
+        };
+        let passes = StagePasses::new(&gpu, tessellator).expect("passes");
+        for seed in 0..6 {
+            let mesh = sphere(seed, 4, 12.0);
+            let layout = mesh.layout();
+            // Every second surface is round: its patches bend at every corner.
+            let points = mesh.points().iter().map(|[x, y, z, w]| {
+                let length = if seed % 2 == 0 {
+                    1.0
+                } else {
+                    (x * x + y * y + z * z).sqrt()
+                };
+                [x / length, y / length, z / length, *w]
+            });
+            let mesh = PatchMesh::new(layout, points.collect(), mesh.indices().to_vec());
+            let entities = [(Arc::new(mesh.expect("a mesh")), by_points())];
+            let run = StageRun::new(&gpu, &passes, layout, &entities, [1 << 17, 1 << 18]);
+            let run = run.expect("a run");
+            run.tessellate(1).expect("a run");
+            for _ in 0..56 {
+                let open = raster
+                    .uncovered(&gpu, &run, &view(&mut random))
+                    .expect("a picture");
+                assert_eq!(open, 0, "{spacing:?}, surface {seed}, frame {frames}");
+                frames += 1;
+            }
+        }
+    }
+    assert!(frames >= 1000, "{frames}");
+    // The test can fail: without one patch some camera sees the sentinel.
+    let mesh = sphere(1, 2, 4.0);
+    let fewer = mesh.indices()[3..].to_vec();
+    let mesh = PatchMesh::new(PatchLayout::TRIANGLE, mesh.points().to_vec(), fewer);
+    let passes = StagePasses::new(&gpu, Tessellator::default()).expect("passes");
+    let entities = [(Arc::new(mesh.expect("a mesh")), by_points())];
+    let run = StageRun::new(
+        &gpu,
+        &passes,
+        PatchLayout::TRIANGLE,
+        &entities,
+        [1 << 17, 1 << 18],
+    );
+    let run = run.expect("a run");
+    run.tessellate(1).expect("a run");
+    let open: usize = (0..40)
+        .map(|_| {
+            raster
+                .uncovered(&gpu, &run, &view(&mut random))
+                .expect("a picture")
+        })
+        .sum();
+    assert!(open > SIDE as usize, "{open}");
+}
+
+/// A camera near the origin that looks somewhere, 90 degrees wide; column by column.
+fn view(random: &mut Random) -> [f32; 16] {
+    let mut next = || random.next() * 2.0 - 1.0;
+    // A unit quaternion (x, y, z, w) from four numbers is a rotation.
+    let q = [next(), next(), next(), next() + 1.5];
+    let length = q.iter().map(|x| x * x).sum::<f32>().sqrt();
+    let [x, y, z, w] = q.map(|x| x / length);
+    let rows = [
+        [
+            1.0 - 2.0 * (y * y + z * z),
+            2.0 * (x * y - z * w),
+            2.0 * (x * z + y * w),
+        ],
+        [
+            2.0 * (x * y + z * w),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z - x * w),
+        ],
+        [
+            2.0 * (x * z - y * w),
+            2.0 * (y * z + x * w),
+            1.0 - 2.0 * (x * x + y * y),
+        ],
+    ];
+    let eye = [0.2 * next(), 0.2 * next(), 0.2 * next()];
+    let moved = rows.map(|row| -(row[0] * eye[0] + row[1] * eye[1] + row[2] * eye[2]));
+    // Clip space: x, y as they are, z = w - near (all of it in front), w = -z of the view.
+    let depth = |k: usize| -rows[2][k];
+    let near = 0.01;
+    [
+        rows[0][0],
+        rows[1][0],
+        depth(0),
+        depth(0),
+        rows[0][1],
+        rows[1][1],
+        depth(1),
+        depth(1),
+        rows[0][2],
+        rows[1][2],
+        depth(2),
+        depth(2),
+        moved[0],
+        moved[1],
+        -moved[2] - near,
+        -moved[2],
+    ]
 }

@@ -65,6 +65,22 @@ fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) primitive
     return rasterised(v.position, v.normal, v.uv, v.previous, v.material);
 }
 #else
+#ifdef STAGE_EVALUATED
+#import dolomite::stage::types::{TRIANGLES, UNIT}
+#import dolomite::stage::api::{load_patch, previous_stage_position, stage_normal, stage_position}
+#import dolomite::stage::coordinate::as_numbers
+#import dolomite::stage::rules::stage_rules
+#import dolomite::stage::user::evaluate
+
+@vertex
+fn vertex(@location(0) id: u32, @location(1) place: vec2<u32>) -> Varying {
+    let input = load_patch(id);
+    let w = select(0u, UNIT - place.x - place.y, stage_rules().domain == TRIANGLES);
+    let v = evaluate(input, as_numbers(vec3(place, w)));
+    let before = previous_stage_position(input, v.previous);
+    return rasterised(stage_position(input, v.position), stage_normal(input, v.normal), v.uv, before, v.material);
+}
+#else
 @vertex
 fn vertex(
     @location(0) position: vec3<f32>,
@@ -79,6 +95,7 @@ fn vertex(
 #endif
     return rasterised(position, unpack_normal(packed), uv * stage_draw.uv_range, before, unpack_material(packed));
 }
+#endif
 #endif
 
 #ifdef GBUFFER

@@ -66,6 +66,12 @@ fn emit_vertex(index: u32, item: u32) {
         shape.outer = vec4(levels, levels);
         at = inner_coordinate(rules, shape, local);
     }
+#ifdef STAGE_EVALUATED
+    // The draws evaluate: patch and place are enough.
+    vertices[3u * index] = id;
+    vertices[3u * index + 1u] = at.x;
+    vertices[3u * index + 2u] = at.y;
+#else
     let input = load_patch(id);
     let vertex = evaluate(input, as_numbers(at));
     let position = stage_position(input, vertex.position);
@@ -80,6 +86,7 @@ fn emit_vertex(index: u32, item: u32) {
     previous[3u * index] = before.x;
     previous[3u * index + 1u] = before.y;
     previous[3u * index + 2u] = before.z;
+#endif
 #endif
 }
 

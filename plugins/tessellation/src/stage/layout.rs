@@ -133,3 +133,6 @@ pub const MATERIAL_ROWS: usize = 16;
 
 /// Bytes of a stored vertex, as `VERTEX_WORDS` in `vertex.wgsl`.
 pub const VERTEX_BYTES: u64 = 20;
+
+/// Bytes of a vertex that the draws evaluate: patch, u, v.
+pub const EVALUATED_BYTES: u64 = 12;

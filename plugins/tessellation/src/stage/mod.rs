@@ -102,6 +102,18 @@ pub enum Winding {
     Cw,
 }
 
+/// Where vertices are evaluated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Drawing {
+    /// Once, in the compute pass; the draws of all views read 20 bytes a vertex. For functions that
+    /// cost more than memory, and for many shadow views.
+    #[default]
+    Stored,
+    /// In the vertex shader of every draw, from patch and coordinate, 12 bytes a vertex. For
+    /// functions that follow the time while the levels rest: nothing is dispatched for those.
+    Evaluated,
+}
+
 /// How exactly coordinates are placed. Both modes make the same primitives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Mode {

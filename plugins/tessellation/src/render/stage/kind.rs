@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
 
-use crate::stage::{Mode, PatchLayout, Spacing, Winding};
+use crate::stage::{Drawing, Mode, PatchLayout, Spacing, Winding};
 
 /// A kind of patches: its layout, its functions in WGSL, and the data that they read.
 ///
@@ -31,7 +31,11 @@ pub trait PatchKind: AsBindGroup + Resource + Clone {
     const WINDING: Winding = Winding::Ccw;
     /// How coordinates are rounded.
     const MODE: Mode = Mode::Exact;
-    /// Whether the functions read `time`: then the kind is tessellated in every frame.
+    /// Where vertices are evaluated. Kinds with an amplify function are always stored.
+    const DRAWING: Drawing = Drawing::Stored;
+    /// Whether the functions read `time`. If vertices are stored, the kind is tessellated in every
+    /// frame; if the draws evaluate them, only `control` may not follow the time, and nothing is
+    /// dispatched for it.
     const ANIMATED: bool = false;
     /// Whether `evaluate` gives a previous position of its own: 12 bytes a vertex, for motion
     /// vectors.
@@ -98,7 +102,7 @@ impl Default for PatchMaterial {
 /// [`StageStats`](super::StageStats) says so; never more room is taken than the patches can fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PatchPool {
-    /// Vertices, 20 bytes each (32 with `MOVES`).
+    /// Vertices: 20 bytes each, 32 with `MOVES`, 12 where the draws evaluate them.
     pub vertices: u32,
     /// Triangles of 12 bytes, or segments of 8.
     pub primitives: u32,

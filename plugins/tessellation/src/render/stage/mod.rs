@@ -31,6 +31,8 @@ use bevy::render::{Extract, ExtractSchedule, Render, RenderApp, RenderSystems};
 pub use kind::{PatchKind, PatchMaterial, PatchPlugin, PatchPool};
 pub use prepare::StageKinds;
 use stats::StageShared;
+
+use crate::stage::Drawing;
 pub use stats::{StageFault, StageStats};
 
 /// Adds a kind to an app that renders; does nothing to one that does not.
@@ -62,7 +64,8 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
         traits: prepare::KindTraits {
             layout: K::LAYOUT,
             animated: K::ANIMATED,
-            moves: K::MOVES,
+            moves: K::MOVES && !evaluated::<K>(),
+            evaluated: evaluated::<K>(),
             uv_range: K::UV_RANGE,
             amplified: K::AMPLIFIED,
             double_sided: K::DOUBLE_SIDED,
@@ -95,6 +98,11 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
                 .in_set(RenderSystems::PrepareResources)
                 .before(prepare::buffers),
         );
+}
+
+/// Whether the draws evaluate the kind's vertices.
+fn evaluated<K: PatchKind>() -> bool {
+    K::DRAWING == Drawing::Evaluated && K::AMPLIFIED == 0
 }
 
 /// The user's resource, when it changed.

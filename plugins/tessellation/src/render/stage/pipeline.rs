@@ -21,7 +21,9 @@ use bevy::shader::{Shader, ShaderCacheError, ShaderDefVal};
 use super::kind::PatchKind;
 use super::prepare::{Kind, KindTraits};
 use crate::render::pipeline::{ModuleShaders, depth, shader};
-use crate::stage::layout::{MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES};
+use crate::stage::layout::{
+    EVALUATED_BYTES, MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES,
+};
 use crate::stage::{Domain, Mode, Spacing, Winding};
 
 /// Entry shaders of a kind, the user's functions named in them.
@@ -90,7 +92,8 @@ fn defs<K: PatchKind>() -> Vec<ShaderDefVal> {
     for (on, name) in [
         (K::MODE == Mode::D3d, "STAGE_D3D"),
         (K::WINDING == Winding::Cw, "STAGE_CLOCKWISE"),
-        (K::MOVES, "STAGE_MOVES"),
+        (super::evaluated::<K>(), "STAGE_EVALUATED"),
+        (K::MOVES && !super::evaluated::<K>(), "STAGE_MOVES"),
         (K::AMPLIFIED > 0, "STAGE_AMPLIFY"),
     ] {
         if on {
@@ -358,7 +361,15 @@ fn vertex_state_of(
         attributes,
     };
     let mut buffers = Vec::new();
-    if traits.amplified == 0 {
+    if traits.evaluated {
+        buffers.push(layout(
+            EVALUATED_BYTES,
+            vec![
+                attribute(VertexFormat::Uint32, 0, 0),
+                attribute(VertexFormat::Uint32x2, 4, 1),
+            ],
+        ));
+    } else if traits.amplified == 0 {
         buffers.push(layout(
             VERTEX_BYTES,
             vec![

@@ -24,7 +24,8 @@ use super::view::{StageSpace, stage_view};
 use crate::render::params::Camera;
 use crate::render::readback::Counters;
 use crate::stage::layout::{
-    DRAW_SLOT, MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES, WorkHead,
+    DRAW_SLOT, EVALUATED_BYTES, MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES,
+    WorkHead,
 };
 use crate::stage::patches::BINDING_LIMIT;
 use crate::stage::tables::{Instance, Tables};
@@ -39,10 +40,23 @@ pub struct KindTraits {
     pub layout: PatchLayout,
     pub animated: bool,
     pub moves: bool,
+    /// Whether the draws evaluate the vertices.
+    pub evaluated: bool,
     pub uv_range: f32,
     pub amplified: u32,
     pub double_sided: bool,
     pub shadows: bool,
+}
+
+impl KindTraits {
+    /// Of a vertex in the pool, without its place in the last frame.
+    pub const fn vertex_bytes(&self) -> u64 {
+        if self.evaluated {
+            EVALUATED_BYTES
+        } else {
+            VERTEX_BYTES
+        }
+    }
 }
 
 /// Every kind, by its type.
@@ -301,7 +315,8 @@ pub fn views(
                 [0.0; 2]
             };
             params.view = stage_view(view, &matrices, &space, &camera.0, scene.sun, time);
-            let [vertices, primitives] = pool_sizes(kind.pool, buffers.greatest);
+            let [vertices, primitives] =
+                pool_sizes(kind.pool, buffers.greatest, kind.traits.vertex_bytes());
             params.max_vertices = vertices;
             params.max_primitives = primitives;
             let state = kind
@@ -311,7 +326,7 @@ pub fn views(
             if [state.params.max_vertices, state.params.max_primitives] != [vertices, primitives] {
                 *state = ViewKind::new(&device, &params, &kind.traits);
             }
-            state.update(&queue, &params, kind.version);
+            state.update(&queue, &params, kind.version, kind.traits.evaluated);
             let mut main = StageDraw {
                 clip_from_stage: space.clip_from_stage(matrices.clip_from_world),
                 previous_clip_from_stage: space
@@ -345,7 +360,7 @@ pub fn views(
 }
 
 /// The pool, but not more than can be filled or bound, and room for one of each at least.
-fn pool_sizes(pool: PatchPool, greatest: [u64; 2]) -> [u32; 2] {
+fn pool_sizes(pool: PatchPool, greatest: [u64; 2], vertex_bytes: u64) -> [u32; 2] {
     let size = |wanted: u32, greatest: u64, bytes: u64| {
         u64::from(wanted)
             .min(greatest)
@@ -353,7 +368,7 @@ fn pool_sizes(pool: PatchPool, greatest: [u64; 2]) -> [u32; 2] {
             .max(1) as u32
     };
     [
-        size(pool.vertices, greatest[0], VERTEX_BYTES),
+        size(pool.vertices, greatest[0], vertex_bytes),
         size(pool.primitives, greatest[1], 12),
     ]
 }
@@ -391,7 +406,7 @@ impl ViewKind {
             ),
             vertices: buffer(
                 "stage_vertices",
-                vertices * VERTEX_BYTES,
+                vertices * traits.vertex_bytes(),
                 storage | BufferUsages::VERTEX,
             ),
             indices: buffer(
@@ -423,12 +438,22 @@ impl ViewKind {
         }
     }
 
-    /// Takes over this frame's inputs; unsettles the view if any of them changed.
-    fn update(&mut self, queue: &RenderQueue, params: &StageParams, version: u64) {
-        if self.params != *params || self.version != version {
+    /// Takes over this frame's inputs; unsettles the view if any of them changed. Where the draws
+    /// evaluate, the time is theirs alone.
+    fn update(&mut self, queue: &RenderQueue, params: &StageParams, version: u64, evaluated: bool) {
+        let timeless = |params: &StageParams| {
+            let mut params = *params;
+            if evaluated {
+                [params.view.time, params.view.previous_time] = [0.0; 2];
+            }
+            params
+        };
+        if timeless(&self.params) != timeless(params) || self.version != version {
             self.settled = false;
-            self.params = *params;
             self.version = version;
+        }
+        if self.params != *params {
+            self.params = *params;
             queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(params));
         }
     }

@@ -7,7 +7,6 @@ use bevy::prelude::*;
 use thiserror::Error;
 
 use super::prepare::StageKinds;
-use crate::stage::layout::VERTEX_BYTES;
 
 /// What the stage does, two or three frames ago; all kinds and views together.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
@@ -115,7 +114,7 @@ pub fn publish(
 pub fn collect(mut kinds: ResMut<StageKinds>, shared: Res<StageShared>) {
     let mut sum = StageStats::default();
     for kind in kinds.0.values_mut() {
-        let vertex = VERTEX_BYTES + if kind.traits.moves { 12 } else { 0 };
+        let vertex = kind.traits.vertex_bytes() + if kind.traits.moves { 12 } else { 0 };
         for state in kind.views.values_mut() {
             state.counters.advance();
             let newest = state.counters.newest;
