@@ -12,11 +12,13 @@
 //! | [`study`], [`studies`] | what a study is, and all of them |
 //! | [`gpu`] | compute shaders on whatever adapter there is, without a window |
 //! | [`stage`] | the passes of the tessellation stage, without Bevy's renderer |
+//! | [`draw`] | what they emitted, drawn, stored or evaluated by the draw |
 //! | [`raster`] | pixels that triangles leave uncovered |
 //! | [`cli`] | the command line |
 
 pub mod cli;
 pub mod csv;
+pub mod draw;
 pub mod gpu;
 pub mod metrics;
 pub mod plot;

@@ -4,11 +4,11 @@
 use crate::gpu::{Gpu, GpuError};
 use bytemuck::{Zeroable, bytes_of, cast_slice, pod_collect_to_vec, pod_read_unaligned};
 use dolomite_tessellation::stage::layout::{
-    BLOCK, DISPATCH_ARGUMENTS, StageParams, StageView, VERTEX_BYTES, WorkHead,
+    BLOCK, DISPATCH_ARGUMENTS, EVALUATED_BYTES, StageParams, StageView, VERTEX_BYTES, WorkHead,
 };
 use dolomite_tessellation::stage::tables::{Instance, Tables};
 use dolomite_tessellation::stage::{
-    Domain, Mode, PatchLayout, PatchMesh, Spacing, Tessellator, Winding,
+    Domain, Drawing, Mode, PatchLayout, PatchMesh, Spacing, Tessellator, Winding,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -40,7 +40,8 @@ pub struct StagePasses {
     work_layout: BindGroupLayout,
     emit_layout: BindGroupLayout,
     passes: [ComputePipeline; 5],
-    tessellator: Tessellator,
+    pub(crate) tessellator: Tessellator,
+    pub(crate) drawing: Drawing,
 }
 
 /// Patches on the adapter, with room for what becomes of them.
@@ -48,6 +49,7 @@ pub struct StageRun<'a> {
     gpu: &'a Gpu,
     passes: &'a StagePasses,
     params: StageParams,
+    given: [Buffer; 3],
     work: Buffer,
     /// 20 bytes a vertex, behind them [`GUARD`] bytes that nothing may write.
     pub vertices: Buffer,
@@ -78,38 +80,34 @@ const SENTINEL: u8 = 0xAB;
 const COLUMNS: u32 = 32_768;
 
 impl StagePasses {
+    /// Compiles the passes of `tessellator`; vertices are stored.
+    ///
+    /// # Errors
+    /// As [`Self::with_drawing`].
+    pub fn new(gpu: &Gpu, tessellator: Tessellator) -> Result<Self, StageError> {
+        Self::with_drawing(gpu, tessellator, Drawing::Stored)
+    }
+
     /// Compiles the passes of `tessellator`.
     ///
     /// # Errors
     /// If a shader is wrong, or the adapter refuses it.
-    pub fn new(gpu: &Gpu, tessellator: Tessellator) -> Result<Self, StageError> {
+    pub fn with_drawing(
+        gpu: &Gpu,
+        tessellator: Tessellator,
+        drawing: Drawing,
+    ) -> Result<Self, StageError> {
         let scope = gpu.device().push_error_scope(wgpu::ErrorFilter::Validation);
-        let layout = |kinds: &[BufferBindingType]| {
-            let entries: Vec<_> = (0_u32..)
-                .zip(kinds)
-                .map(|(binding, ty)| BindGroupLayoutEntry {
-                    binding,
-                    visibility: ShaderStages::COMPUTE,
-                    ty: BindingType::Buffer {
-                        ty: *ty,
-                        has_dynamic_offset: false,
-                        min_binding_size: None,
-                    },
-                    count: None,
-                })
-                .collect();
-            gpu.device()
-                .create_bind_group_layout(&BindGroupLayoutDescriptor {
-                    label: None,
-                    entries: &entries,
-                })
-        };
+        let layout = |kinds: &[BufferBindingType]| layout(gpu, ShaderStages::COMPUTE, kinds);
         let uniform = BufferBindingType::Uniform;
         let read = BufferBindingType::Storage { read_only: true };
         let write = BufferBindingType::Storage { read_only: false };
         let work_layout = layout(&[uniform, read, read, write]);
         let emit_layout = layout(&[uniform, read, read, read, write, write]);
-        let defs = defs(&tessellator);
+        let mut defs = defs(&tessellator);
+        if drawing == Drawing::Evaluated {
+            defs.push("STAGE_EVALUATED");
+        }
         let pass = |file: &str, entry: &str, layout: &BindGroupLayout, more: &[&'static str]| {
             let defs = [defs.as_slice(), more].concat();
             let module = dolomite_shaders::compose(file, &defs)?;
@@ -153,8 +151,44 @@ impl StagePasses {
             emit_layout,
             passes,
             tessellator,
+            drawing,
         })
     }
+
+    /// Shader definitions of its passes and draws.
+    pub(crate) fn defs(&self) -> Vec<&'static str> {
+        let mut defs = defs(&self.tessellator);
+        if self.drawing == Drawing::Evaluated {
+            defs.push("STAGE_EVALUATED");
+        }
+        defs
+    }
+}
+
+/// A layout of whole buffers, one after the other.
+pub(crate) fn layout(
+    gpu: &Gpu,
+    visibility: ShaderStages,
+    kinds: &[BufferBindingType],
+) -> BindGroupLayout {
+    let entries: Vec<_> = (0_u32..)
+        .zip(kinds)
+        .map(|(binding, ty)| BindGroupLayoutEntry {
+            binding,
+            visibility,
+            ty: BindingType::Buffer {
+                ty: *ty,
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        })
+        .collect();
+    gpu.device()
+        .create_bind_group_layout(&BindGroupLayoutDescriptor {
+            label: None,
+            entries: &entries,
+        })
 }
 
 fn defs(tessellator: &Tessellator) -> Vec<&'static str> {
@@ -262,6 +296,7 @@ impl<'a> StageRun<'a> {
             gpu,
             passes,
             params,
+            given: [uniform, words, data],
             work,
             vertices,
             indices,
@@ -306,7 +341,7 @@ impl<'a> StageRun<'a> {
     /// # Errors
     /// If the device is lost.
     pub fn copy(&self, head: &WorkHead, repeats: u32) -> Result<Duration, StageError> {
-        let vertices = u64::from(head.vertices) * VERTEX_BYTES;
+        let vertices = u64::from(head.vertices) * self.vertex_bytes();
         let indices = u64::from(head.indexed[0]) * 4;
         let target = |size| {
             self.gpu.device().create_buffer(&wgpu::BufferDescriptor {
@@ -338,6 +373,25 @@ impl<'a> StageRun<'a> {
         self.gpu.queue().submit([encoder.finish()]);
         self.gpu.finish()?;
         Ok(start.elapsed() / repeats.max(1))
+    }
+
+    /// What control and evaluate functions read: parameters, tables, data.
+    pub(crate) fn given(&self) -> [&Buffer; 3] {
+        self.given.each_ref()
+    }
+
+    /// Bytes of a vertex in the pool.
+    const fn vertex_bytes(&self) -> u64 {
+        match self.passes.drawing {
+            Drawing::Stored => VERTEX_BYTES,
+            Drawing::Evaluated => EVALUATED_BYTES,
+        }
+    }
+
+    /// Vertices and indices that the last run emitted, bytes.
+    #[must_use]
+    pub const fn bytes(&self, head: &WorkHead) -> u64 {
+        head.vertices as u64 * self.vertex_bytes() + head.indexed[0] as u64 * 4
     }
 
     /// The buffer that begins with the arguments of the indexed draw.

@@ -2,14 +2,16 @@
 //! spacing, beside copying the bytes that they emit.
 
 use crate::csv::Row;
+use crate::draw::Draw;
 use crate::gpu::Gpu;
 use crate::metrics::median;
 use crate::plot::{Chart, Curve};
 use crate::stage::{StageError, StagePasses, StageRun};
 use crate::study::{Figure, Options, Report, Study};
-use dolomite_tessellation::stage::layout::VERTEX_BYTES;
 use dolomite_tessellation::stage::tables::Instance;
-use dolomite_tessellation::stage::{Domain, PatchLayout, PatchMesh, Spacing, Tessellator, shapes};
+use dolomite_tessellation::stage::{
+    Domain, Drawing, PatchLayout, PatchMesh, Spacing, Tessellator, shapes,
+};
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
@@ -47,6 +49,8 @@ struct Measured {
     /// ms a million primitives.
     stage: f64,
     copy: f64,
+    /// One draw of it into a depth buffer of few pixels.
+    draw: f64,
     bytes: f64,
 }
 
@@ -61,6 +65,10 @@ fn run(options: &Options) -> Report {
                 .into(),
             "Copying: copy_buffer_to_buffer of the vertices and indices that were emitted, in the \
              same run."
+                .into(),
+            "Drawing: into a depth buffer of 64 x 64 pixels, so that vertices count; stored \
+             vertices are what a stored mesh of the same size would be drawn from. Evaluated: the \
+             draw runs the evaluate function, the stage writes patch and coordinate."
                 .into(),
         ],
         summary: Value::Null,
@@ -86,7 +94,7 @@ fn run(options: &Options) -> Report {
             let mut points = Vec::new();
             let mut copies = Vec::new();
             for level in LEVELS {
-                let measured = match measure(&gpu, tessellator, level, options) {
+                let measured = match measure(&gpu, tessellator, Drawing::Stored, level, options) {
                     Ok(measured) => measured,
                     Err(reason) => {
                         report
@@ -95,7 +103,12 @@ fn run(options: &Options) -> Report {
                         continue;
                     }
                 };
-                for (method, time) in [("stage", measured.stage), ("copy", measured.copy)] {
+                let stored = [
+                    ("stage", measured.stage),
+                    ("copy", measured.copy),
+                    ("draw", measured.draw),
+                ];
+                for (method, time) in stored {
                     report
                         .rows
                         .push(row(&name, method, level, time, &measured, &gpu.name));
@@ -103,6 +116,17 @@ fn run(options: &Options) -> Report {
                 points.push((f64::from(level), measured.stage));
                 copies.push((f64::from(level), measured.copy));
                 if level == USUAL {
+                    // A draw that evaluates, of the same patches in the same run.
+                    let evaluated =
+                        measure(&gpu, tessellator, Drawing::Evaluated, level, options).ok();
+                    for (method, time) in evaluated
+                        .iter()
+                        .flat_map(|e| [("stage, evaluated", e.stage), ("draw, evaluated", e.draw)])
+                    {
+                        report
+                            .rows
+                            .push(row(&name, method, level, time, &measured, &gpu.name));
+                    }
                     summary.insert(
                         name.clone(),
                         json!({
@@ -111,6 +135,12 @@ fn run(options: &Options) -> Report {
                             "copy_ms_per_million": measured.copy,
                             "times_copy": measured.stage / measured.copy,
                             "bytes_per_primitive": measured.bytes,
+                            "draw_ms_per_million": measured.draw,
+                            "evaluated": evaluated.map(|e| json!({
+                                "ms_per_million": e.stage,
+                                "bytes_per_primitive": e.bytes,
+                                "draw_ms_per_million": e.draw,
+                            })),
                         }),
                     );
                 }
@@ -148,7 +178,6 @@ fn run(options: &Options) -> Report {
     report.summary = json!({
         "level": USUAL,
         "adapter": gpu.name,
-        "drawing": "stored vertices",
         "stage": summary,
     });
     report
@@ -174,10 +203,11 @@ fn row(name: &str, method: &str, level: f32, time: f64, measured: &Measured, dev
 fn measure(
     gpu: &Gpu,
     tessellator: Tessellator,
+    drawing: Drawing,
     level: f32,
     options: &Options,
 ) -> Result<Measured, StageError> {
-    let passes = StagePasses::new(gpu, tessellator)?;
+    let passes = StagePasses::with_drawing(gpu, tessellator, drawing)?;
     let each = tessellator
         .tessellate(&dolomite_tessellation::stage::Levels::uniform(level))
         .primitives
@@ -193,17 +223,21 @@ fn measure(
     let stage = StageRun::new(gpu, &passes, layout, &entities, pools)?;
     stage.tessellate(1)?;
     let head = stage.head()?;
-    let (mut times, mut copies) = (Vec::new(), Vec::new());
+    let draw = Draw::new(gpu, &passes, &stage)?;
+    draw.draw(1)?;
+    let (mut times, mut copies, mut draws) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..options.repeats.max(1) {
         times.push(stage.tessellate(TOGETHER)?.as_secs_f64());
         copies.push(stage.copy(&head, TOGETHER)?.as_secs_f64());
+        draws.push(draw.draw(TOGETHER)?.as_secs_f64());
     }
     let millions = f64::from(head.primitives) / 1e6;
-    let bytes = u64::from(head.vertices) * VERTEX_BYTES + u64::from(head.indexed[0]) * 4;
+    let bytes = stage.bytes(&head);
     Ok(Measured {
         primitives: head.primitives,
         stage: median(times).unwrap_or(f64::NAN) * 1e3 / millions,
         copy: median(copies).unwrap_or(f64::NAN) * 1e3 / millions,
+        draw: median(draws).unwrap_or(f64::NAN) * 1e3 / millions,
         bytes: bytes as f64 / f64::from(head.primitives),
     })
 }
@@ -259,7 +293,7 @@ mod tests {
         });
         assert_eq!(
             report.rows.len(),
-            9 * LEVELS.len() * 2,
+            9 * (LEVELS.len() * 3 + 2),
             "{:?}",
             report.notes
         );
