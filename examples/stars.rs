@@ -28,7 +28,7 @@ impl PatchKind for Star {
     fn materials(&self) -> Vec<PatchMaterial> {
         let shines = |red, green, blue| PatchMaterial {
             base_color: LinearRgba::BLACK,
-            emissive: LinearRgba::rgb(red, green, blue) * 4_000.0,
+            emissive: LinearRgba::rgb(red, green, blue) * 1_500.0,
             ..default()
         };
         vec![
@@ -60,20 +60,22 @@ fn setup(mut commands: Commands) {
     let mut seed = 7;
     for _ in 0..STARS {
         let mut next = || random(&mut seed);
-        // A spiral of two arms, thicker in the middle.
-        let away = 0.5 + 120.0 * next() * next();
-        let arm = if next() < 0.5 {
-            0.0
+        let at = if next() < 0.25 {
+            // The bulge: a flattened ball, denser towards its middle.
+            let ball = Vec3::new(next(), next(), next()) + Vec3::new(next(), next(), next());
+            (ball - 1.0) * Vec3::new(20.0, 11.0, 20.0) * next()
         } else {
-            core::f32::consts::PI
+            // A spiral of two arms.
+            let away = 6.0 + 115.0 * next() * next();
+            let arm = if next() < 0.5 {
+                0.0
+            } else {
+                core::f32::consts::PI
+            };
+            let angle = arm + 2.6 * ops::ln(away) + (next() - 0.5) * (next() - 0.5) * 5.0;
+            let thick = (next() + next() + next() - 1.5) * 3.0;
+            Vec3::new(away * ops::cos(angle), thick, away * ops::sin(angle))
         };
-        let angle = arm + 2.6 * ops::ln(away + 4.0) + (next() - 0.5) * (next() - 0.5) * 5.0;
-        let thick = 13.0 * ops::exp(-away * away / 350.0) + 2.0;
-        let at = Vec3::new(
-            away * ops::cos(angle),
-            (next() + next() + next() - 1.5) * thick,
-            away * ops::sin(angle),
-        );
         let size = 0.07 + 0.4 * next() * next() * next() * next();
         let colour = (next() * 5.0).floor().min(4.0);
         commands.spawn((

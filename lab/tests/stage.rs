@@ -436,3 +436,47 @@ fn view(random: &mut Random) -> [f32; 16] {
         -moved[2],
     ]
 }
+
+/// A million patches: all of them where the pools are large enough; nothing out of range where they
+/// are not.
+#[test]
+fn gpu_a_million_patches() {
+    let Some(gpu) = for_test() else { return };
+    let side = 1000_u32;
+    let points = (0..=side)
+        .flat_map(|j| (0..=side).map(move |i| [i as f32, j as f32, 0.0, 0.0]))
+        .collect();
+    let corner = |i: u32, j: u32| j * (side + 1) + i;
+    let indices = (0..side)
+        .flat_map(|j| (0..side).map(move |i| (i, j)))
+        .flat_map(|(i, j)| {
+            [
+                corner(i, j),
+                corner(i + 1, j),
+                corner(i + 1, j + 1),
+                corner(i, j + 1),
+            ]
+        })
+        .collect();
+    let mesh = PatchMesh::new(PatchLayout::QUAD, points, indices).expect("a million patches");
+    let mesh = Arc::new(mesh);
+    let quads = Tessellator {
+        domain: Domain::Quads,
+        ..Default::default()
+    };
+    let passes = StagePasses::new(&gpu, quads).expect("passes");
+    let mut entity = Instance::IDENTITY;
+    entity.params[0][0] = 1.0;
+    let corners = (side + 1) * (side + 1);
+    for pools in [[corners, 2 * side * side], [1 << 16, 1 << 17]] {
+        let entities = [(mesh.clone(), entity)];
+        let run = StageRun::new(&gpu, &passes, PatchLayout::QUAD, &entities, pools);
+        let run = run.expect("fewer than a buffer holds");
+        run.tessellate(1).expect("a run");
+        let emitted = run.read().expect("what was emitted");
+        assert!(emitted.guarded, "{pools:?}");
+        assert!(emitted.indices.iter().all(|index| *index < pools[0]));
+        assert_eq!(emitted.head.wanted_primitives, 2 * side * side);
+        assert_eq!([emitted.head.vertices, emitted.head.primitives], pools);
+    }
+}

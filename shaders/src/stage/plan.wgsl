@@ -63,8 +63,10 @@ fn plan(@builtin(local_invocation_index) thread: u32) {
     var sum = wanted;
     var lowered = 0u;
     if !fits(wanted) {
-        // The fewest steps that fit, by halving: sizes fall with the levels.
-        var low = 1u;
+        // The fewest steps that fit, by halving: sizes fall with the levels. One workgroup would
+        // be busy too long with more than two million items (and software Vulkan ends all loops of
+        // a shader after 65536 rounds): their levels all go to the least at once.
+        var low = select(1u, LOWERINGS, run > 32u);
         lowered = LOWERINGS;
         while low < lowered {
             let middle = (low + lowered) / 2u;
