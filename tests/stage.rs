@@ -389,6 +389,58 @@ fn white_rows(app: &mut App, image: &Handle<Image>) -> Vec<usize> {
     panic!("no picture");
 }
 
+/// A changed file takes effect at once, though nothing moves; a faulty one leaves what was drawn and
+/// says so, and its correction is taken.
+#[test]
+fn functions_are_loaded_again() {
+    let Some(mut app) = app(ROOMY) else { return };
+    let points = [
+        [0.0; 4],
+        [1.0, 0.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+    ];
+    let mesh = PatchMesh::from_patches(PatchLayout::QUAD, &points).expect("one patch");
+    app.world_mut()
+        .spawn(Patches::<Waving>::new(Arc::new(mesh)));
+    camera(&mut app, StageCamera::default());
+    until(&mut app, "levels of 5", |stats| stats.primitives == 50);
+    frames(&mut app, 6);
+    let path = "embedded://waving.wgsl";
+    let file: Handle<Shader> = app.world().resource::<AssetServer>().load(path);
+    let save = |app: &mut App, source: String| {
+        let mut shaders = app.world_mut().resource_mut::<Assets<Shader>>();
+        let shader = Shader::from_wgsl(source, path);
+        shaders
+            .insert(file.id(), shader)
+            .expect("a file that was loaded");
+    };
+    save(
+        &mut app,
+        WAVING.replace("vec4(5.0), vec2(5.0)", "vec4(7.0), vec2(7.0)"),
+    );
+    until(&mut app, "levels of 7", |stats| stats.primitives == 98);
+    save(&mut app, WAVING.replace("vec4(5.0)", "vec4(five)"));
+    until(&mut app, "a fault", |stats| {
+        stats.primitives == 98
+            && stats
+                .faults
+                .iter()
+                .any(|fault| fault.kind.ends_with("Waving"))
+    });
+    save(
+        &mut app,
+        WAVING.replace("vec4(5.0), vec2(5.0)", "vec4(3.0), vec2(3.0)"),
+    );
+    until(&mut app, "levels of 3", |stats| {
+        stats.primitives == 18
+            && !stats
+                .faults
+                .iter()
+                .any(|fault| fault.kind.ends_with("Waving"))
+    });
+}
+
 /// Vertices that the draws evaluate: the flag waves, and nothing is dispatched for it.
 #[test]
 fn what_the_draws_evaluate_moves_without_a_dispatch() {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
+use bevy::shader::Shader;
 
 use super::kind::PatchKind;
 use super::prepare::StageKinds;
@@ -76,6 +77,7 @@ pub fn kind<K: PatchKind>(
     entities: Extract<Query<(Entity, &Patches<K>, &GlobalTransform, &InheritedVisibility)>>,
     changed: Extract<Query<(), (With<Patches<K>>, AnyChange<K>)>>,
     mut removed: Extract<RemovedComponents<Patches<K>>>,
+    mut files: Extract<MessageReader<AssetEvent<Shader>>>,
     mut moved: Local<bool>,
     mut before: Local<HashMap<Entity, [[f32; 4]; 3]>>,
 ) {
@@ -88,6 +90,11 @@ pub fn kind<K: PatchKind>(
         kind.pool = settings.pool();
         kind.materials = settings.materials();
         kind.materials_changed = true;
+        kind.version += 1;
+    }
+    // The user's functions were changed: what they made is out of date.
+    let file = kind.shaders.user.id();
+    if files.read().any(|event| event.is_modified(file)) {
         kind.version += 1;
     }
     // After a move everything is read once more, so that the last frame's place is this one's.
