@@ -6,6 +6,7 @@
 //! | plugin | crate | gives | needs a renderer |
 //! |---|---|---|---|
 //! | [`TerrainPlugin`](terrain::TerrainPlugin) | [`terrain`] | heights, slopes and ground answers from noise and height maps, in f64 | no |
+//! | [`PatchPlugin`](tessellation::render::stage::PatchPlugin) | [`tessellation`] | patches of your own, tessellated by your control and evaluate functions | yes |
 //! | [`TerrainTessellationPlugin`](tessellation::TerrainTessellationPlugin) | [`tessellation`] | terrain refined and drawn on the GPU | yes |
 //!
 //! [`DolomitePlugins`] adds all of them, [`DolomiteMinimalPlugins`] those that need no renderer.

@@ -1,6 +1,11 @@
-//! Terrain tessellation on the GPU, for Bevy: quad patches over the ground are refined by compute
-//! passes each time the view changes, and drawn into Bevy's G-buffer, so that Bevy lights them,
-//! shadows them and composites everything else with them.
+//! Tessellation on the GPU, for Bevy, in two parts that need nothing of each other.
+//!
+//! The **stage** ([`stage`], `render::stage`) is what WebGPU lacks: patches of triangles, quads or
+//! isolines, refined by control and evaluate functions in WGSL as OpenGL and Vulkan have them.
+//!
+//! The **terrain** is quad patches over the ground, refined by compute passes each time the view
+//! changes. Both are drawn into Bevy's G-buffer, so that Bevy lights them, shadows them and composites
+//! everything else with them.
 //!
 //! ```no_run
 //! use bevy::{math::DVec2, prelude::*};
@@ -27,6 +32,8 @@
 //!
 //! | part | what it does |
 //! |---|---|
+//! | [`stage`] | the tessellation stage for any patches, in Rust; patch meshes, components |
+//! | `render::stage` | the same on the GPU, programmed by control and evaluate functions in WGSL (feature `render`) |
 //! | [`cover`] | chooses the patches: a balanced quadtree around the focus; corners and edges have one owner |
 //! | [`twin`] | the compute passes in Rust, for tests and for machines without a GPU |
 //! | [`pattern`] | the triangles of one patch from the levels of its edges |
