@@ -104,10 +104,7 @@ impl StagePasses {
         let write = BufferBindingType::Storage { read_only: false };
         let work_layout = layout(&[uniform, read, read, write]);
         let emit_layout = layout(&[uniform, read, read, read, write, write]);
-        let mut defs = defs(&tessellator);
-        if drawing == Drawing::Evaluated {
-            defs.push("STAGE_EVALUATED");
-        }
+        let defs = defs(&tessellator, drawing);
         let pass = |file: &str, entry: &str, layout: &BindGroupLayout, more: &[&'static str]| {
             let defs = [defs.as_slice(), more].concat();
             let module = dolomite_shaders::compose(file, &defs)?;
@@ -157,11 +154,7 @@ impl StagePasses {
 
     /// Shader definitions of its passes and draws.
     pub(crate) fn defs(&self) -> Vec<&'static str> {
-        let mut defs = defs(&self.tessellator);
-        if self.drawing == Drawing::Evaluated {
-            defs.push("STAGE_EVALUATED");
-        }
-        defs
+        defs(&self.tessellator, self.drawing)
     }
 }
 
@@ -191,7 +184,7 @@ pub(crate) fn layout(
         })
 }
 
-fn defs(tessellator: &Tessellator) -> Vec<&'static str> {
+fn defs(tessellator: &Tessellator, drawing: Drawing) -> Vec<&'static str> {
     let mut defs = match tessellator.domain {
         Domain::Triangles => vec![],
         Domain::Quads => vec!["STAGE_QUADS", "STAGE_FOUR_POINTS"],
@@ -207,6 +200,9 @@ fn defs(tessellator: &Tessellator) -> Vec<&'static str> {
     }
     if tessellator.winding == Winding::Cw {
         defs.push("STAGE_CLOCKWISE");
+    }
+    if drawing == Drawing::Evaluated {
+        defs.push("STAGE_EVALUATED");
     }
     defs
 }

@@ -322,8 +322,7 @@ fn gpu_hostile_levels_and_patches() {
 }
 
 /// A camera inside of a closed surface sees no background, whatever the levels of its edges: 1000
-/// frames over a sentinel colour. The faces are displaced along their edges only, so that each level
-/// shows; a surface with a patch less shows the sentinel.
+/// frames over a sentinel colour. A surface with a patch less shows the sentinel.
 #[test]
 fn gpu_no_background_in_a_thousand_frames() {
     let Some(gpu) = for_test() else { return };

@@ -6,12 +6,10 @@
 #import dolomite::stage::level::{clamp_inner, clamp_outer, discarded}
 #import dolomite::stage::rules::stage_rules
 #import dolomite::stage::shape::corner_count
-#import dolomite::stage::work::{COLUMNS, DISCARDED, corner_word, edge_word, inner_word}
+#import dolomite::stage::work::{COLUMNS, DISCARDED, EDGE_NUMBER, corner_word, edge_word, inner_word}
 #import dolomite::stage::user::control
 
 @group(0) @binding(3) var<storage, read_write> work: array<atomic<u32>>;
-
-const EDGE: u32 = 0x7fffffffu;
 
 @compute @workgroup_size(64)
 fn control_patches(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -41,6 +39,6 @@ fn control_patches(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invoc
     let own = stage.patch_table + id * PATCH_WORDS + 4u;
     for (var side = 0u; side < corner_count(rules.domain); side++) {
         atomicStore(&work[corner_word(tables[own + side])], 1u);
-        atomicMax(&work[edge_word(stage, tables[own + 4u + side] & EDGE)], outer[side]);
+        atomicMax(&work[edge_word(stage, tables[own + 4u + side] & EDGE_NUMBER)], outer[side]);
     }
 }

@@ -8,15 +8,13 @@
 #import dolomite::stage::level::{lift_inner, segments, shape_from_levels}
 #import dolomite::stage::rules::stage_rules
 #import dolomite::stage::shape::{inner_vertices, primitive_count}
-#import dolomite::stage::work::{corner_word, edge_word, inner_word, lower}
+#import dolomite::stage::work::{EDGE_NUMBER, corner_word, edge_word, inner_word, lower}
 
 #ifdef STAGE_READ
 @group(0) @binding(3) var<storage, read> work: array<u32>;
 #else
 @group(0) @binding(3) var<storage, read_write> work: array<u32>;
 #endif
-
-const EDGE_NUMBER: u32 = 0x7fffffffu;
 
 // The shape of patch `id`, which is not discarded, with levels lowered to `share`.
 fn patch_shape(rules: Rules, id: u32, share: u32) -> Shape {

@@ -9,7 +9,7 @@
 #import dolomite::stage::rules::stage_rules
 #import dolomite::stage::shape::primitive
 #import dolomite::stage::vertex::{VERTEX_WORDS, pack_normal}
-#import dolomite::stage::work::{CHUNK, COLUMNS, PRIMITIVES, SHARE, VERTICES, chunk_word, edge_word, item_count, lower, offset_word}
+#import dolomite::stage::work::{CHUNK, COLUMNS, EDGE_NUMBER, PRIMITIVES, REVERSED, SHARE, VERTICES, chunk_word, edge_word, item_count, lower, offset_word}
 #import dolomite::stage::user::evaluate
 
 @group(0) @binding(4) var<storage, read_write> vertices: array<u32>;
@@ -17,9 +17,6 @@
 #ifdef STAGE_MOVES
 @group(0) @binding(6) var<storage, read_write> previous: array<f32>;
 #endif
-
-const EDGE_BITS: u32 = 0x7fffffffu;
-const REVERSED: u32 = 0x80000000u;
 
 // The last item of which at most `count` vertices (column 0) or primitives (column 1) come before.
 fn find_item(first: u32, last: u32, column: u32, count: u32) -> u32 {
@@ -100,7 +97,7 @@ fn pool_index(id: u32, shape: Shape, vertex: vec2<u32>) -> u32 {
         return work[offset_word(stage, tables[own + vertex.y])];
     }
     let word = tables[own + 4u + vertex.x];
-    let first = work[offset_word(stage, stage.corners + (word & EDGE_BITS))];
+    let first = work[offset_word(stage, stage.corners + (word & EDGE_NUMBER))];
     let reversed = (word & REVERSED) != 0u;
     return first + select(vertex.y, shape.sides[vertex.x] - vertex.y, reversed) - 1u;
 }

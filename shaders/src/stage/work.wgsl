@@ -36,6 +36,10 @@ const WANTED_PRIMITIVES: u32 = 17u;
 const SHARE: u32 = 18u;
 const HEAD: u32 = 32u;
 
+// An edge in a patch's table: its number, and whether it runs against the patch's side.
+const EDGE_NUMBER: u32 = 0x7fffffffu;
+const REVERSED: u32 = 0x80000000u;
+
 // Items of a block.
 const BLOCK: u32 = 256u;
 // Columns of a dispatch's grid: one axis allows 65535 groups.
