@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite::tessellation::render::stage::{PatchKind, PatchMaterial, PatchPlugin};
+use dolomite::tessellation::render::stage::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
 use dolomite::tessellation::stage::{PatchLayout, PatchMesh, Patches, shapes};
 
 /// Iron tubes: 12 sides of two triangles stand for each segment.
@@ -18,8 +18,8 @@ impl PatchKind for Post {
     const LAYOUT: PatchLayout = PatchLayout::lines(4);
     const AMPLIFIED: u32 = 72;
 
-    fn shader() -> &'static str {
-        "shaders/tube.wgsl"
+    fn shader() -> PatchShader {
+        PatchShader::File("shaders/tube.wgsl")
     }
 
     fn materials(&self) -> Vec<PatchMaterial> {
@@ -38,8 +38,8 @@ impl PatchKind for Globe {
     const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;
     const SHADOWS: bool = false;
 
-    fn shader() -> &'static str {
-        "shaders/globe.wgsl"
+    fn shader() -> PatchShader {
+        PatchShader::File("shaders/globe.wgsl")
     }
 
     fn materials(&self) -> Vec<PatchMaterial> {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite::tessellation::render::stage::{PatchKind, PatchPlugin};
+use dolomite::tessellation::render::stage::{PatchKind, PatchPlugin, PatchShader};
 use dolomite::tessellation::stage::{PatchLayout, Patches, shapes};
 
 #[derive(Resource, AsBindGroup, Clone)]
@@ -18,8 +18,8 @@ impl PatchKind for Rock {
     const UV_RANGE: f32 = 2.0;
     const CUSTOM_MATERIAL: bool = true;
 
-    fn shader() -> &'static str {
-        "shaders/rock.wgsl"
+    fn shader() -> PatchShader {
+        PatchShader::File("shaders/rock.wgsl")
     }
 }
 

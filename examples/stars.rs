@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bevy::math::ops;
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite::tessellation::render::stage::{PatchKind, PatchMaterial, PatchPlugin};
+use dolomite::tessellation::render::stage::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
 use dolomite::tessellation::stage::{PatchLayout, Patches, shapes};
 
 const STARS: u32 = 6000;
@@ -20,8 +20,8 @@ impl PatchKind for Star {
     const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;
     const SHADOWS: bool = false;
 
-    fn shader() -> &'static str {
-        "shaders/globe.wgsl"
+    fn shader() -> PatchShader {
+        PatchShader::File("shaders/globe.wgsl")
     }
 
     /// From red dwarfs to blue giants.

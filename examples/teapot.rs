@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite::tessellation::render::stage::{PatchKind, PatchMaterial, PatchPlugin};
+use dolomite::tessellation::render::stage::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
 use dolomite::tessellation::stage::{PatchLayout, PatchMesh, Patches, Winding};
 
 #[derive(Resource, AsBindGroup, Clone)]
@@ -18,8 +18,8 @@ impl PatchKind for Bezier {
     const WINDING: Winding = Winding::Ccw;
     const DOUBLE_SIDED: bool = true;
 
-    fn shader() -> &'static str {
-        "shaders/bezier.wgsl"
+    fn shader() -> PatchShader {
+        PatchShader::File("shaders/bezier.wgsl")
     }
 
     fn materials(&self) -> Vec<PatchMaterial> {

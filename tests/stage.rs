@@ -19,7 +19,7 @@ use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
 use dolomite::game::device;
 use dolomite::tessellation::render::stage::{
-    PatchKind, PatchPlugin, PatchPool, StageCensus, StageStats, census,
+    PatchKind, PatchPlugin, PatchPool, PatchShader, StageCensus, StageStats, census,
 };
 use dolomite::tessellation::stage::{
     Drawing, PatchLayout, PatchMesh, Patches, StageCamera, shapes,
@@ -33,8 +33,8 @@ struct Globe {
 impl PatchKind for Globe {
     const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;
 
-    fn shader() -> &'static str {
-        "shaders/globe.wgsl"
+    fn shader() -> PatchShader {
+        PatchShader::File("shaders/globe.wgsl")
     }
 
     fn pool(&self) -> PatchPool {
@@ -49,8 +49,8 @@ impl PatchKind for Tube {
     const LAYOUT: PatchLayout = PatchLayout::lines(4);
     const AMPLIFIED: u32 = 72;
 
-    fn shader() -> &'static str {
-        "shaders/tube.wgsl"
+    fn shader() -> PatchShader {
+        PatchShader::File("shaders/tube.wgsl")
     }
 }
 
@@ -65,8 +65,8 @@ impl PatchKind for Waving {
     const MOVES: bool = true;
     const CUSTOM_MATERIAL: bool = true;
 
-    fn shader() -> &'static str {
-        "embedded://waving.wgsl"
+    fn shader() -> PatchShader {
+        PatchShader::File("embedded://waving.wgsl")
     }
 }
 
@@ -95,8 +95,8 @@ struct Broken {}
 impl PatchKind for Broken {
     const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;
 
-    fn shader() -> &'static str {
-        "embedded://broken.wgsl"
+    fn shader() -> PatchShader {
+        PatchShader::File("embedded://broken.wgsl")
     }
 }
 
@@ -107,8 +107,8 @@ struct Missing {}
 impl PatchKind for Missing {
     const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;
 
-    fn shader() -> &'static str {
-        "shaders/there_is_no_such.wgsl"
+    fn shader() -> PatchShader {
+        PatchShader::File("shaders/there_is_no_such.wgsl")
     }
 }
 

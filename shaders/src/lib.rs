@@ -41,6 +41,11 @@ macro_rules! files {
 
 /// Every file.
 pub const ALL: &[ShaderFile] = files![
+    "ground/functions.wgsl",
+    "ground/material.wgsl",
+    "ground/texturing.wgsl",
+    "ground/types.wgsl",
+    "ground/water.wgsl",
     "stage/amplify_types.wgsl",
     "stage/api.wgsl",
     "stage/control.wgsl",
@@ -75,16 +80,6 @@ pub const ALL: &[ShaderFile] = files![
     "terrain/layer.wgsl",
     "terrain/noise.wgsl",
     "terrain/probe.wgsl",
-    "tessellation/draw.wgsl",
-    "tessellation/draw_types.wgsl",
-    "tessellation/emit.wgsl",
-    "tessellation/levels.wgsl",
-    "tessellation/material.wgsl",
-    "tessellation/pattern.wgsl",
-    "tessellation/plan.wgsl",
-    "tessellation/texturing.wgsl",
-    "tessellation/types.wgsl",
-    "tessellation/water.wgsl",
 ];
 
 /// The file at `path`, which must be one of [`ALL`].

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::prelude::*;
-use dolomite_tessellation::TessellationStats;
+use dolomite_tessellation::render::stage::StageStats;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -208,17 +208,17 @@ fn frame(
 ) -> Frame {
     let stats = app
         .world()
-        .get_resource::<TessellationStats>()
-        .copied()
+        .get_resource::<StageStats>()
+        .cloned()
         .unwrap_or_default();
     let (gpu_ms, cpu_ms) = new_times(app, seen);
     Frame {
         index,
         frame_ms: time.as_secs_f64() * 1e3,
-        triangles: stats.triangles,
+        triangles: stats.primitives,
         vertices: stats.vertices,
-        patches_drawn: stats.patches_drawn,
-        patches_culled: stats.patches_culled,
+        patches_drawn: stats.patches - stats.discarded,
+        patches_culled: stats.discarded,
         dispatches: stats.dispatches,
         bytes: stats.bytes,
         gpu_ms,

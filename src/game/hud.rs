@@ -6,7 +6,7 @@ use std::time::Duration;
 use bevy::diagnostic::{DiagnosticsStore, FrameTimeDiagnosticsPlugin};
 use bevy::prelude::*;
 use bevy::time::common_conditions::on_real_timer;
-use dolomite_tessellation::TessellationStats;
+use dolomite_tessellation::render::stage::StageStats;
 
 use super::hot_reload::SceneFault;
 use super::keys;
@@ -116,7 +116,7 @@ fn line(text: &str) -> (Text, TextFont) {
 
 fn write_figures(
     diagnostics: Res<DiagnosticsStore>,
-    stats: Option<Res<TessellationStats>>,
+    stats: Option<Res<StageStats>>,
     scene: Res<CurrentScene>,
     switches: Res<Switches>,
     text: Option<Single<&mut Text, With<Figures>>>,
@@ -138,16 +138,16 @@ fn write_figures(
     row(&mut lines, "frame", format!("{milliseconds:.2} ms"));
     row(&mut lines, "rate", format!("{rate:.0} /s"));
     if let Some(stats) = stats {
-        row(&mut lines, "triangles", thousands(stats.triangles.into()));
+        row(&mut lines, "triangles", thousands(stats.primitives.into()));
         row(
             &mut lines,
             "patches drawn",
-            thousands(stats.patches_drawn.into()),
+            thousands((stats.patches - stats.discarded).into()),
         );
         row(
             &mut lines,
             "patches culled",
-            thousands(stats.patches_culled.into()),
+            thousands(stats.discarded.into()),
         );
     }
     row(&mut lines, "detail follows", focus.to_owned());

@@ -15,8 +15,8 @@ use bevy::shader::ShaderCacheError;
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
-use dolomite_tessellation::TessellationStats;
-use dolomite_tessellation::render::TerrainRelief;
+use dolomite_tessellation::render::ground::TerrainRelief;
+use dolomite_tessellation::render::stage::StageStats;
 use thiserror::Error;
 
 use super::device::{self, Device};
@@ -191,12 +191,10 @@ impl Offscreen {
         for _ in 0..SETTLE_LIMIT {
             self.step(Duration::ZERO)?;
             let pending = self.pending_pipelines()?;
-            let stats = self
-                .app
-                .world()
-                .get_resource::<TessellationStats>()
-                .copied();
-            let at_rest = stats.is_some_and(|stats| stats.triangles > 0 && stats.dispatches == 0);
+            let stats = self.app.world().get_resource::<StageStats>().cloned();
+            let at_rest = stats
+                .as_ref()
+                .is_some_and(|stats| stats.primitives > 0 && stats.dispatches == 0);
             // The relief map arrives from the background when it is done.
             let relief = self.has_relief();
             if pending.is_empty() && relief && at_rest && stats == last {
@@ -207,11 +205,12 @@ impl Offscreen {
             } else {
                 calm = 0;
             }
+            let state = format!("{stats:?}");
             last = stats;
             waiting = if !relief {
                 "waiting for the relief map of the terrain".to_owned()
             } else if pending.is_empty() {
-                format!("terrain at {stats:?}")
+                format!("terrain at {state}")
             } else {
                 format!("waiting for pipelines {}", pending.join(", "))
             };

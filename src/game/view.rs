@@ -9,6 +9,7 @@ use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 use dolomite_terrain::Ground;
+use dolomite_tessellation::stage::StageCamera;
 use dolomite_tessellation::{MaterialBands, TerrainMaterial, TerrainView};
 
 use super::camera::{CameraSystems, FreeCamera};
@@ -103,8 +104,11 @@ fn dress_camera(
             Bloom::NATURAL,
             Smaa::default(),
             TerrainView {
-                pixels_per_edge: settings.pixels_per_edge,
                 finest_patch: settings.finest_patch,
+                ..default()
+            },
+            StageCamera {
+                pixels_per_edge: settings.pixels_per_edge,
                 ..default()
             },
             UiCamera,
@@ -187,7 +191,7 @@ fn follow_switches(
     settings: Res<Settings>,
     scene: Res<CurrentScene>,
     figures: Query<&Figure>,
-    mut views: Query<&mut TerrainView>,
+    mut views: Query<(&mut TerrainView, &mut StageCamera)>,
 ) {
     let focus = match switches.focus {
         DetailFocus::Camera => None,
@@ -196,15 +200,19 @@ fn follow_switches(
             bevy::math::DVec3::new(place.x, scene.terrain.height(place), place.y)
         }),
     };
-    for mut view in &mut views {
+    for (mut view, mut camera) in &mut views {
         let next = TerrainView {
-            pixels_per_edge: settings.pixels_per_edge,
             finest_patch: settings.finest_patch,
-            focus,
-            fill: switches.fill,
-            lines: switches.lines,
             ..view.clone()
         };
         view.set_if_neq(next);
+        let next = StageCamera {
+            pixels_per_edge: settings.pixels_per_edge,
+            focus,
+            fill: switches.fill,
+            lines: switches.lines,
+            ..camera.clone()
+        };
+        camera.set_if_neq(next);
     }
 }

@@ -1,11 +1,11 @@
-//! Tessellation on the GPU, for Bevy, in two parts that need nothing of each other.
+//! Tessellation on the GPU, for Bevy.
 //!
 //! The **stage** ([`stage`], `render::stage`) is what WebGPU lacks: patches of triangles, quads or
-//! isolines, refined by control and evaluate functions in WGSL as OpenGL and Vulkan have them.
+//! isolines, refined by control and evaluate functions in WGSL as OpenGL and Vulkan have them. What
+//! comes out is drawn into Bevy's G-buffer, so that Bevy lights it, shadows it and composites
+//! everything else with it.
 //!
-//! The **terrain** is quad patches over the ground, refined by compute passes each time the view
-//! changes. Both are drawn into Bevy's G-buffer, so that Bevy lights them, shadows them and composites
-//! everything else with them.
+//! The **terrain** ([`ground`], `render::ground`) is one of its kinds of patches, ready to use.
 //!
 //! ```no_run
 //! use bevy::{math::DVec2, prelude::*};
@@ -33,28 +33,22 @@
 //! | part | what it does |
 //! |---|---|
 //! | [`stage`] | the tessellation stage for any patches, in Rust; patch meshes, components |
-//! | `render::stage` | the same on the GPU, programmed by control and evaluate functions in WGSL (feature `render`) |
-//! | [`cover`] | chooses the patches: a balanced quadtree around the focus; corners and edges have one owner |
-//! | [`twin`] | the compute passes in Rust, for tests and for machines without a GPU |
-//! | [`pattern`] | the triangles of one patch from the levels of its edges |
-//! | `render` | the same on the GPU, the G-buffer and shadow draws (feature `render`) |
+//! | [`ground`] | the terrain as patches of the stage: a balanced quadtree around the focus |
+//! | `render::stage` | the stage on the GPU, programmed by control and evaluate functions in WGSL (feature `render`) |
+//! | `render::ground` | the terrain's functions, textures and look (feature `render`) |
 //!
-//! Cost: per camera one vertex and one index pool (16 MiB and 24 MiB by default, set in
-//! [`TerrainView`]); three dispatches in a frame whose view or terrain changed, none else.
+//! Cost: per camera and kind one vertex and one index pool ([`PatchKind::pool`]
+//! (render::stage::PatchKind::pool), [`TerrainView`]); five dispatches in a frame whose view or patches
+//! changed, none else.
 
-pub mod cover;
-pub mod layout;
-pub mod pattern;
-mod plugin;
+pub mod ground;
 #[cfg(feature = "render")]
 pub mod render;
-mod settings;
 pub mod stage;
-mod stats;
-pub mod twin;
 
-pub use plugin::{PatchBounds, TerrainCover, TerrainCoverSystems, TerrainTessellationPlugin};
 #[cfg(feature = "render")]
-pub use settings::TerrainMaterial;
-pub use settings::{MaterialBands, TerrainView};
-pub use stats::TessellationStats;
+pub use ground::TerrainMaterial;
+pub use ground::{
+    MaterialBands, PatchBounds, TerrainCover, TerrainCoverSystems, TerrainTessellationPlugin,
+    TerrainView,
+};

@@ -23,7 +23,8 @@ struct StageView {
     previous_time: f32,
     // 1 where the camera is orthographic: distance does not matter.
     orthographic: f32,
-    pad: f32,
+    // Number of the camera, 1 and above; see ENTITY_CAMERA.
+    camera: f32,
 }
 
 struct StageParams {
@@ -46,6 +47,11 @@ struct StageParams {
     uv_range: f32,
     // Vertices of what an amplify function makes of a primitive; 0 without one.
     amplified: u32,
+    // 1 where sides may be split.
+    split: u32,
+    pad_a: u32,
+    pad_b: u32,
+    pad_c: u32,
 }
 
 // One patch of one entity.
@@ -86,10 +92,19 @@ struct Vertex {
 // Entities (ENTITY_SIZE vec4 each), then control points.
 @group(0) @binding(2) var<storage, read> stage_data: array<vec4<f32>>;
 
-// Three rows of the matrix to the world, three of the last frame's, four of parameters.
-const ENTITY_SIZE: u32 = 10u;
-// Words of a patch in the tables: entity, number, first index, first point, corners, edges.
+// Three rows of the matrix to the world, three of the last frame's, four of parameters, one that
+// begins with the number of the only camera that sees it, or 0.
+const ENTITY_SIZE: u32 = 11u;
+const ENTITY_CAMERA: u32 = 10u;
+// Words of a patch in the tables: entity, number, first index, first point, corners, edges; where
+// sides may be split also the corners in their middles and the edges of their second halves.
+#ifdef STAGE_SPLIT
+const PATCH_WORDS: u32 = 20u;
+#else
 const PATCH_WORDS: u32 = 12u;
+#endif
+// In place of a middle: the side is not split.
+const WHOLE_SIDE: u32 = 0xffffffffu;
 
 fn load_patch(id: u32) -> Patch {
     let at = stage.patch_table + id * PATCH_WORDS;
@@ -116,6 +131,18 @@ fn transformed(input: Patch, first: u32, local: vec3<f32>) -> vec3<f32> {
     // The anchor goes off the translation first: both are large far from the origin.
     let origin = vec3(x.w, y.w, z.w) - stage.view.anchor;
     return vec3(dot(x.xyz, local), dot(y.xyz, local), dot(z.xyz, local)) + origin;
+}
+
+// World position of the entity's origin, metres, as its transform gives it.
+fn entity_origin(input: Patch) -> vec3<f32> {
+    let at = input.entity * ENTITY_SIZE;
+    return vec3(stage_data[at].w, stage_data[at + 1u].w, stage_data[at + 2u].w);
+}
+
+// Whether the camera of this view may see the entity.
+fn entity_seen(input: Patch) -> bool {
+    let only = stage_data[input.entity * ENTITY_SIZE + ENTITY_CAMERA].x;
+    return only == 0.0 || only == stage.view.camera;
 }
 
 // From the entity's local space to the stage's.

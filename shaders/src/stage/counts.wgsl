@@ -4,10 +4,10 @@
 // passes that read or write it without atomics.
 
 #import dolomite::stage::types::{Rules, Shape, ONE, ISOLINES, TRIANGLES}
-#import dolomite::stage::api::{stage, tables, PATCH_WORDS}
+#import dolomite::stage::api::{stage, tables, PATCH_WORDS, WHOLE_SIDE}
 #import dolomite::stage::level::{lift_inner, segments, shape_from_levels}
 #import dolomite::stage::rules::stage_rules
-#import dolomite::stage::shape::{inner_vertices, primitive_count}
+#import dolomite::stage::shape::{corner_count, inner_vertices, primitive_count}
 #import dolomite::stage::work::{EDGE_NUMBER, corner_word, edge_word, inner_word, lower}
 
 #ifdef STAGE_READ
@@ -15,6 +15,11 @@
 #else
 @group(0) @binding(3) var<storage, read_write> work: array<u32>;
 #endif
+
+// Level of an edge, lowered to `share`.
+fn edge_level_of(rules: Rules, word: u32, share: u32) -> u32 {
+    return lower(rules, work[edge_word(stage, word & EDGE_NUMBER)], share);
+}
 
 // The shape of patch `id`, which is not discarded, with levels lowered to `share`.
 fn patch_shape(rules: Rules, id: u32, share: u32) -> Shape {
@@ -25,20 +30,33 @@ fn patch_shape(rules: Rules, id: u32, share: u32) -> Shape {
     }
     let own = stage.patch_table + id * PATCH_WORDS + 8u;
     var outer = vec4(ONE);
-    outer.x = work[edge_word(stage, tables[own] & EDGE_NUMBER)];
-    outer.y = work[edge_word(stage, tables[own + 1u] & EDGE_NUMBER)];
-    outer.z = work[edge_word(stage, tables[own + 2u] & EDGE_NUMBER)];
+    outer.x = edge_level_of(rules, tables[own], share);
+    outer.y = edge_level_of(rules, tables[own + 1u], share);
+    outer.z = edge_level_of(rules, tables[own + 2u], share);
     if rules.domain != TRIANGLES {
-        outer.w = work[edge_word(stage, tables[own + 3u] & EDGE_NUMBER)];
-    }
-    outer.x = lower(rules, outer.x, share);
-    outer.y = lower(rules, outer.y, share);
-    outer.z = lower(rules, outer.z, share);
-    if rules.domain != TRIANGLES {
-        outer.w = lower(rules, outer.w, share);
+        outer.w = edge_level_of(rules, tables[own + 3u], share);
     }
     let lowered = vec2(lower(rules, inner.x, share), lower(rules, inner.y, share));
+#ifdef STAGE_SPLIT
+    // A split side has two segments at least.
+    var whole = outer;
+    for (var side = 0u; side < corner_count(rules.domain); side++) {
+        if tables[own + 4u + side] != WHOLE_SIDE {
+            whole[side] = max(outer[side], 2u * ONE);
+        }
+    }
+    var shape = shape_from_levels(rules, outer, lift_inner(rules, whole, lowered));
+    for (var side = 0u; side < corner_count(rules.domain); side++) {
+        if tables[own + 4u + side] != WHOLE_SIDE {
+            let second = segments(edge_level_of(rules, tables[own + 8u + side], share), rules.spacing);
+            shape.first[side] = shape.sides[side];
+            shape.sides[side] += second;
+        }
+    }
+    return shape;
+#else
     return shape_from_levels(rules, outer, lift_inner(rules, outer, lowered));
+#endif
 }
 
 // The number of lines has equal spacing.
@@ -59,6 +77,9 @@ fn placed_shape(id: u32) -> Shape {
     var shape: Shape;
     shape.sides = (vec4(sides) >> vec4(0u, 8u, 16u, 24u)) & vec4(255u);
     shape.rows = (vec2(rows) >> vec2(0u, 8u)) & vec2(255u);
+#ifdef STAGE_SPLIT
+    shape.first = (vec4(work[at + 4u]) >> vec4(0u, 8u, 16u, 24u)) & vec4(255u);
+#endif
     return shape;
 }
 

@@ -1,6 +1,6 @@
 // Tessellated patches into the G-buffer and into shadow maps.
 
-#import dolomite::stage::draw_types::{Shaded, Surface, stage_draw}
+#import dolomite::stage::draw_types::{Shaded, Surface, stage_draw, FILL}
 #import dolomite::stage::vertex::{VERTEX_WORDS, unpack_material, unpack_normal}
 
 struct Varying {
@@ -13,6 +13,15 @@ struct Varying {
     @location(4) clip_now: vec4<f32>,
     @location(5) clip_before: vec4<f32>,
 #endif
+#ifdef STAGE_LINES
+    @location(6) barycentric: vec3<f32>,
+#endif
+}
+
+// Of the corner of a triangle.
+fn corner_weights(number: u32) -> vec3<f32> {
+    let corner = number % 3u;
+    return vec3(f32(corner == 0u), f32(corner == 1u), f32(corner == 2u));
 }
 
 fn rasterised(position: vec3<f32>, normal: vec3<f32>, uv: vec2<f32>, before: vec3<f32>, row: u32) -> Varying {
@@ -62,7 +71,11 @@ fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) primitive
     let c = stored(indices[3u * primitive + 2u]);
 #endif
     let v = amplify(a, b, c, number);
-    return rasterised(v.position, v.normal, v.uv, v.previous, v.material);
+    var out = rasterised(v.position, v.normal, v.uv, v.previous, v.material);
+#ifdef STAGE_LINES
+    out.barycentric = corner_weights(number);
+#endif
+    return out;
 }
 #else
 #ifdef STAGE_EVALUATED
@@ -72,13 +85,56 @@ fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) primitive
 #import dolomite::stage::rules::stage_rules
 #import dolomite::stage::user::evaluate
 
+#ifdef STAGE_FETCH
+@group(2) @binding(2) var<storage, read> pool: array<u32>;
+@group(2) @binding(3) var<storage, read> indices: array<u32>;
+
+@vertex
+fn vertex(@builtin(vertex_index) number: u32) -> Varying {
+    let at = 3u * indices[number];
+    var out = evaluated(pool[at], vec2(pool[at + 1u], pool[at + 2u]));
+#ifdef STAGE_LINES
+    out.barycentric = corner_weights(number);
+#endif
+    return out;
+}
+#else
 @vertex
 fn vertex(@location(0) id: u32, @location(1) place: vec2<u32>) -> Varying {
+    return evaluated(id, place);
+}
+#endif
+
+fn evaluated(id: u32, place: vec2<u32>) -> Varying {
     let input = load_patch(id);
     let w = select(0u, UNIT - place.x - place.y, stage_rules().domain == TRIANGLES);
     let v = evaluate(input, as_numbers(vec3(place, w)));
     let before = previous_stage_position(input, v.previous);
     return rasterised(stage_position(input, v.position), stage_normal(input, v.normal), v.uv, before, v.material);
+}
+#else
+#ifdef STAGE_FETCH
+@group(2) @binding(2) var<storage, read> pool: array<u32>;
+@group(2) @binding(3) var<storage, read> indices: array<u32>;
+#ifdef STAGE_MOVES
+@group(2) @binding(4) var<storage, read> previous: array<f32>;
+#endif
+
+@vertex
+fn vertex(@builtin(vertex_index) number: u32) -> Varying {
+    let index = indices[number];
+    let at = index * VERTEX_WORDS;
+    let position = bitcast<vec3<f32>>(vec3(pool[at], pool[at + 1u], pool[at + 2u]));
+    var before = position;
+#ifdef STAGE_MOVES
+    before = vec3(previous[3u * index], previous[3u * index + 1u], previous[3u * index + 2u]);
+#endif
+    let uv = unpack2x16snorm(pool[at + 4u]) * stage_draw.uv_range;
+    var out = rasterised(position, unpack_normal(pool[at + 3u]), uv, before, unpack_material(pool[at + 3u]));
+#ifdef STAGE_LINES
+    out.barycentric = corner_weights(number);
+#endif
+    return out;
 }
 #else
 @vertex
@@ -95,6 +151,7 @@ fn vertex(
 #endif
     return rasterised(position, unpack_normal(packed), uv * stage_draw.uv_range, before, unpack_material(packed));
 }
+#endif
 #endif
 #endif
 
@@ -118,7 +175,21 @@ struct GBuffer {
 
 @fragment
 fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
-    let shaded = material(Surface(in.position, normalize(select(-in.normal, in.normal, front)), in.uv, in.row));
+    var shaded = material(Surface(in.position, normalize(select(-in.normal, in.normal, front)), in.uv, in.row));
+#ifdef STAGE_LINES
+    // Distance to the nearest edge in pixels, from the barycentric coordinates' own slope.
+    let away = in.barycentric / max(fwidth(in.barycentric), vec3(1e-6));
+    let line = 1.0 - smoothstep(0.6, 1.4, min(away.x, min(away.y, away.z)));
+    if (stage_draw.flags & FILL) == 0u {
+        if line < 0.5 {
+            discard;
+        }
+        shaded.base_color = vec3(0.75, 0.85, 0.6);
+        shaded.roughness = 1.0;
+    } else {
+        shaded.base_color = mix(shaded.base_color, vec3(0.01, 0.012, 0.015), line * 0.85);
+    }
+#endif
     let unlit = select(0u, DEFERRED_FLAGS_UNLIT_BIT, shaded.unlit);
     var out: GBuffer;
     out.deferred = vec4(

@@ -14,7 +14,18 @@ struct StageDraw {
     // World position of stage space's origin.
     anchor: vec3<f32>,
     uv_range: f32,
+    // Width and height of the picture, pixels.
+    viewport: vec2<f32>,
+    // FILL, LINES.
+    flags: u32,
+    pad: u32,
+    // What the kind's view_numbers gives.
+    numbers: array<vec4<f32>, 4>,
 }
+
+// Bits of the flags: triangles are filled, their edges are drawn.
+const FILL: u32 = 1u;
+const LINES: u32 = 2u;
 
 // A row of the kind's table of materials.
 struct MaterialRow {

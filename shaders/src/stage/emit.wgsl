@@ -1,6 +1,6 @@
 // Pass 5, a thread a vertex, then a thread a primitive: evaluates the vertices and joins them.
 
-#import dolomite::stage::types::{Rules, Shape, INNER, CORNER, ISOLINES, EQUAL}
+#import dolomite::stage::types::{Rules, Shape, INNER, CORNER, MIDDLE, ISOLINES, EQUAL}
 #import dolomite::stage::api::{Patch, stage, tables, load_patch, stage_normal, stage_position, previous_stage_position, PATCH_WORDS}
 #import dolomite::stage::coordinate::{as_numbers, corner_coordinate, inner_coordinate, side_coordinate}
 #import dolomite::stage::counts::{placed_levels, placed_shape, work}
@@ -96,10 +96,27 @@ fn pool_index(id: u32, shape: Shape, vertex: vec2<u32>) -> u32 {
     if vertex.x == CORNER {
         return work[offset_word(stage, tables[own + vertex.y])];
     }
-    let word = tables[own + 4u + vertex.x];
+    var word = tables[own + 4u + vertex.x];
+    var i = vertex.y;
+    var count = shape.sides[vertex.x];
+#ifdef STAGE_SPLIT
+    if vertex.x == MIDDLE {
+        return work[offset_word(stage, tables[own + 8u + vertex.y])];
+    }
+    let half = shape.first[vertex.x];
+    if half > 0u {
+        if i > half {
+            word = tables[own + 12u + vertex.x];
+            i -= half;
+            count -= half;
+        } else {
+            count = half;
+        }
+    }
+#endif
     let first = work[offset_word(stage, stage.corners + (word & EDGE_NUMBER))];
     let reversed = (word & REVERSED) != 0u;
-    return first + select(vertex.y, shape.sides[vertex.x] - vertex.y, reversed) - 1u;
+    return first + select(i, count - i, reversed) - 1u;
 }
 
 fn emit_primitive(index: u32, item: u32) {

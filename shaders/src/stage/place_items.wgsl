@@ -22,6 +22,9 @@ fn settle(id: u32, share: u32) {
     work[at + 1u] = levels.y;
     work[at + 2u] = shape.sides.x | (shape.sides.y << 8u) | (shape.sides.z << 16u) | (shape.sides.w << 24u);
     work[at + 3u] = shape.rows.x | (shape.rows.y << 8u);
+#ifdef STAGE_SPLIT
+    work[at + 4u] = shape.first.x | (shape.first.y << 8u) | (shape.first.z << 16u) | (shape.first.w << 24u);
+#endif
 }
 
 // Tells the chunks whose first vertex or primitive is among those of the item.

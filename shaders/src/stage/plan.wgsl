@@ -5,7 +5,7 @@
 #import dolomite::stage::api::stage
 #import dolomite::stage::counts::{item_size, work}
 #import dolomite::stage::rules::stage_rules
-#import dolomite::stage::work::{AMPLIFIED, BLOCK, COLUMNS, DISPATCH, INDEXED, LOWERED, LOWERINGS, PRIMITIVES, SHARE, VERTICES, WANTED_PRIMITIVES, WANTED_VERTICES, block_word, item_count, share_after}
+#import dolomite::stage::work::{AMPLIFIED, BLOCK, COLUMNS, DISPATCH, INDEXED, LOWERED, LOWERINGS, PLAIN, PRIMITIVES, SHARE, VERTICES, WANTED_PRIMITIVES, WANTED_VERTICES, block_word, item_count, share_after}
 
 const THREADS: u32 = 256u;
 // Sums stop here instead of wrapping round.
@@ -106,6 +106,8 @@ fn plan(@builtin(local_invocation_index) thread: u32) {
         let corners = select(3u, 2u, stage_rules().domain == ISOLINES);
         work[INDEXED] = held.y * corners;
         work[INDEXED + 1u] = 1u;
+        work[PLAIN] = held.y * corners;
+        work[PLAIN + 1u] = 1u;
         work[AMPLIFIED] = stage.amplified;
         work[AMPLIFIED + 1u] = held.y;
         let groups = (held.x + 255u) / 256u + (held.y + 255u) / 256u;

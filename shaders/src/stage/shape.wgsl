@@ -3,9 +3,9 @@
 // How many vertices and primitives a patch has, and which vertices each primitive joins: the twin of
 // plugins/tessellation/src/stage/shape.rs.
 
-#import dolomite::stage::types::{Shape, TRIANGLES, QUADS, ISOLINES, INNER, CORNER}
+#import dolomite::stage::types::{Shape, TRIANGLES, QUADS, ISOLINES, INNER, CORNER, MIDDLE}
 #import dolomite::stage::divide::divide_small
-#import dolomite::stage::ruler::{Step, regular, transition}
+#import dolomite::stage::ruler::{Step, half_strip, regular, transition}
 
 fn corner_count(domain: u32) -> u32 {
     return select(select(4u, 3u, domain == TRIANGLES), 0u, domain == ISOLINES);
@@ -88,7 +88,30 @@ fn side_vertex(domain: u32, shape: Shape, side: u32, i: u32) -> vec2<u32> {
     if i == shape.sides[side] {
         return vec2(CORNER, side);
     }
+#ifdef STAGE_SPLIT
+    if i == shape.first[side] {
+        return vec2(MIDDLE, side);
+    }
+#endif
     return vec2(side, i);
+}
+
+// Step t of the strip along a side. Each half of a split side has its half of the inner row.
+fn side_step(shape: Shape, side: u32, along: u32, t: u32) -> Step {
+    let total = shape.sides[side];
+#ifdef STAGE_SPLIT
+    let first = shape.first[side];
+    if first > 0u {
+        let row = along - 2u;
+        let half = row / 2u;
+        if t < first + half {
+            return half_strip(first, half, t);
+        }
+        let step = half_strip(total - first, row - half, t - first - half);
+        return Step(step.outer + first, step.inner + half, step.advances_outer);
+    }
+#endif
+    return transition(total, along, t);
 }
 
 // Vertex i of the outline of the inner vertices along a side.
@@ -117,7 +140,7 @@ fn side_triangle(domain: u32, shape: Shape, place: u32) -> array<vec2<u32>, 3> {
         side++;
         along = along_side(domain, shape.rows, side);
     }
-    let step = transition(shape.sides[side], along, t);
+    let step = side_step(shape, side, along, t);
     let a = side_vertex(domain, shape, side, step.outer);
     let c = row_vertex(domain, shape.rows, side, step.inner);
     if step.advances_outer {

@@ -42,10 +42,14 @@ struct Shape {
     inner: vec2<u32>,
     // Segments of the sides; isolines: lines, segments of each.
     sides: vec4<u32>,
+    // Segments of the first halves of sides that lie along two edges; 0 for those that do not.
+    first: vec4<u32>,
     // Segments along u and v; (1, 1) only where every side has one segment.
     rows: vec2<u32>,
 }
 
-// A vertex of a patch: (side 0 to 3, vertex 1 to n - 1), (INNER, index) or (CORNER, corner).
+// A vertex of a patch: (side 0 to 3, vertex 1 to n - 1), (INNER, index), (CORNER, corner) or, in the
+// middle of a side that lies along two edges, (MIDDLE, side).
 const INNER: u32 = 4u;
 const CORNER: u32 = 5u;
+const MIDDLE: u32 = 6u;

@@ -7,7 +7,8 @@
 //   edges      1  each: the greatest level that a patch beside it asks for, 0 without
 //   inner      4  each patch: inner levels (isolines: lines, segments), 0 where it is discarded; as
 //                 control left them until `place`, then lifted and lowered, and behind them the
-//                 segments of sides and rows, 8 bits each
+//                 segments of sides and rows, 8 bits each; 5 where sides may be split, the last
+//                 for the segments of their first halves
 //   blocks     2  for each 256 items: vertices and primitives, then those before them
 //   offsets    2  each item: vertices and primitives before it
 //   chunks     1  for each 256 vertices, then for each 256 primitives: the item of the first
@@ -34,7 +35,14 @@ const WANTED_VERTICES: u32 = 16u;
 const WANTED_PRIMITIVES: u32 = 17u;
 // What is left of every level, in 1/1024.
 const SHARE: u32 = 18u;
+// draw_indirect of the same primitives, their indices fetched by the shader: index count, 1, 0, 0.
+const PLAIN: u32 = 19u;
 const HEAD: u32 = 32u;
+#ifdef STAGE_SPLIT
+const INNER_WORDS: u32 = 5u;
+#else
+const INNER_WORDS: u32 = 4u;
+#endif
 
 // An edge in a patch's table: its number, and whether it runs against the patch's side.
 const EDGE_NUMBER: u32 = 0x7fffffffu;
@@ -61,11 +69,11 @@ fn edge_word(stage: StageParams, edge: u32) -> u32 {
 }
 
 fn inner_word(stage: StageParams, id: u32) -> u32 {
-    return HEAD + stage.corners + stage.edges + 4u * id;
+    return HEAD + stage.corners + stage.edges + INNER_WORDS * id;
 }
 
 fn block_word(stage: StageParams, block: u32) -> u32 {
-    return HEAD + stage.corners + stage.edges + 4u * stage.patches + 2u * block;
+    return HEAD + stage.corners + stage.edges + INNER_WORDS * stage.patches + 2u * block;
 }
 
 fn offset_word(stage: StageParams, item: u32) -> u32 {

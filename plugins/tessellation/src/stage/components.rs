@@ -17,6 +17,8 @@ pub struct Patches<K: Send + Sync + 'static> {
     pub mesh: Arc<PatchMesh>,
     /// Numbers of this entity that the kind's functions read by `entity_params`.
     pub params: [Vec4; 4],
+    /// The only camera that sees them; `None`: all do.
+    pub camera: Option<Entity>,
     kind: PhantomData<fn() -> K>,
 }
 
@@ -27,6 +29,7 @@ impl<K: Send + Sync + 'static> Patches<K> {
         Self {
             mesh,
             params: [Vec4::ZERO; 4],
+            camera: None,
             kind: PhantomData,
         }
     }
@@ -46,6 +49,7 @@ impl<K: Send + Sync + 'static> Clone for Patches<K> {
         Self {
             mesh: self.mesh.clone(),
             params: self.params,
+            camera: self.camera,
             kind: PhantomData,
         }
     }
@@ -71,6 +75,10 @@ pub struct StageCamera {
     /// How far outside the frustum patches may stand and still cast their shadow into it, metres;
     /// 0 and above.
     pub shadow_reach: f32,
+    /// Draw filled triangles. Default true.
+    pub fill: bool,
+    /// Draw the edges of triangles as lines, over the fill or alone. Default false.
+    pub lines: bool,
 }
 
 impl Default for StageCamera {
@@ -79,6 +87,8 @@ impl Default for StageCamera {
             pixels_per_edge: 8.0,
             focus: None,
             shadow_reach: 50.0,
+            fill: true,
+            lines: false,
         }
     }
 }

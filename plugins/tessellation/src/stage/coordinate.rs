@@ -20,9 +20,21 @@ pub fn coordinate(shape: &Shape, vertex: VertexRef, mode: Mode) -> Coordinate {
     match vertex {
         VertexRef::Corner(corner) => corner_coordinate(shape.domain, corner),
         VertexRef::Side(side, i) => {
-            let edge = Edge::new(shape.outer[side as usize], shape.spacing);
-            side_coordinate(shape.domain, side, edge.place(i, mode))
+            let s = side as usize;
+            let (first, edge) = (shape.first[s], Edge::new(shape.outer[s], shape.spacing));
+            // Of a split side each half has a place of its own, rounded down to the unit; the patches
+            // along the halves own its vertices and evaluate them.
+            let place = if first == 0 {
+                edge.place(i, mode)
+            } else if i < first {
+                edge.place(i, mode) / 2
+            } else {
+                let second = Edge::new(shape.second[s], shape.spacing);
+                (UNIT + second.place(i - first, mode)) / 2
+            };
+            side_coordinate(shape.domain, side, place)
         }
+        VertexRef::Middle(side) => side_coordinate(shape.domain, side, UNIT / 2),
         VertexRef::Inner(index) => match shape.domain {
             Domain::Triangles => {
                 ring_coordinate(Edge::new(shape.inner[0], shape.spacing), index, mode)

@@ -17,7 +17,7 @@ pub struct StageView {
     pub time: f32,
     pub previous_time: f32,
     pub orthographic: f32,
-    pub pad: f32,
+    pub camera: f32,
 }
 
 /// All that the compute passes of one kind in one view depend on, beside buffers.
@@ -38,6 +38,8 @@ pub struct StageParams {
     pub point_size: u32,
     pub uv_range: f32,
     pub amplified: u32,
+    pub split: u32,
+    pub pad: [u32; 3],
 }
 
 impl StageParams {
@@ -57,7 +59,8 @@ impl StageParams {
         let blocks = items.div_ceil(BLOCK as u64);
         let chunks =
             (self.max_vertices as u64).div_ceil(256) + (self.max_primitives as u64).div_ceil(256);
-        self.cleared_bytes() + (4 * self.patches as u64 + 2 * blocks + 2 * items + chunks) * 4
+        let placed = 4 + self.split as u64;
+        self.cleared_bytes() + (placed * self.patches as u64 + 2 * blocks + 2 * items + chunks) * 4
     }
 }
 
@@ -67,6 +70,8 @@ pub const HEAD_WORDS: u64 = 32;
 pub const BLOCK: u32 = 256;
 /// Byte offset in the work buffer of the arguments for `draw_indirect`.
 pub const AMPLIFIED_ARGUMENTS: u64 = 5 * 4;
+/// Byte offset in the work buffer of the arguments for the draw of lines.
+pub const PLAIN_ARGUMENTS: u64 = 19 * 4;
 /// Byte offset in the work buffer of the arguments for the emit dispatch.
 pub const DISPATCH_ARGUMENTS: u64 = 9 * 4;
 
@@ -94,6 +99,8 @@ pub struct WorkHead {
     pub wanted_primitives: u32,
     /// What is left of every level, in 1/1024.
     pub share: u32,
+    /// Arguments of the draw that fetches indices by itself, for lines.
+    pub plain: [u32; 4],
 }
 
 /// What the draws know; see the WGSL file for units and meanings.
@@ -110,7 +117,16 @@ pub struct StageDraw {
     pub time: f32,
     pub anchor: [f32; 3],
     pub uv_range: f32,
+    pub viewport: [f32; 2],
+    pub flags: u32,
+    pub pad: u32,
+    pub numbers: [[f32; 4]; 4],
 }
+
+/// Bit of [`StageDraw::flags`]: triangles are filled.
+pub const FILL: u32 = 1;
+/// Bit of [`StageDraw::flags`]: their edges are drawn.
+pub const LINES: u32 = 2;
 
 /// Distance between the slots of the dynamic uniform: a multiple of every device's alignment.
 pub const DRAW_SLOT: u64 = 256;

@@ -108,18 +108,48 @@ pub fn inner(
     spacing: Spacing,
     mode: Mode,
 ) -> [Level; 2] {
-    let mut inner = levels.map(|level| clamp(level, spacing, mode));
-    if domain == Domain::Triangles {
-        inner[1] = inner[0];
-    }
-    let sides = &outer[..domain.outer_levels()];
-    let above = |level: &Level| level.0 > ONE;
-    if sides.iter().any(above) || inner.iter().any(above) {
-        let least = above_one(spacing, mode);
-        inner = inner.map(|level| level.max(least));
-    }
-    inner
+    let clamped = clamp_inner(levels, domain, spacing, mode);
+    lift_inner(clamped, &outer[..domain.outer_levels()], spacing, mode)
 }
+
+/// The inner levels, clamped, not yet lifted.
+#[must_use]
+pub fn clamp_inner(levels: [f32; 2], domain: Domain, spacing: Spacing, mode: Mode) -> [Level; 2] {
+    let [u, v] = levels.map(|level| clamp(level, spacing, mode));
+    [u, if domain == Domain::Triangles { u } else { v }]
+}
+
+/// Lifts clamped inner levels above 1 where they or the levels of the sides are above 1.
+#[must_use]
+pub fn lift_inner(inner: [Level; 2], sides: &[Level], spacing: Spacing, mode: Mode) -> [Level; 2] {
+    if sides.iter().chain(&inner).any(|level| level.0 > ONE) {
+        let least = above_one(spacing, mode);
+        inner.map(|level| level.max(least))
+    } else {
+        inner
+    }
+}
+
+/// A clamped level lowered to `share` / 1024 of it, clamped and rounded again; as `lower` in
+/// `work.wgsl`.
+#[must_use]
+pub fn lower(level: Level, share: u32, spacing: Spacing, mode: Mode) -> Level {
+    if share == WHOLE_SHARE || level.0 == 0 {
+        return level;
+    }
+    // At most 2^29: no carry is lost.
+    let lowered = ((level.0 >> 9) * share) >> 1;
+    let rounded = match (spacing, mode) {
+        (Spacing::Equal, _) => lowered.div_ceil(ONE) * ONE,
+        (_, Mode::Exact) => lowered,
+        (_, Mode::D3d) => lowered.div_ceil(256) * 256,
+    };
+    let [least, greatest] = bounds(spacing);
+    Level(rounded.clamp(least, greatest))
+}
+
+/// The share of levels that are not lowered.
+pub const WHOLE_SHARE: u32 = 1024;
 
 /// "1 + ε, then rounded", which the specification asks for; least level of a picture frame.
 const fn above_one(spacing: Spacing, mode: Mode) -> Level {

@@ -33,6 +33,7 @@ pub mod coordinate;
 pub mod half_edge;
 pub mod layout;
 pub mod level;
+mod mesh;
 pub mod patches;
 pub mod place;
 pub mod ruler;
@@ -43,6 +44,7 @@ mod tessellate;
 
 pub use components::{Patches, StageCamera};
 pub use level::Levels;
+pub use mesh::{MeshTessellation, MeshVertex};
 pub use patches::{PatchLayout, PatchMesh, PatchMeshError};
 pub use tessellate::{Primitives, Tessellation, Tessellator, tessellate};
 

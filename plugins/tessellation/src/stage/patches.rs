@@ -1,7 +1,8 @@
 //! Patches with control points, and which corners and edges they share.
 
-use std::collections::HashMap;
+use std::hash::Hash;
 
+use bevy::platform::collections::HashMap;
 use thiserror::Error;
 
 use super::Domain;
@@ -19,6 +20,9 @@ pub struct PatchLayout {
     /// patches that have all points of a side in common share it, in either direction; the last
     /// point of a side is its corner. Empty for isolines.
     pub sides: &'static [&'static [u32]],
+    /// Whether a side may lie along two patches of half its length, as in a balanced quadtree; see
+    /// [`PatchMesh::with_middles`]. OpenGL's patches have no such sides.
+    pub split: bool,
 }
 
 impl PatchLayout {
@@ -28,6 +32,7 @@ impl PatchLayout {
         points: 3,
         point_size: 1,
         sides: &[&[1, 2], &[2, 0], &[0, 1]],
+        split: false,
     };
 
     /// Four control points: (u, v) = (0,0), (1,0), (1,1), (0,1).
@@ -36,6 +41,7 @@ impl PatchLayout {
         points: 4,
         point_size: 1,
         sides: &[&[3, 0], &[0, 1], &[1, 2], &[2, 3]],
+        split: false,
     };
 
     /// Sixteen control points, row by row: point 4 j + i stands at (i / 3, j / 3).
@@ -49,6 +55,7 @@ impl PatchLayout {
             &[3, 7, 11, 15],
             &[15, 14, 13, 12],
         ],
+        split: false,
     };
 
     /// Lines of `points` control points.
@@ -59,6 +66,7 @@ impl PatchLayout {
             points,
             point_size: 1,
             sides: &[],
+            split: false,
         }
     }
 
@@ -67,6 +75,20 @@ impl PatchLayout {
     pub const fn with_point_size(mut self, vec4s: u32) -> Self {
         self.point_size = vec4s;
         self
+    }
+
+    /// The same with sides that may lie along two patches each.
+    #[must_use]
+    pub const fn with_split_sides(mut self) -> Self {
+        self.split = true;
+        self
+    }
+
+    /// Words of a patch in the tables of the GPU: entity, number, first index, first point, four
+    /// corners, four edges; of a layout with split sides four middles and four second edges too.
+    #[must_use]
+    pub const fn patch_words(&self) -> u64 {
+        if self.split { 20 } else { 12 }
     }
 }
 
@@ -105,13 +127,35 @@ pub enum PatchMeshError {
     },
     /// A layout that no patch can have.
     #[error(
-        "a patch layout needs 1 to 255 control points of 1 to 16 vec4, with 2 or more of them along each side; got {points} of {point_size}"
+        "a patch layout needs 1 to 255 control points of 1 to 16 vec4, with 2 or more of them along each side, exactly 2 where sides are split; got {points} of {point_size}"
     )]
     Layout {
         /// Control points a patch.
         points: u32,
         /// vec4 a control point.
         point_size: u32,
+    },
+    /// Middles for another number of patches, or for a layout whose sides are not split.
+    #[error(
+        "{middles} rows of middles for {patches} patches; pass one for each patch of a layout made by with_split_sides"
+    )]
+    Middles {
+        /// Rows given.
+        middles: usize,
+        /// Patches there are.
+        patches: usize,
+    },
+    /// A side is said to be split, but no patches lie along its halves.
+    #[error(
+        "side {side} of patch {patch} is split at control point {middle}, but no other patch has each of its halves as a side"
+    )]
+    NoHalves {
+        /// Which patch.
+        patch: usize,
+        /// Which side.
+        side: usize,
+        /// The point in the middle.
+        middle: u32,
     },
     /// More than WebGPU's default limit of 128 MiB for a buffer that a shader reads.
     #[error(
@@ -147,9 +191,15 @@ pub struct Topology {
     /// Owner of each edge: patch · 4 + side of the patch.
     pub edges: Vec<u32>,
     /// Of each patch: its corners, then its edges; [`REVERSED`] is set where the edge runs against
-    /// the patch's side.
+    /// the patch's side. Of a split side: the edge of its first half.
     pub patches: Vec<[u32; 8]>,
+    /// Of each patch of a layout with split sides: the corners in the middle of its sides, then the
+    /// edges of their second halves; [`WHOLE`] for sides that are not split. Else empty.
+    pub halves: Vec<[u32; 8]>,
 }
+
+/// In place of a middle: the side is not split.
+pub const WHOLE: u32 = u32::MAX;
 
 /// Marks an edge that runs against the side of the patch.
 pub const REVERSED: u32 = 1 << 31;
@@ -165,16 +215,38 @@ impl PatchMesh {
         points: Vec<[f32; 4]>,
         indices: Vec<u32>,
     ) -> Result<Self, PatchMeshError> {
+        let patches = indices.len() / layout.points.max(1) as usize;
+        let middles = vec![[WHOLE; 4]; if layout.split { patches } else { 0 }];
+        Self::with_middles(layout, points, indices, &middles)
+    }
+
+    /// As [`Self::new`] for a layout with split sides: `middles` names for each patch the control
+    /// point in the middle of each of its sides where two patches of half the length lie along it,
+    /// and [`WHOLE`] for the other sides. Those two own the vertices on the side, so there is no
+    /// crack and no T-junction. Control functions give the level of the whole side; each half gets
+    /// half of it.
+    ///
+    /// # Errors
+    /// [`PatchMeshError`].
+    pub fn with_middles(
+        layout: PatchLayout,
+        points: Vec<[f32; 4]>,
+        indices: Vec<u32>,
+        middles: &[[u32; 4]],
+    ) -> Result<Self, PatchMeshError> {
         let PatchLayout {
             points: per_patch,
             point_size,
             sides,
             domain,
+            split,
         } = layout;
         let sided = sides.len() == side_count(domain)
-            && sides
-                .iter()
-                .all(|side| side.len() >= 2 && side.iter().all(|k| *k < per_patch));
+            && sides.iter().all(|side| {
+                side.len() >= 2
+                    && (side.len() == 2 || !split)
+                    && side.iter().all(|k| *k < per_patch)
+            });
         if !(1..=255).contains(&per_patch) || !(1..=16).contains(&point_size) || !sided {
             return Err(PatchMeshError::Layout {
                 points: per_patch,
@@ -202,7 +274,13 @@ impl PatchMesh {
             });
         }
         let patches = indices.len() / per_patch as usize;
-        let bytes = table_bytes(patches as u64, per_patch);
+        if middles.len() != if split { patches } else { 0 } {
+            return Err(PatchMeshError::Middles {
+                middles: middles.len(),
+                patches,
+            });
+        }
+        let bytes = table_bytes(patches as u64, &layout);
         let point_bytes = points.len() as u64 * 16;
         if bytes.max(point_bytes) > BINDING_LIMIT {
             return Err(PatchMeshError::TooLarge {
@@ -211,7 +289,7 @@ impl PatchMesh {
                 limit: BINDING_LIMIT,
             });
         }
-        let topology = Topology::new(layout, &indices);
+        let topology = Topology::new(layout, &indices, middles)?;
         Ok(Self {
             layout,
             points,
@@ -283,34 +361,59 @@ const fn side_count(domain: Domain) -> usize {
     }
 }
 
-/// The words of a patch in the tables of the GPU, of which the last eight are its topology.
-pub const PATCH_WORDS: u64 = 12;
-
 /// The greater of what `patches` patches of one entity need in tables and in working memory when
 /// they share nothing, bytes.
-const fn table_bytes(patches: u64, points: u32) -> u64 {
-    let tables = patches * (PATCH_WORDS + points as u64 + 8);
+const fn table_bytes(patches: u64, layout: &PatchLayout) -> u64 {
+    let tables = patches * (layout.patch_words() + layout.points as u64 + 8);
     // Four corners and four edges a patch: a word and an offset pair each; inner levels, segments and offsets.
-    let work = patches * (8 * 3 + 4 + 2);
+    let work = patches * (8 * 3 + 5 + 2);
     4 * if tables > work { tables } else { work }
 }
 
+/// Edges by the points along them, in the direction that sorts first: number, and whether the owner
+/// runs the other way.
+type EdgesBy<K> = HashMap<K, (u32, bool)>;
+
 impl Topology {
-    fn new(layout: PatchLayout, indices: &[u32]) -> Self {
+    fn new(
+        layout: PatchLayout,
+        indices: &[u32],
+        middles: &[[u32; 4]],
+    ) -> Result<Self, PatchMeshError> {
+        if layout.sides.iter().all(|side| side.len() == 2) {
+            // Ends alone: no allocation a side.
+            Self::link(layout, indices, middles, |along| [along[0], along[1]])
+        } else {
+            Self::link(layout, indices, middles, <[u32]>::to_vec)
+        }
+    }
+
+    fn link<K: Hash + Eq>(
+        layout: PatchLayout,
+        indices: &[u32],
+        middles: &[[u32; 4]],
+        key: impl Fn(&[u32]) -> K,
+    ) -> Result<Self, PatchMeshError> {
+        let patches = indices.len() / layout.points as usize;
         let mut topology = Self::default();
-        let mut corners = HashMap::new();
-        // By the points of an edge, in the direction that sorts first: its number, and whether its
-        // owner runs the other way.
-        let mut edges: HashMap<Vec<u32>, (u32, bool)> = HashMap::new();
+        topology.patches.reserve(patches);
+        let mut corners = HashMap::with_capacity(patches);
+        let mut edges: EdgesBy<K> = HashMap::with_capacity(2 * patches);
+        let mut along = Vec::with_capacity(16);
         for (patch, points) in (0_u32..).zip(indices.chunks_exact(layout.points as usize)) {
             let mut own = [0; 8];
             for (k, side) in layout.sides.iter().enumerate() {
-                let mut along: Vec<u32> = side.iter().map(|k| points[*k as usize]).collect();
+                along.clear();
+                along.extend(side.iter().map(|k| points[*k as usize]));
                 let (from, to) = (along[0], along[along.len() - 1]);
                 own[k] = *corners.entry(to).or_insert_with(|| {
                     topology.corners.push(patch * 4 + k as u32);
                     topology.corners.len() as u32 - 1
                 });
+                if middles.get(patch as usize).is_some_and(|of| of[k] != WHOLE) {
+                    // Its halves belong to the patches along them.
+                    continue;
+                }
                 let backwards = from > to;
                 if backwards {
                     along.reverse();
@@ -323,18 +426,51 @@ impl Topology {
                 let (edge, owner_backwards) = if from == to {
                     new()
                 } else {
-                    *edges.entry(along).or_insert_with(new)
+                    *edges.entry(key(&along)).or_insert_with(new)
                 };
-                own[4 + k] = if owner_backwards == backwards {
-                    edge
-                } else {
-                    edge | REVERSED
-                };
+                own[4 + k] = marked(edge, owner_backwards != backwards);
             }
             topology.patches.push(own);
         }
-        topology
+        for (patch, of) in middles.iter().enumerate() {
+            let mut halves = [WHOLE; 8];
+            let points = &indices[patch * layout.points as usize..];
+            for (k, side) in layout.sides.iter().enumerate() {
+                let middle = of[k];
+                if middle == WHOLE {
+                    continue;
+                }
+                let find = |from: u32, to: u32| {
+                    let backwards = from > to;
+                    let ends = [from.min(to), from.max(to)];
+                    let (edge, owner_backwards) = edges.get(&key(&ends))?;
+                    Some(marked(*edge, *owner_backwards != backwards))
+                };
+                let ends = [side[0], side[1]].map(|k| points[k as usize]);
+                let found = (
+                    find(ends[0], middle),
+                    find(middle, ends[1]),
+                    corners.get(&middle),
+                );
+                let (Some(first), Some(second), Some(corner)) = found else {
+                    return Err(PatchMeshError::NoHalves {
+                        patch,
+                        side: k,
+                        middle,
+                    });
+                };
+                topology.patches[patch][4 + k] = first;
+                halves[k] = *corner;
+                halves[4 + k] = second;
+            }
+            topology.halves.push(halves);
+        }
+        Ok(topology)
     }
+}
+
+const fn marked(edge: u32, reversed: bool) -> u32 {
+    if reversed { edge | REVERSED } else { edge }
 }
 
 #[cfg(test)]
@@ -399,6 +535,31 @@ mod tests {
     }
 
     #[test]
+    fn a_split_side_is_the_sides_of_two_others() {
+        // A quad above two smaller ones: points 0 1 2 along y = 0, 3 4 along y = 1, 5 6 7 along -0.5.
+        let mesh = PatchMesh::with_middles(
+            PatchLayout::QUAD.with_split_sides(),
+            vec![[0.0; 4]; 8],
+            vec![0, 2, 4, 3, 5, 6, 1, 0, 6, 7, 2, 1],
+            &[[WHOLE, 1, WHOLE, WHOLE], [WHOLE; 4], [WHOLE; 4]],
+        )
+        .expect("three patches");
+        let Topology {
+            patches,
+            halves,
+            corners,
+            edges,
+        } = mesh.topology();
+        assert_eq!((corners.len(), edges.len()), (8, 10));
+        // Its first half runs against side 3 of the first small one, which comes later.
+        assert_eq!(patches[0][5] & !REVERSED, patches[1][7]);
+        assert_eq!(halves[0][5] & !REVERSED, patches[2][7]);
+        assert_eq!(patches[0][5] & halves[0][5] & REVERSED, REVERSED);
+        assert_eq!(halves[0][1], patches[1][2]);
+        assert_eq!(halves[0][0], WHOLE);
+    }
+
+    #[test]
     fn what_is_wrong_is_named() {
         let mesh = |points: usize, indices: &[u32]| {
             PatchMesh::new(
@@ -428,6 +589,26 @@ mod tests {
             PatchMesh::new(odd, vec![[0.0; 4]; 3], vec![]),
             Err(PatchMeshError::IncompletePoint { .. })
         ));
+        let halves = PatchLayout::QUAD.with_split_sides();
+        let quad = |middles: &[[u32; 4]]| {
+            PatchMesh::with_middles(halves, vec![[0.0; 4]; 5], vec![0, 1, 2, 3], middles)
+        };
+        assert!(quad(&[[WHOLE; 4]]).is_ok());
+        assert_eq!(
+            quad(&[]),
+            Err(PatchMeshError::Middles {
+                middles: 0,
+                patches: 1
+            })
+        );
+        assert_eq!(
+            quad(&[[WHOLE, 4, WHOLE, WHOLE]]),
+            Err(PatchMeshError::NoHalves {
+                patch: 0,
+                side: 1,
+                middle: 4
+            })
+        );
         let many = PatchMesh::new(
             PatchLayout::TRIANGLE,
             vec![[0.0; 4]; 3],

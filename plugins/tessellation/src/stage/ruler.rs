@@ -168,6 +168,20 @@ pub const fn regular(m: u32, t: u32) -> Step {
     }
 }
 
+/// Step `t` of a strip between rows of `outer` and `inner` segments of one length, from end to end:
+/// both advance as evenly as they can (Bresenham 1965); 0 ≤ t < outer + inner.
+#[must_use]
+pub const fn half_strip(outer: u32, inner: u32, t: u32) -> Step {
+    let total = outer + inner;
+    let at = (t * outer + total / 2) / total;
+    let next = ((t + 1) * outer + total / 2) / total;
+    Step {
+        outer: at,
+        inner: t - at,
+        advances_outer: next > at,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -204,6 +218,21 @@ mod tests {
                     }
                 }
                 assert_eq!((a, b), (outer, inner - 2), "{outer} {inner}");
+            }
+        }
+        for outer in 1..=64 {
+            for inner in 0..=32 {
+                let (mut a, mut b) = (0, 0);
+                for t in 0..outer + inner {
+                    let step = half_strip(outer, inner, t);
+                    assert_eq!((step.outer, step.inner), (a, b), "{outer} {inner} {t}");
+                    if step.advances_outer {
+                        a += 1;
+                    } else {
+                        b += 1;
+                    }
+                }
+                assert_eq!((a, b), (outer, inner), "{outer} {inner}");
             }
         }
         for m in 2..=64 {

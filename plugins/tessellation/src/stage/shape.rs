@@ -2,7 +2,7 @@
 //! primitive by its number, without the ones before it. The twin of `shaders/src/stage/shape.wgsl`.
 
 use super::level::{self, Level, Levels};
-use super::ruler::{Step, regular, transition};
+use super::ruler::{Step, half_strip, regular, transition};
 use super::{Domain, Mode, Spacing};
 
 /// A patch whose levels are clamped and rounded.
@@ -16,8 +16,13 @@ pub struct Shape {
     pub outer: [Level; 4],
     /// Levels along u and v.
     pub inner: [Level; 2],
+    /// Levels of the second halves of sides that are split ([`PatchLayout::split`]
+    /// (super::PatchLayout::split)); `outer` holds those of their first halves.
+    pub second: [Level; 4],
     /// Segments of the sides; isolines: lines, then segments of each.
     pub sides: [u32; 4],
+    /// Segments of the first halves of sides that are split; 0 for those that are not.
+    pub first: [u32; 4],
     /// Segments along u and v. (1, 1) only where every side has one segment.
     pub rows: [u32; 2],
 }
@@ -29,6 +34,8 @@ pub enum VertexRef {
     Corner(u32),
     /// Vertex 1 to n − 1 of side 0 to 3, counted counter-clockwise.
     Side(u32, u32),
+    /// The corner in the middle of a side that is split.
+    Middle(u32),
     /// An inner vertex; of isolines: any vertex.
     Inner(u32),
 }
@@ -65,9 +72,42 @@ impl Shape {
             spacing,
             outer,
             inner,
+            second: [Level(0); 4],
             sides,
+            first: [0; 4],
             rows,
         }
+    }
+
+    /// The shape of a patch of triangles or quads whose sides lie along one edge or two: the levels
+    /// of those edges, clamped and rounded, and the inner levels, clamped but not yet lifted.
+    #[must_use]
+    pub fn from_edges(
+        domain: Domain,
+        spacing: Spacing,
+        mode: Mode,
+        edges: [(Level, Option<Level>); 4],
+        inner: [Level; 2],
+    ) -> Self {
+        let count = domain.outer_levels();
+        // A split side has two segments at least.
+        let whole = edges.map(|(level, second)| {
+            if second.is_some() {
+                level.max(Level(2 * level::ONE))
+            } else {
+                level
+            }
+        });
+        let inner = level::lift_inner(inner, &whole[..count], spacing, mode);
+        let mut shape = Self::from_levels(domain, spacing, edges.map(|(level, _)| level), inner);
+        for (side, (level, second)) in edges.into_iter().enumerate().take(count) {
+            if let Some(second) = second {
+                shape.second[side] = second;
+                shape.first[side] = level.segments(spacing);
+                shape.sides[side] = shape.first[side] + second.segments(spacing);
+            }
+        }
+        shape
     }
 
     /// Corners and sides: 3 or 4; isolines have none.
@@ -196,13 +236,31 @@ impl Shape {
             let along = self.along(side);
             let count = self.sides[side as usize] + along - 2;
             if t < count || side + 1 == self.corners() {
-                let step = transition(self.sides[side as usize], along, t);
+                let step = self.side_step(side, along, t);
                 let outer = |i| self.side_vertex(side, i);
                 let inner = |i| self.row_vertex(side, i);
                 return strip_triangle(step, outer, inner);
             }
             t -= count;
             side += 1;
+        }
+    }
+
+    /// Step `t` of the strip along a side. Each half of a split side has its half of the inner row.
+    fn side_step(&self, side: u32, along: u32, t: u32) -> Step {
+        let (total, first) = (self.sides[side as usize], self.first[side as usize]);
+        if first == 0 {
+            return transition(total, along, t);
+        }
+        let (row, half) = (along - 2, (along - 2) / 2);
+        if t < first + half {
+            return half_strip(first, half, t);
+        }
+        let step = half_strip(total - first, row - half, t - first - half);
+        Step {
+            outer: step.outer + first,
+            inner: step.inner + half,
+            ..step
         }
     }
 
@@ -222,6 +280,8 @@ impl Shape {
             VertexRef::Corner((side + corners - 1) % corners)
         } else if i == self.sides[side as usize] {
             VertexRef::Corner(side)
+        } else if i == self.first[side as usize] {
+            VertexRef::Middle(side)
         } else {
             VertexRef::Side(side, i)
         }

@@ -1,8 +1,9 @@
 //! What the passes read of a kind's entities: owners of corners and edges, patches, control points.
 //!
 //! Tables are words: the owners of all corners, those of all edges, twelve words a patch (entity,
-//! number in its mesh, first index, first point, four corners, four edges), then the control point
-//! indices of each mesh. Data are vec4: ten an entity ([`Instance`]), then the control points.
+//! number in its mesh, first index, first point, four corners, four edges; with split sides eight
+//! more: [`Topology::halves`](super::patches::Topology::halves)), then the control point indices of
+//! each mesh. Data are vec4: eleven an entity ([`Instance`]), then the control points.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -10,7 +11,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::layout::StageParams;
-use super::patches::{BINDING_LIMIT, PATCH_WORDS};
+use super::patches::{BINDING_LIMIT, WHOLE};
 use super::{PatchLayout, PatchMesh};
 
 /// One entity, as the shaders read it.
@@ -23,6 +24,9 @@ pub struct Instance {
     pub previous: [[f32; 4]; 3],
     /// Parameters, as `entity_params` gives them.
     pub params: [[f32; 4]; 4],
+    /// Number of the only camera that sees it ([`StageView`](super::layout::StageView)'s `camera`);
+    /// 0: all do. The rest is unused.
+    pub camera: [f32; 4],
 }
 
 impl Instance {
@@ -31,6 +35,7 @@ impl Instance {
         rows: Self::UNIT_ROWS,
         previous: Self::UNIT_ROWS,
         params: [[0.0; 4]; 4],
+        camera: [0.0; 4],
     };
 
     const UNIT_ROWS: [[f32; 4]; 3] = [
@@ -61,10 +66,11 @@ impl Tables {
         let (mut indices, mut points) = (Vec::new(), Vec::new());
         // Entities of one mesh share its control points: where they and their indices begin.
         let mut known: HashMap<*const PatchMesh, (u32, u32)> = HashMap::new();
+        let patch_words = layout.patch_words();
         let mut count = 0_u64;
         for (entity, (mesh, _)) in (0_u32..).zip(entities) {
             count += mesh.patches() as u64;
-            let bytes = count * PATCH_WORDS * 4;
+            let bytes = count * patch_words * 4;
             if bytes > BINDING_LIMIT {
                 return Err(bytes);
             }
@@ -78,7 +84,7 @@ impl Tables {
                 first
             });
             let topology = mesh.topology();
-            let first_patch = patches.len() as u32 / PATCH_WORDS as u32;
+            let first_patch = patches.len() as u32 / patch_words as u32;
             let (first_corner, first_edge) = (corners.len() as u32, edges.len() as u32);
             corners.extend(topology.corners.iter().map(|owner| owner + 4 * first_patch));
             edges.extend(topology.edges.iter().map(|owner| owner + 4 * first_patch));
@@ -92,6 +98,12 @@ impl Tables {
                 patches.extend(shared[..4].iter().map(|corner| corner + first_corner));
                 // The sum leaves the mark of reversal in the top bit alone.
                 patches.extend(shared[4..].iter().map(|edge| edge + first_edge));
+                if let Some(halves) = topology.halves.get(number as usize) {
+                    let moved =
+                        |word: &u32, by: u32| if *word == WHOLE { WHOLE } else { word + by };
+                    patches.extend(halves[..4].iter().map(|corner| moved(corner, first_corner)));
+                    patches.extend(halves[4..].iter().map(|edge| moved(edge, first_edge)));
+                }
             }
         }
         let mut params = StageParams::zeroed();
@@ -102,14 +114,15 @@ impl Tables {
         params.patch_table = params.corners + params.edges;
         params.points = entities.len() as u32 * (size_of::<Instance>() / 16) as u32;
         params.point_size = layout.point_size;
+        params.split = u32::from(layout.split);
         let index_table = params.patch_table + patches.len() as u32;
-        for patch in patches.chunks_exact_mut(PATCH_WORDS as usize) {
+        for patch in patches.chunks_exact_mut(patch_words as usize) {
             patch[2] += index_table;
         }
         let words: Vec<u32> = [corners, edges, patches, indices].concat();
         let mut data: Vec<[f32; 4]> = entities
             .iter()
-            .flat_map(|(_, instance)| bytemuck::cast::<_, [[f32; 4]; 10]>(*instance))
+            .flat_map(|(_, instance)| bytemuck::cast::<_, [[f32; 4]; 11]>(*instance))
             .collect();
         data.extend(points);
         let greatest = (words.len() as u64 * 4)

@@ -138,6 +138,8 @@ fn index(shape: &Shape, vertex: VertexRef) -> u32 {
     let inner = |side: u32| shape.sides[side as usize] - 1;
     match vertex {
         VertexRef::Corner(corner) => corner,
+        // No single patch has a split side.
+        VertexRef::Middle(_) => unreachable!("sides are split by a mesh alone"),
         VertexRef::Side(side, i) => shape.corners() + (0..side).map(inner).sum::<u32>() + i - 1,
         VertexRef::Inner(i) => shape.corners() + (0..shape.corners()).map(inner).sum::<u32>() + i,
     }

@@ -16,7 +16,16 @@ use crate::stage::{PatchMesh, Patches, StageCamera};
 
 /// A camera that tessellates, in the render world.
 #[derive(Component, Clone)]
-pub struct ExtractedStageCamera(pub StageCamera);
+pub struct ExtractedStageCamera {
+    pub settings: StageCamera,
+    /// What entities that one camera alone sees name it by; see [`camera_number`].
+    pub number: f32,
+}
+
+/// A number above 0 for a camera, exact as f32: entity indices stay below 2²⁴.
+fn camera_number(camera: Entity) -> f32 {
+    (camera.index_u32() + 1) as f32
+}
 
 /// What all kinds share.
 #[derive(Resource, Default)]
@@ -45,7 +54,7 @@ pub fn scene(
 
 pub fn cameras(
     mut commands: Commands,
-    cameras: Extract<Query<(RenderEntity, &StageCamera)>>,
+    cameras: Extract<Query<(Entity, RenderEntity, &StageCamera)>>,
     mut removed: Extract<RemovedComponents<StageCamera>>,
     entities: Extract<Query<RenderEntity>>,
 ) {
@@ -57,10 +66,11 @@ pub fn cameras(
             entity.remove::<ExtractedStageCamera>();
         }
     }
-    for (entity, camera) in &cameras {
-        commands
-            .entity(entity)
-            .insert(ExtractedStageCamera(camera.clone()));
+    for (camera, entity, settings) in &cameras {
+        commands.entity(entity).insert(ExtractedStageCamera {
+            settings: settings.clone(),
+            number: camera_number(camera),
+        });
     }
 }
 
@@ -93,8 +103,9 @@ pub fn kind<K: PatchKind>(
         kind.version += 1;
     }
     // The user's functions were changed: what they made is out of date.
-    let file = kind.shaders.user.id();
-    if files.read().any(|event| event.is_modified(file)) {
+    let file = kind.shaders.user.as_ref().map(Handle::id);
+    let changed_file = |event: &AssetEvent<Shader>| file.is_some_and(|id| event.is_modified(id));
+    if files.read().any(changed_file) {
         kind.version += 1;
     }
     // After a move everything is read once more, so that the last frame's place is this one's.
@@ -116,7 +127,8 @@ pub fn kind<K: PatchKind>(
         }
         let rows = rows(transform);
         let previous = before.get(&entity).copied().unwrap_or(rows);
-        *moved |= previous != rows;
+        // Others do not read where they were.
+        *moved |= (K::MOVES || super::evaluated::<K>()) && previous != rows;
         now.insert(entity, rows);
         kind.instances.push((
             patches.mesh.clone(),
@@ -124,6 +136,7 @@ pub fn kind<K: PatchKind>(
                 rows,
                 previous,
                 params: patches.params.map(|param| param.to_array()),
+                camera: [patches.camera.map_or(0.0, camera_number), 0.0, 0.0, 0.0],
             },
         ));
     }

@@ -5,7 +5,19 @@ use std::marker::PhantomData;
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
 
+use super::view::Viewpoint;
 use crate::stage::{Drawing, Mode, PatchLayout, Spacing, Winding};
+
+/// Where the functions of a kind stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PatchShader {
+    /// In a file, by its path among the app's assets. Loaded again when it changes, if the app
+    /// watches files. It has no import path of its own.
+    File(&'static str),
+    /// In a shader library that the app has loaded, by its import path. For kinds that come with a
+    /// crate.
+    Library(&'static str),
+}
 
 /// A kind of patches: its layout, its functions in WGSL, and the data that they read.
 ///
@@ -13,14 +25,13 @@ use crate::stage::{Drawing, Mode, PatchLayout, Spacing, Winding};
 /// `@group(1)` of every shader of the kind; textures and buffers that `control` or `evaluate` read
 /// need `visibility(compute, vertex, fragment)`, as they run in compute shaders.
 ///
-/// The shader file has no import path of its own, imports `dolomite::stage::api` and holds
+/// The shader imports `dolomite::stage::api` and holds
 /// ```wgsl
 /// fn control(input: Patch, view: StageView) -> PatchLevels
 /// fn evaluate(input: Patch, at: vec3<f32>) -> Vertex
 /// ```
-/// and where the constants below say so `amplify` and `material` too. It is loaded again when its
-/// file changes, if the app watches files. A field of a struct must not bear the name of an imported
-/// function.
+/// and where the constants below say so `amplify` and `material` too. A field of a struct must not bear
+/// the name of an imported function.
 pub trait PatchKind: AsBindGroup + Resource + Clone {
     /// Domain, control points, corners.
     const LAYOUT: PatchLayout;
@@ -54,12 +65,18 @@ pub trait PatchKind: AsBindGroup + Resource + Clone {
     /// Whether it is drawn into shadow maps.
     const SHADOWS: bool = true;
 
-    /// Path of the shader file among the app's assets.
-    fn shader() -> &'static str;
+    /// Where its functions stand.
+    fn shader() -> PatchShader;
 
     /// Materials that vertices choose from; at most 16 count.
     fn materials(&self) -> Vec<PatchMaterial> {
         vec![PatchMaterial::default()]
+    }
+
+    /// Numbers that depend on the view, which `material` reads as `stage_draw.numbers`: made anew in
+    /// each frame, in f64 where it matters.
+    fn view_numbers(&self, _view: &Viewpoint) -> [Vec4; 4] {
+        [Vec4::ZERO; 4]
     }
 
     /// Most that one view keeps of this kind.

@@ -10,11 +10,14 @@
 //! tessellated. Nothing exists on the GPU until a [`StageCamera`](crate::stage::StageCamera) and
 //! [`Patches`](crate::stage::Patches) of a kind are in the world.
 
+mod camera;
 mod extract;
 mod kind;
+mod library;
 mod pass;
 mod pipeline;
 mod prepare;
+mod readback;
 mod stats;
 mod view;
 
@@ -28,12 +31,13 @@ use bevy::pbr::{EARLY_SHADOW_PASS, per_view_shadow_pass};
 use bevy::prelude::*;
 use bevy::render::{Extract, ExtractSchedule, Render, RenderApp, RenderSystems};
 
-pub use kind::{PatchKind, PatchMaterial, PatchPlugin, PatchPool};
+pub use kind::{PatchKind, PatchMaterial, PatchPlugin, PatchPool, PatchShader};
 pub use prepare::StageKinds;
 use stats::StageShared;
 
 use crate::stage::Drawing;
 pub use stats::{StageFault, StageStats};
+pub use view::Viewpoint;
 
 /// Adds a kind to an app that renders; does nothing to one that does not.
 fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
@@ -43,19 +47,21 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
     build(app);
     let name = core::any::type_name::<K>();
     let shaders = pipeline::KindShaders::new::<K>(app, name);
-    let file = shaders.user.clone();
-    let watch = move |server: Res<AssetServer>, shared: Res<StageShared>, mut told: Local<bool>| {
-        let Some(LoadState::Failed(fault)) = server.get_load_state(&file) else {
-            *told = false;
-            return;
-        };
-        if !*told {
-            *told = true;
-            error!("{name}: its shader cannot be loaded: {fault}");
-            shared.report(name, fault.to_string());
-        }
-    };
-    app.add_systems(PreUpdate, watch);
+    if let Some(file) = shaders.user.clone() {
+        let watch =
+            move |server: Res<AssetServer>, shared: Res<StageShared>, mut told: Local<bool>| {
+                let Some(LoadState::Failed(fault)) = server.get_load_state(&file) else {
+                    *told = false;
+                    return;
+                };
+                if !*told {
+                    *told = true;
+                    error!("{name}: its shader cannot be loaded: {fault}");
+                    shared.report(name, fault.to_string());
+                }
+            };
+        app.add_systems(PreUpdate, watch);
+    }
     let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
         return;
     };
@@ -81,6 +87,8 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
         version: 0,
         data_layout: None,
         data: None,
+        data_due: true,
+        numbers: None,
         pipelines: None,
         buffers: None,
         views: Default::default(),

@@ -14,9 +14,9 @@ use bevy::render::view::ViewDepthTexture;
 
 use super::StageShared;
 use super::extract::ExtractedStageCamera;
-use super::pipeline::{DrawKey, KindPipelines, KindView};
-use super::prepare::{Kind, StageKinds, ViewGroups, ViewKind};
-use crate::stage::layout::{AMPLIFIED_ARGUMENTS, DISPATCH_ARGUMENTS, StageDraw};
+use super::pipeline::{DrawKey, KindPipelines, KindView, fetches};
+use super::prepare::{Kind, KindTraits, StageKinds, ViewGroups, ViewKind};
+use crate::stage::layout::{AMPLIFIED_ARGUMENTS, DISPATCH_ARGUMENTS, PLAIN_ARGUMENTS, StageDraw};
 
 /// Columns of a dispatch's grid, as in `work.wgsl`.
 const COLUMNS: u32 = 32_768;
@@ -69,9 +69,14 @@ pub fn bind_groups(
                     shaders,
                     traits,
                 };
-                pipelines.draw(&of, &cache, draw_key(prepass));
+                pipelines.draw(&of, &cache, draw_key(prepass, state));
             }
-            if state.groups.is_some() {
+            let fetched = fetches(traits, state.shown[1]);
+            if state
+                .groups
+                .as_ref()
+                .is_some_and(|groups| groups.fetch.is_some() || !fetched)
+            {
                 continue;
             }
             let given = (
@@ -99,17 +104,16 @@ pub fn bind_groups(
                     .as_ref()
                     .map(|previous| previous.as_entire_binding()),
             );
-            let mut draw = vec![slot, buffers.materials.as_entire_binding()];
-            if traits.amplified > 0 {
-                draw.push(state.vertices.as_entire_binding());
-                draw.push(state.indices.as_entire_binding());
-                draw.extend(
-                    state
-                        .previous
-                        .as_ref()
-                        .map(|previous| previous.as_entire_binding()),
-                );
-            }
+            let draw = vec![slot, buffers.materials.as_entire_binding()];
+            let mut fetch = draw.clone();
+            fetch.push(state.vertices.as_entire_binding());
+            fetch.push(state.indices.as_entire_binding());
+            fetch.extend(
+                state
+                    .previous
+                    .as_ref()
+                    .map(|previous| previous.as_entire_binding()),
+            );
             let group =
                 |name, layout, resources: Vec<BindingResource>| {
                     let entries: Vec<_> =
@@ -139,13 +143,15 @@ pub fn bind_groups(
                     &BindGroupEntries::sequential(given),
                 ),
                 draw: group("stage_draw", &pipelines.draw_layout, draw),
+                fetch: fetched.then(|| group("stage_fetch", &pipelines.fetch_layout, fetch)),
             });
         }
     }
 }
 
-fn draw_key(prepass: &ViewPrepassTextures) -> DrawKey {
+fn draw_key(prepass: &ViewPrepassTextures, state: &ViewKind) -> DrawKey {
     DrawKey {
+        lines: state.shown[1],
         normals: prepass.normal.is_some(),
         motion: prepass.motion_vectors.is_some(),
     }
@@ -229,7 +235,6 @@ pub fn draw_gbuffer(
     else {
         return;
     };
-    let key = draw_key(prepass);
     let mut drawn = Vec::new();
     for kind in kinds.0.values_mut() {
         let Kind {
@@ -249,10 +254,11 @@ pub fn draw_gbuffer(
             shaders,
             traits,
         };
-        let id = pipelines.draw(&of, &cache, key);
-        let Some(state) = views.get(&entity).filter(|state| state.filled) else {
+        let shown = |state: &&ViewKind| state.filled && state.shown != [false; 2];
+        let Some(state) = views.get(&entity).filter(shown) else {
             continue;
         };
+        let id = pipelines.draw(&of, &cache, draw_key(prepass, state));
         if let (Some(pipeline), Some(groups)) = (cache.get_render_pipeline(id), &state.groups) {
             drawn.push((pipeline, groups, data, state, &kind.traits));
         }
@@ -287,17 +293,30 @@ pub fn draw_gbuffer(
         pass.set_render_pipeline(pipeline);
         pass.set_bind_group(0, &groups.given, &[]);
         pass.set_bind_group(1, &data.bind_group, &[]);
-        pass.set_bind_group(2, &groups.draw, &[0]);
-        draw(&mut pass, state, traits.amplified);
+        draw(&mut pass, state, groups, traits, state.shown[1], 0);
     }
     span.end(&mut pass);
 }
 
-fn draw<'a>(pass: &mut TrackedRenderPass<'a>, state: &'a ViewKind, amplified: u32) {
-    if amplified > 0 {
-        pass.draw_indirect(&state.work, AMPLIFIED_ARGUMENTS);
+fn draw<'a>(
+    pass: &mut TrackedRenderPass<'a>,
+    state: &'a ViewKind,
+    groups: &'a ViewGroups,
+    traits: &KindTraits,
+    lines: bool,
+    slot: u32,
+) {
+    if fetches(traits, lines) {
+        let Some(fetch) = &groups.fetch else { return };
+        pass.set_bind_group(2, fetch, &[slot]);
+        if traits.amplified > 0 {
+            pass.draw_indirect(&state.work, AMPLIFIED_ARGUMENTS);
+        } else {
+            pass.draw_indirect(&state.work, PLAIN_ARGUMENTS);
+        }
         return;
     }
+    pass.set_bind_group(2, &groups.draw, &[slot]);
     pass.set_vertex_buffer(0, state.vertices.slice(..));
     if let Some(previous) = &state.previous {
         pass.set_vertex_buffer(1, previous.slice(..));
@@ -318,7 +337,8 @@ pub fn draw_shadows(
     // All kinds of a light in one pass: a list of the lights, in the order of the slots.
     let states = || {
         kinds.0.values().filter_map(|kind| {
-            let state = kind.views.get(&entity).filter(|state| state.filled)?;
+            let shown = |state: &&ViewKind| state.filled && state.shown != [false; 2];
+            let state = kind.views.get(&entity).filter(shown)?;
             Some((kind, state, state.groups.as_ref()?))
         })
     };
@@ -354,8 +374,7 @@ pub fn draw_shadows(
             pass.set_render_pipeline(pipeline);
             pass.set_bind_group(0, &groups.given, &[]);
             pass.set_bind_group(1, &data.bind_group, &[]);
-            pass.set_bind_group(2, &groups.draw, &[offset]);
-            draw(&mut pass, state, kind.traits.amplified);
+            draw(&mut pass, state, groups, &kind.traits, false, offset);
         }
         span.end(&mut pass);
     }

@@ -2,6 +2,7 @@
 
 use std::num::NonZero;
 
+use bevy::core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT;
 use bevy::core_pipeline::deferred::{DEFERRED_LIGHTING_PASS_ID_FORMAT, DEFERRED_PREPASS_FORMAT};
 use bevy::core_pipeline::prepass::{MOTION_VECTOR_PREPASS_FORMAT, NORMAL_PREPASS_FORMAT};
 use bevy::mesh::VertexBufferLayout;
@@ -12,15 +13,15 @@ use bevy::render::render_resource::binding_types::{
 use bevy::render::render_resource::{
     BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedComputePipelineId,
     CachedPipelineState, CachedRenderPipelineId, ColorTargetState, ColorWrites, CompareFunction,
-    ComputePipelineDescriptor, Face, FragmentState, FrontFace, PipelineCache, PrimitiveState,
-    PrimitiveTopology, RenderPipelineDescriptor, ShaderStages, TextureFormat, VertexAttribute,
-    VertexFormat, VertexState, VertexStepMode,
+    ComputePipelineDescriptor, DepthStencilState, Face, FragmentState, FrontFace, PipelineCache,
+    PrimitiveState, PrimitiveTopology, RenderPipelineDescriptor, ShaderStages, TextureFormat,
+    VertexAttribute, VertexFormat, VertexState, VertexStepMode,
 };
 use bevy::shader::{Shader, ShaderCacheError, ShaderDefVal};
 
-use super::kind::PatchKind;
+use super::kind::{PatchKind, PatchShader};
+use super::library::{ModuleShaders, shader};
 use super::prepare::{Kind, KindTraits};
-use crate::render::pipeline::{ModuleShaders, depth, shader};
 use crate::stage::layout::{
     EVALUATED_BYTES, MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES,
 };
@@ -35,8 +36,8 @@ pub struct KindShaders {
     place: Handle<Shader>,
     emit: Handle<Shader>,
     draw: Handle<Shader>,
-    /// The user's file.
-    pub user: Handle<Shader>,
+    /// The user's file, unless the functions stand in a library.
+    pub user: Option<Handle<Shader>>,
     _modules: ModuleShaders,
     defs: Vec<ShaderDefVal>,
 }
@@ -45,20 +46,22 @@ impl KindShaders {
     /// Puts the user's functions into the stage's shaders.
     pub fn new<K: PatchKind>(app: &mut App, name: &str) -> Self {
         let modules = ModuleShaders::load(app);
-        let path = K::shader();
-        let user = app.world().resource::<AssetServer>().load(path);
+        let (user, given) = match K::shader() {
+            PatchShader::File(path) => (
+                Some(app.world().resource::<AssetServer>().load(path)),
+                format!("\"{path}\"::"),
+            ),
+            PatchShader::Library(path) => (None, format!("{path}::")),
+        };
         let mut assets = app.world_mut().resource_mut::<Assets<Shader>>();
         let mut entry = |file: &str| {
             let file = dolomite_shaders::find(file);
-            let user = format!("\"{path}\"");
-            let mut source = file
-                .source
-                .replace("dolomite::stage::user::", &format!("{user}::"));
+            let mut source = file.source.replace("dolomite::stage::user::", &given);
             if K::AMPLIFIED > 0 {
-                source = source.replace("dolomite::stage::user_amplify::", &format!("{user}::"));
+                source = source.replace("dolomite::stage::user_amplify::", &given);
             }
             if K::CUSTOM_MATERIAL {
-                source = source.replace("dolomite::stage::user_material::", &format!("{user}::"));
+                source = source.replace("dolomite::stage::user_material::", &given);
             }
             assets.add(shader(source, &format!("{}#{name}", file.path)))
         };
@@ -95,6 +98,7 @@ fn defs<K: PatchKind>() -> Vec<ShaderDefVal> {
         (super::evaluated::<K>(), "STAGE_EVALUATED"),
         (K::MOVES && !super::evaluated::<K>(), "STAGE_MOVES"),
         (K::AMPLIFIED > 0, "STAGE_AMPLIFY"),
+        (K::LAYOUT.split, "STAGE_SPLIT"),
     ] {
         if on {
             defs.push(name);
@@ -106,6 +110,8 @@ fn defs<K: PatchKind>() -> Vec<ShaderDefVal> {
 /// What a G-buffer pipeline is specialised by.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DrawKey {
+    /// Whether edges are drawn.
+    pub lines: bool,
     pub normals: bool,
     pub motion: bool,
 }
@@ -117,6 +123,8 @@ pub struct KindPipelines {
     /// What the user's functions read, for vertex shaders.
     pub given_layout: BindGroupLayoutDescriptor,
     pub draw_layout: BindGroupLayoutDescriptor,
+    /// Of draws that fetch vertices by themselves: amplified ones, and those of lines.
+    pub fetch_layout: BindGroupLayoutDescriptor,
     data_layout: BindGroupLayoutDescriptor,
     /// control, measure, plan, place, emit.
     pub compute: [CachedComputePipelineId; 5],
@@ -166,14 +174,13 @@ impl KindPipelines {
         let rows = (MATERIAL_ROWS * size_of::<MaterialRow>()) as u64;
         let materials = uniform_buffer_sized(false, NonZero::new(rows));
         let both = ShaderStages::VERTEX_FRAGMENT;
-        let draw_layout = if kind.traits.amplified == 0 {
+        let draw_layout = BindGroupLayoutDescriptor::new(
+            "stage_draw",
+            &BindGroupLayoutEntries::sequential(both, (draw.clone(), materials.clone())),
+        );
+        let fetch_layout = if kind.traits.moves {
             BindGroupLayoutDescriptor::new(
-                "stage_draw",
-                &BindGroupLayoutEntries::sequential(both, (draw, materials)),
-            )
-        } else if kind.traits.moves {
-            BindGroupLayoutDescriptor::new(
-                "stage_draw",
+                "stage_fetch",
                 &BindGroupLayoutEntries::sequential(
                     both,
                     (draw, materials, read(), read(), read()),
@@ -181,7 +188,7 @@ impl KindPipelines {
             )
         } else {
             BindGroupLayoutDescriptor::new(
-                "stage_draw",
+                "stage_fetch",
                 &BindGroupLayoutEntries::sequential(both, (draw, materials, read(), read())),
             )
         };
@@ -215,9 +222,13 @@ impl KindPipelines {
             layout: vec![
                 given_layout.clone(),
                 data_layout.clone(),
-                draw_layout.clone(),
+                if kind.traits.amplified > 0 {
+                    fetch_layout.clone()
+                } else {
+                    draw_layout.clone()
+                },
             ],
-            vertex: vertex_state(kind, shaders.defs.clone()),
+            vertex: vertex_state(&kind.shaders, &kind.traits, shaders.defs.clone(), false),
             primitive: PrimitiveState {
                 topology: topology(&kind.traits),
                 cull_mode: None,
@@ -231,6 +242,7 @@ impl KindPipelines {
             emit_layout,
             given_layout,
             draw_layout,
+            fetch_layout,
             data_layout: data_layout.clone(),
             compute,
             shadow,
@@ -251,7 +263,11 @@ impl KindPipelines {
         }
         let mut defs = kind.shaders.defs.clone();
         defs.push("GBUFFER".into());
+        let fetched = fetches(kind.traits, key.lines);
         for (on, name) in [
+            // Segments are lines already.
+            (key.lines && fetched, "STAGE_LINES"),
+            (fetched && kind.traits.amplified == 0, "STAGE_FETCH"),
             (key.normals, "NORMAL_PREPASS"),
             (key.motion, "MOTION_VECTORS"),
         ] {
@@ -271,9 +287,13 @@ impl KindPipelines {
             layout: vec![
                 self.given_layout.clone(),
                 self.data_layout.clone(),
-                self.draw_layout.clone(),
+                if fetched {
+                    self.fetch_layout.clone()
+                } else {
+                    self.draw_layout.clone()
+                },
             ],
-            vertex: vertex_state_of(kind.shaders, kind.traits, defs.clone()),
+            vertex: vertex_state(kind.shaders, kind.traits, defs.clone(), key.lines),
             fragment: Some(FragmentState {
                 shader: kind.shaders.draw.clone(),
                 shader_defs: defs,
@@ -340,15 +360,18 @@ const fn topology(traits: &KindTraits) -> PrimitiveTopology {
     }
 }
 
-fn vertex_state(kind: &Kind, defs: Vec<ShaderDefVal>) -> VertexState {
-    vertex_state_of(&kind.shaders, &kind.traits, defs)
+/// Whether a draw of the kind fetches its vertices by itself. Segments are lines already.
+pub const fn fetches(traits: &KindTraits, lines: bool) -> bool {
+    let segments = matches!(traits.layout.domain, Domain::Isolines);
+    traits.amplified > 0 || (lines && !segments)
 }
 
-/// Amplified vertices are fetched by the shader, others by the vertex buffers.
-fn vertex_state_of(
+/// What the shader does not fetch comes by the vertex buffers.
+fn vertex_state(
     shaders: &KindShaders,
     traits: &KindTraits,
     defs: Vec<ShaderDefVal>,
+    lines: bool,
 ) -> VertexState {
     let attribute = |format, offset, shader_location| VertexAttribute {
         format,
@@ -361,7 +384,9 @@ fn vertex_state_of(
         attributes,
     };
     let mut buffers = Vec::new();
-    if traits.evaluated {
+    if fetches(traits, lines) {
+        // None.
+    } else if traits.evaluated {
         buffers.push(layout(
             EVALUATED_BYTES,
             vec![
@@ -369,7 +394,7 @@ fn vertex_state_of(
                 attribute(VertexFormat::Uint32x2, 4, 1),
             ],
         ));
-    } else if traits.amplified == 0 {
+    } else {
         buffers.push(layout(
             VERTEX_BYTES,
             vec![
@@ -387,5 +412,15 @@ fn vertex_state_of(
         shader_defs: defs,
         entry_point: Some("vertex".into()),
         buffers,
+    }
+}
+
+fn depth(compare: CompareFunction) -> DepthStencilState {
+    DepthStencilState {
+        format: CORE_3D_DEPTH_FORMAT,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(compare),
+        stencil: default(),
+        bias: default(),
     }
 }

@@ -17,15 +17,15 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::view::ExtractedView;
 use bytemuck::{Zeroable, cast_slice};
 
+use super::camera::Camera;
 use super::extract::{ExtractedStageCamera, StageScene, same_meshes};
 use super::kind::{PatchKind, PatchMaterial, PatchPool};
 use super::pipeline::{KindPipelines, KindShaders};
-use super::view::{StageSpace, stage_view};
-use crate::render::params::Camera;
-use crate::render::readback::Counters;
+use super::readback::Counters;
+use super::view::{StageSpace, Viewpoint, stage_view};
 use crate::stage::layout::{
-    DRAW_SLOT, EVALUATED_BYTES, MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES,
-    WorkHead,
+    DRAW_SLOT, EVALUATED_BYTES, FILL, LINES, MATERIAL_ROWS, MaterialRow, StageDraw, StageParams,
+    VERTEX_BYTES, WorkHead,
 };
 use crate::stage::patches::BINDING_LIMIT;
 use crate::stage::tables::{Instance, Tables};
@@ -80,13 +80,22 @@ pub struct Kind {
     /// Layout and bind group of the user's data.
     pub data_layout: Option<BindGroupLayoutDescriptor>,
     pub data: Option<PreparedBindGroup>,
+    /// Whether the bind group is older than the user's data.
+    pub data_due: bool,
+    /// The user's numbers of a view.
+    pub numbers: Option<ViewNumbers>,
     pub pipelines: Option<KindPipelines>,
     pub buffers: Option<KindBuffers>,
     pub views: HashMap<Entity, ViewKind>,
 }
 
+/// [`PatchKind::view_numbers`] of the newest resource.
+pub type ViewNumbers = Arc<dyn Fn(&Viewpoint) -> [Vec4; 4] + Send + Sync>;
+
 /// Buffers that all views of a kind share.
 pub struct KindBuffers {
+    /// Counts the buffers that replaced others: bind groups of older ones are out of date.
+    generation: u64,
     meshes: Vec<Arc<PatchMesh>>,
     pub tables: Buffer,
     pub data: Buffer,
@@ -113,6 +122,10 @@ pub struct ViewKind {
     pub draw: Buffer,
     pub counters: Counters<WorkHead>,
     pub groups: Option<ViewGroups>,
+    /// Whether triangles are filled, whether their edges are drawn.
+    pub shown: [bool; 2],
+    /// Of the kind's buffers that the bind groups hold.
+    generation: u64,
     previous_clip: Option<DMat4>,
     /// Shadow views to draw into, and the slot of each.
     pub shadows: Vec<(Entity, u32)>,
@@ -126,6 +139,8 @@ pub struct ViewGroups {
     pub emit: BindGroup,
     pub given: BindGroup,
     pub draw: BindGroup,
+    /// Of draws that fetch their vertices; made when there is one.
+    pub fetch: Option<BindGroup>,
 }
 
 /// The bind group of the user's data.
@@ -142,7 +157,12 @@ pub fn data<K: PatchKind>(
     let Some(settings) = settings else {
         return;
     };
-    if kind.instances.is_empty() || (kind.data.is_some() && !settings.is_changed()) {
+    if settings.is_changed() {
+        let newest = settings.0.clone();
+        kind.numbers = Some(Arc::new(move |view| newest.view_numbers(view)));
+        kind.data_due = true;
+    }
+    if kind.instances.is_empty() || (kind.data.is_some() && !kind.data_due) {
         return;
     }
     let layout = kind
@@ -155,6 +175,7 @@ pub fn data<K: PatchKind>(
     {
         Ok(prepared) => {
             kind.data = Some(prepared);
+            kind.data_due = false;
             kind.version += 1;
         }
         // An image that has not arrived: again in the next frame.
@@ -185,7 +206,7 @@ pub fn buffers(
             .as_ref()
             .is_none_or(|buffers| !same_meshes(&buffers.meshes, &kind.instances));
         if other_meshes {
-            match KindBuffers::new(kind, &device) {
+            match KindBuffers::new(kind, kind.buffers.as_ref(), &device, &queue) {
                 Ok(buffers) => kind.buffers = Some(buffers),
                 Err(bytes) => {
                     error!(
@@ -195,9 +216,9 @@ pub fn buffers(
                     );
                     kind.instances.clear();
                     kind.buffers = None;
+                    kind.views.clear();
                 }
             }
-            kind.views.clear();
             kind.instances_changed = false;
             kind.materials_changed = true;
         }
@@ -240,8 +261,14 @@ fn material_rows(materials: &[PatchMaterial]) -> [MaterialRow; MATERIAL_ROWS] {
 }
 
 impl KindBuffers {
-    /// Tables of all entities; fails with the size that is too large for a buffer.
-    fn new(kind: &Kind, device: &RenderDevice) -> Result<Self, u64> {
+    /// Tables of all entities, in the buffers that were there before where these are large enough;
+    /// fails with the size that is too large for a buffer.
+    fn new(
+        kind: &Kind,
+        before: Option<&Self>,
+        device: &RenderDevice,
+        queue: &RenderQueue,
+    ) -> Result<Self, u64> {
         let layout = kind.traits.layout;
         let Tables {
             words,
@@ -257,30 +284,58 @@ impl KindBuffers {
                 usage: usage | BufferUsages::COPY_DST,
             })
         };
+        let (words, data): (&[u8], &[u8]) = (cast_slice(&words), cast_slice(&data));
+        let room = |buffer: &Buffer, bytes: &[u8]| buffer.size() >= bytes.len() as u64;
+        let kept = before.filter(|old| room(&old.tables, words) && room(&old.data, data));
+        let (tables, given, generation) = if let Some(old) = kept {
+            queue.write_buffer(&old.tables, 0, words);
+            queue.write_buffer(&old.data, 0, data);
+            (old.tables.clone(), old.data.clone(), old.generation)
+        } else {
+            // Once replaced, patches come and go: a quarter to spare.
+            let spare = |bytes: &[u8]| {
+                let mut bytes = bytes.to_vec();
+                if before.is_some() {
+                    bytes.resize((bytes.len() + bytes.len() / 4).next_multiple_of(16), 0);
+                }
+                bytes
+            };
+            (
+                make("stage_tables", &spare(words), BufferUsages::STORAGE),
+                make("stage_data", &spare(data), BufferUsages::STORAGE),
+                before.map_or(0, |old| old.generation + 1),
+            )
+        };
         let rows = [MaterialRow::default(); MATERIAL_ROWS];
         Ok(Self {
+            generation,
             meshes: kind
                 .instances
                 .iter()
                 .map(|(mesh, _)| mesh.clone())
                 .collect(),
-            tables: make("stage_tables", cast_slice(&words), BufferUsages::STORAGE),
-            data: make("stage_data", cast_slice(&data), BufferUsages::STORAGE),
-            materials: make("stage_materials", cast_slice(&rows), BufferUsages::UNIFORM),
+            tables,
+            data: given,
+            materials: before.map_or_else(
+                || make("stage_materials", cast_slice(&rows), BufferUsages::UNIFORM),
+                |old| old.materials.clone(),
+            ),
             params,
-            greatest: greatest_sizes(layout.domain, u64::from(params.patches)),
+            greatest: greatest_sizes(layout, u64::from(params.patches)),
         })
     }
 }
 
 /// Most vertices and primitives of so many patches.
-const fn greatest_sizes(domain: Domain, patches: u64) -> [u64; 2] {
-    let [vertices, primitives] = match domain {
+const fn greatest_sizes(layout: PatchLayout, patches: u64) -> [u64; 2] {
+    let [vertices, primitives] = match layout.domain {
         Domain::Triangles => [3169, 6144],
         Domain::Quads => [4225, 8192],
         Domain::Isolines => [4160, 4096],
     };
-    [patches * vertices, patches * primitives]
+    // The second half of a split side has up to 64 segments more.
+    let more = if layout.split { 4 * 64 } else { 0 };
+    [patches * (vertices + more), patches * (primitives + more)]
 }
 
 type ViewItem<'a> = (
@@ -314,7 +369,7 @@ pub fn views(
             } else {
                 [0.0; 2]
             };
-            params.view = stage_view(view, &matrices, &space, &camera.0, scene.sun, time);
+            params.view = stage_view(view, &matrices, &space, camera, scene.sun, time);
             let [vertices, primitives] =
                 pool_sizes(kind.pool, buffers.greatest, kind.traits.vertex_bytes());
             params.max_vertices = vertices;
@@ -326,6 +381,7 @@ pub fn views(
             if [state.params.max_vertices, state.params.max_primitives] != [vertices, primitives] {
                 *state = ViewKind::new(&device, &params, &kind.traits);
             }
+            state.fit(&device, &params, buffers.generation);
             state.update(&queue, &params, kind.version, kind.traits.evaluated);
             let mut main = StageDraw {
                 clip_from_stage: space.clip_from_stage(matrices.clip_from_world),
@@ -335,7 +391,15 @@ pub fn views(
                 time: scene.time[0],
                 anchor: params.view.anchor,
                 uv_range: params.uv_range,
+                viewport: view.viewport.zw().as_vec2().to_array(),
+                flags: u32::from(camera.settings.fill) * FILL
+                    + u32::from(camera.settings.lines) * LINES,
+                pad: 0,
+                numbers: kind.numbers.as_ref().map_or([[0.0; 4]; 4], |numbers| {
+                    numbers(&space.viewpoint(&matrices, scene.time[0])).map(|n| n.to_array())
+                }),
             };
+            state.shown = [camera.settings.fill, camera.settings.lines];
             state.previous_clip = Some(matrices.clip_from_world);
             queue.write_buffer(&state.draw, 0, bytemuck::bytes_of(&main));
             state.shadows.clear();
@@ -374,6 +438,11 @@ fn pool_sizes(pool: PatchPool, greatest: [u64; 2], vertex_bytes: u64) -> [u32; 2
 }
 
 impl ViewKind {
+    /// Patches of all entities.
+    pub const fn patches(&self) -> u32 {
+        self.params.patches
+    }
+
     fn new(device: &RenderDevice, params: &StageParams, traits: &KindTraits) -> Self {
         let buffer = |label, size: u64, usage| {
             device.create_buffer(&BufferDescriptor {
@@ -399,11 +468,7 @@ impl ViewKind {
                 size_of::<StageParams>() as u64,
                 BufferUsages::UNIFORM,
             ),
-            work: buffer(
-                "stage_work",
-                params.work_bytes(),
-                storage | BufferUsages::INDIRECT,
-            ),
+            work: work_buffer(device, params.work_bytes()),
             vertices: buffer(
                 "stage_vertices",
                 vertices * traits.vertex_bytes(),
@@ -428,14 +493,33 @@ impl ViewKind {
             ),
             counters: Counters::new(device),
             groups: None,
+            shown: [true, false],
+            generation: 0,
             previous_clip: None,
             shadows: Vec::new(),
-            cleared: params.cleared_bytes(),
-            groups_of: [
-                params.patches.div_ceil(64),
-                params.items().div_ceil(crate::stage::layout::BLOCK),
-            ],
+            cleared: 0,
+            groups_of: [0; 2],
         }
+    }
+
+    /// Makes the working memory large enough for the kind's patches, and drops bind groups of
+    /// buffers that were replaced.
+    fn fit(&mut self, device: &RenderDevice, params: &StageParams, generation: u64) {
+        if self.work.size() < params.work_bytes() {
+            // A quarter to spare, so that patches which come and go seldom need a new one.
+            self.work = work_buffer(device, params.work_bytes() / 4 * 5);
+            self.groups = None;
+            self.filled = false;
+        }
+        if self.generation != generation {
+            self.generation = generation;
+            self.groups = None;
+        }
+        self.cleared = params.cleared_bytes();
+        self.groups_of = [
+            params.patches.div_ceil(64),
+            params.items().div_ceil(crate::stage::layout::BLOCK),
+        ];
     }
 
     /// Takes over this frame's inputs; unsettles the view if any of them changed. Where the draws
@@ -457,6 +541,18 @@ impl ViewKind {
             queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(params));
         }
     }
+}
+
+fn work_buffer(device: &RenderDevice, size: u64) -> Buffer {
+    device.create_buffer(&BufferDescriptor {
+        label: Some("stage_work"),
+        size: size.next_multiple_of(4),
+        usage: BufferUsages::STORAGE
+            | BufferUsages::INDIRECT
+            | BufferUsages::COPY_SRC
+            | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
 }
 
 impl StageSpace {

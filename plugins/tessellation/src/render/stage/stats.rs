@@ -15,7 +15,9 @@ pub struct StageStats {
     pub vertices: u32,
     /// Triangles and segments emitted.
     pub primitives: u32,
-    /// Patches that an outer level discarded.
+    /// Patches that were looked at.
+    pub patches: u32,
+    /// Those of them that an outer level discarded: they emit nothing.
     pub discarded: u32,
     /// How often levels were lowered by a fifth to fit a pool, in the worst case.
     pub lowered: u32,
@@ -121,6 +123,7 @@ pub fn collect(mut kinds: ResMut<StageKinds>, shared: Res<StageShared>) {
             sum.vertices += newest.vertices;
             sum.primitives += newest.primitives;
             sum.discarded += newest.discarded;
+            sum.patches += state.patches();
             sum.lowered = sum.lowered.max(newest.lowered);
             sum.wanted_primitives = sum
                 .wanted_primitives

@@ -4,9 +4,20 @@ use bevy::math::{DMat4, DVec3, DVec4};
 use bevy::prelude::*;
 use bevy::render::view::ExtractedView;
 
-use crate::render::params::Camera;
-use crate::stage::StageCamera;
+use super::camera::Camera;
+use super::extract::ExtractedStageCamera;
 use crate::stage::layout::StageView;
+
+/// What [`PatchKind::view_numbers`](super::PatchKind::view_numbers) is told of a view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewpoint {
+    /// World position that stage space is counted from, whole metres.
+    pub anchor: DVec3,
+    /// World position of the camera, metres.
+    pub camera: DVec3,
+    /// Seconds, wrapped at an hour.
+    pub time: f32,
+}
 
 /// Where positions of the stage are counted from.
 pub struct StageSpace {
@@ -19,6 +30,15 @@ impl StageSpace {
     pub fn new(position: DVec3) -> Self {
         Self {
             anchor: position.floor(),
+        }
+    }
+
+    /// What kinds are told of a view.
+    pub fn viewpoint(&self, camera: &Camera, time: f32) -> Viewpoint {
+        Viewpoint {
+            anchor: self.anchor,
+            camera: camera.position,
+            time,
         }
     }
 
@@ -35,7 +55,7 @@ pub fn stage_view(
     view: &ExtractedView,
     camera: &Camera,
     space: &StageSpace,
-    settings: &StageCamera,
+    stage: &ExtractedStageCamera,
     sun: Option<Vec3>,
     time: [f32; 2],
 ) -> StageView {
@@ -48,6 +68,7 @@ pub fn stage_view(
         let unit = if length > 0.0 { plane / length } else { plane };
         unit.as_vec4().to_array()
     });
+    let settings = &stage.settings;
     let focus = settings
         .focus
         .filter(|focus| focus.is_finite())
@@ -69,6 +90,6 @@ pub fn stage_view(
         time: time[0],
         previous_time: time[1],
         orthographic: f32::from(u8::from(orthographic)),
-        pad: 0.0,
+        camera: stage.number,
     }
 }

@@ -1,4 +1,4 @@
-#define_import_path dolomite::tessellation::texturing
+#define_import_path dolomite::ground::texturing
 
 // Ground textures without visible tiling. Pure but for the textures passed in.
 // Method: two copies of the texture at offsets that change with a low-frequency index, blended
@@ -8,7 +8,7 @@
 #import dolomite::terrain::hash::pcg
 
 // A texel pair of one material: albedo and height, normal xy in -1..1, roughness, occlusion.
-struct Surface {
+struct Texel {
     albedo: vec3<f32>,
     height: f32,
     normal: vec2<f32>,
@@ -39,14 +39,14 @@ fn sample_once(
     uv: vec2<f32>,
     dx: vec2<f32>,
     dy: vec2<f32>,
-) -> Surface {
+) -> Texel {
     let a = textureSampleGrad(albedo_height, textures, uv, layer, dx, dy);
     let n = textureSampleGrad(normal_roughness, textures, uv, layer, dx, dy);
-    return Surface(a.rgb, a.a, n.xy * 2.0 - 1.0, n.z, n.w);
+    return Texel(a.rgb, a.a, n.xy * 2.0 - 1.0, n.z, n.w);
 }
 
-fn mix_surface(a: Surface, b: Surface, t: f32) -> Surface {
-    return Surface(
+fn mix_texels(a: Texel, b: Texel, t: f32) -> Texel {
+    return Texel(
         mix(a.albedo, b.albedo, t),
         mix(a.height, b.height, t),
         mix(a.normal, b.normal, t),
@@ -65,7 +65,7 @@ fn sample_varied(
     dx: vec2<f32>,
     dy: vec2<f32>,
     index: f32,
-) -> Surface {
+) -> Texel {
     let whole = i32(floor(index));
     let t = smoothstep(0.25, 0.75, fract(index));
     let o0 = vec2(unit_hash(vec2(whole, 0), 11u), unit_hash(vec2(whole, 1), 11u));
@@ -78,5 +78,5 @@ fn sample_varied(
     }
     let a = sample_once(albedo_height, normal_roughness, textures, layer, uv + o0, dx, dy);
     let b = sample_once(albedo_height, normal_roughness, textures, layer, uv + o1, dx, dy);
-    return mix_surface(a, b, t);
+    return mix_texels(a, b, t);
 }

@@ -2,13 +2,15 @@
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
+use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use bevy::render::render_resource::{
     Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
 };
+use bevy::render::renderer::RenderAdapterInfo;
 use thiserror::Error;
 
-use crate::settings::TerrainMaterial;
+use crate::ground::TerrainMaterial;
 
 /// Materials of the ground, hence layers of its texture arrays.
 pub const LAYERS: u32 = 5;
@@ -41,7 +43,7 @@ pub enum TextureArrayError {
 /// Cuts a vertical stack of `layers` square images into a 2D array with all mip levels.
 ///
 /// Each level is the mean of 2 × 2 texels of the one below: in linear light where `srgb` (alpha
-/// always linear). The sampler repeats, filters trilinearly, with 8× anisotropy.
+/// always linear). The sampler repeats and filters trilinearly.
 ///
 /// # Errors
 /// See [`TextureArrayError`].
@@ -134,32 +136,66 @@ fn halve(level: &[u8], side: usize, srgb: bool) -> Vec<u8> {
     out
 }
 
+/// Texture arrays that are what a [`TerrainMaterial`] needs.
+#[derive(Resource, Default)]
+pub struct ReadyArrays(HashSet<AssetId<Image>>);
+
+impl ReadyArrays {
+    /// Whether both images of a material are.
+    pub fn has(&self, material: &TerrainMaterial) -> bool {
+        [&material.albedo_height, &material.normal_roughness]
+            .iter()
+            .all(|handle| self.0.contains(&handle.id()))
+    }
+}
+
 /// Turns the stacked images that a [`TerrainMaterial`] names into texture arrays, in place, as
 /// soon as they are loaded. A wrong image is reported once and left as it is.
 pub fn make_arrays(
     materials: Query<&TerrainMaterial>,
     mut images: ResMut<Assets<Image>>,
+    mut ready: ResMut<ReadyArrays>,
     mut refused: Local<Vec<AssetId<Image>>>,
+    adapter: Option<Res<RenderAdapterInfo>>,
 ) {
+    // A processor that draws pays for every tap in full.
+    let software = adapter.is_some_and(|adapter| adapter.device_type == wgpu::DeviceType::Cpu);
     for material in &materials {
         for (handle, srgb) in [
             (&material.albedo_height, true),
             (&material.normal_roughness, false),
         ] {
             let id = handle.id();
-            let stacked = images
-                .get(id)
-                .filter(|image| image.texture_descriptor.size.depth_or_array_layers == 1);
-            let Some(stacked) = stacked.filter(|_| !refused.contains(&id)) else {
+            if ready.0.contains(&id) || refused.contains(&id) {
+                continue;
+            }
+            let Some(image) = images.get(id) else {
+                // One that was made, not loaded, and lives on the GPU alone: an array, as it should be.
+                if handle.path().is_none() && id != AssetId::default() {
+                    ready.0.insert(id);
+                }
                 continue;
             };
-            match texture_array(stacked, LAYERS, srgb) {
-                Ok(array) => {
-                    if let Err(error) = images.insert(id, array) {
+            if image.texture_descriptor.size.depth_or_array_layers > 1 {
+                ready.0.insert(id);
+                continue;
+            }
+            let made = texture_array(image, LAYERS, srgb).map(|mut array| {
+                if let ImageSampler::Descriptor(sampler) = &mut array.sampler {
+                    sampler.anisotropy_clamp = if software { 1 } else { 8 };
+                }
+                array
+            });
+            match made {
+                Ok(array) => match images.insert(id, array) {
+                    Ok(()) => {
+                        ready.0.insert(id);
+                    }
+                    Err(error) => {
                         error!("terrain texture: {error}");
                         refused.push(id);
                     }
-                }
+                },
                 Err(error) => {
                     error!("terrain texture {:?}: {error}", handle.path());
                     refused.push(id);

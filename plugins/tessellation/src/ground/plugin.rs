@@ -1,16 +1,16 @@
 //! The plugin, and its simulation half: which patches each camera needs.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
-use bevy::math::{DVec3, UVec2};
+use bevy::math::UVec2;
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPool};
-use dolomite_terrain::{Ground, Terrain};
+use dolomite_terrain::{Ground, GroundPoint, Planes, Terrain};
 
-use crate::cover::{Cover, Lattice, Node, clamped, selection_height};
-use crate::settings::TerrainView;
-use crate::stats::TessellationStats;
+use super::lattice::{Lattice, Node, clamped, selection_height};
+use super::patches::GroundPatches;
+use super::settings::TerrainView;
+use crate::stage::StageCamera;
 
 /// Refines the [`Terrain`] in the world for every camera that carries a [`TerrainView`].
 ///
@@ -27,16 +27,14 @@ pub struct TerrainCoverSystems;
 
 impl Plugin for TerrainTessellationPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<TessellationStats>()
-            .init_resource::<PatchBounds>()
-            .add_systems(
-                PostUpdate,
-                update_covers
-                    .in_set(TerrainCoverSystems)
-                    .after(bevy::transform::TransformSystems::Propagate),
-            );
+        app.init_resource::<PatchBounds>().add_systems(
+            PostUpdate,
+            update_covers
+                .in_set(TerrainCoverSystems)
+                .after(bevy::transform::TransformSystems::Propagate),
+        );
         #[cfg(feature = "render")]
-        crate::render::build(app);
+        crate::render::ground::build(app);
     }
 }
 
@@ -44,11 +42,9 @@ impl Plugin for TerrainTessellationPlugin {
 #[derive(Component, Clone, Debug, Default)]
 pub struct TerrainCover {
     /// The patches; replaced, never changed, when the focus asks for others.
-    pub cover: Arc<Cover>,
-    /// The leaves that `cover` was made from.
+    pub patches: GroundPatches,
+    /// The leaves that they were made from.
     leaves: Vec<Node>,
-    /// The point that detail follows, world space, metres.
-    pub focus: DVec3,
 }
 
 /// Height bounds of quadtree nodes, kept while the terrain and the lattice stay the same.
@@ -100,15 +96,33 @@ impl PatchBounds {
     }
 }
 
+/// Heights at points, on this thread.
+fn heights(terrain: &Terrain, points: &[GroundPoint]) -> Vec<f32> {
+    let [mut value, mut dx, mut dz] = [(); 3].map(|()| vec![0.0; points.len()]);
+    let planes = Planes {
+        value: &mut value,
+        dx: &mut dx,
+        dz: &mut dz,
+    };
+    let filled = terrain.fill_points(points, planes);
+    debug_assert!(filled.is_ok(), "the planes are as long as the list");
+    value
+}
+
 /// Chooses the patches of every view whose focus, settings or terrain changed.
 fn update_covers(
     terrain: Query<Ref<Terrain>>,
-    mut views: Query<(Ref<TerrainView>, Ref<GlobalTransform>, &mut TerrainCover)>,
+    mut views: Query<(
+        Ref<TerrainView>,
+        Ref<StageCamera>,
+        Ref<GlobalTransform>,
+        &mut TerrainCover,
+    )>,
     mut cache: ResMut<PatchBounds>,
 ) {
     let Some(terrain) = terrain.iter().next() else {
-        for (_, _, mut cover) in &mut views {
-            if !cover.cover.patches.is_empty() {
+        for (.., mut cover) in &mut views {
+            if !cover.leaves.is_empty() {
                 *cover = TerrainCover::default();
             }
         }
@@ -117,12 +131,13 @@ fn update_covers(
     if terrain.is_changed() {
         cache.lattice = None;
     }
-    for (view, transform, mut cover) in &mut views {
-        if !(terrain.is_changed() || view.is_changed() || transform.is_changed()) {
+    for (view, camera, transform, mut cover) in &mut views {
+        let changed = view.is_changed() || camera.is_changed() || transform.is_changed();
+        if !(terrain.is_changed() || changed) {
             continue;
         }
         let settings = clamped(&view);
-        let focus = settings
+        let focus = camera
             .focus
             .unwrap_or_else(|| transform.translation().as_dvec3());
         if !focus.is_finite() {
@@ -132,15 +147,17 @@ fn update_covers(
         let ground = terrain.height(focus.xz());
         let height = selection_height(focus, ground);
         let leaves = lattice.leaves(focus.xz(), height, f64::from(settings.split_distance));
-        let same = leaves == cover.leaves && cache.lattice == Some(lattice);
-        if !same {
-            cache.fill(&terrain, lattice, &leaves);
-            let bounds = |node: Node| cache.bounds[&(node.corner, node.side)];
-            cover.cover = Arc::new(Cover::new(&lattice, &leaves, bounds));
-            cover.leaves = leaves;
+        if leaves == cover.leaves && cache.lattice == Some(lattice) {
+            continue;
         }
-        if cover.focus != focus {
-            cover.focus = focus;
+        cache.fill(&terrain, lattice, &leaves);
+        let bounds = |node: Node| cache.bounds[&(node.corner, node.side)];
+        let heights = |points: &[GroundPoint]| heights(&terrain, points);
+        match GroundPatches::new(&lattice, &leaves, bounds, heights) {
+            Ok(patches) => {
+                *cover = TerrainCover { patches, leaves };
+            }
+            Err(fault) => error!("the ground cannot be covered: {fault}"),
         }
     }
 }

@@ -1,25 +1,19 @@
-#define_import_path dolomite::tessellation::material
+#define_import_path dolomite::ground::material
 
 // What the ground is made of, by height, slope and the sea, and how it looks there.
 // Slopes are rise over run; heights and lengths metres.
 
-#import dolomite::tessellation::draw_types::DrawParams
-#import dolomite::tessellation::texturing::{Surface, mix_surface, sample_once, sample_varied, value_noise}
-#import dolomite::tessellation::water::water_surface
+#import dolomite::stage::draw_types::{Shaded, Surface}
+#import dolomite::ground::types::{GroundLook, GroundView, DEPTH_RANGE}
+#import dolomite::ground::texturing::{Texel, mix_texels, sample_once, sample_varied, value_noise}
+#import dolomite::ground::water::water_surface
 
-@group(1) @binding(0) var albedo_height: texture_2d_array<f32>;
-@group(1) @binding(1) var normal_roughness: texture_2d_array<f32>;
-@group(1) @binding(2) var textures: sampler;
-@group(1) @binding(3) var relief: texture_2d<f32>;
-@group(1) @binding(4) var relief_sampler: sampler;
-
-struct Shaded {
-    albedo: vec3<f32>,
-    roughness: f32,
-    reflectance: f32,
-    occlusion: f32,
-    normal: vec3<f32>,
-}
+@group(1) @binding(3) var albedo_height: texture_2d_array<f32>;
+@group(1) @binding(4) var normal_roughness: texture_2d_array<f32>;
+@group(1) @binding(5) var textures: sampler;
+@group(1) @binding(6) var relief: texture_2d<f32>;
+@group(1) @binding(7) var relief_sampler: sampler;
+@group(1) @binding(8) var<uniform> look: GroundLook;
 
 const SAND: u32 = 0u;
 const GRASS: u32 = 1u;
@@ -32,19 +26,19 @@ const FAR_TILES: f32 = 11.3;
 
 // Share of each material, not normalised: sand, grass, rock, snow in xyzw; scree is returned by
 // `scree_weight` as what is left.
-fn material_weights(draw: DrawParams, height: f32, slope: f32, patchiness: vec2<f32>) -> array<f32, 5> {
-    let above_sea = height - draw.sea_level;
+fn material_weights(height: f32, slope: f32, patchiness: vec2<f32>) -> array<f32, 5> {
+    let above_sea = height - look.sea_level;
     let uneven = patchiness.x - 0.5;
     let fine = patchiness.y - 0.5;
-    let sand = 1.0 - smoothstep(draw.sand_top * 0.5, draw.sand_top * 1.5, above_sea + 3.0 * fine + 40.0 * max(slope - 0.35, 0.0));
+    let sand = 1.0 - smoothstep(look.sand_top * 0.5, look.sand_top * 1.5, above_sea + 3.0 * fine + 40.0 * max(slope - 0.35, 0.0));
     // Snow lies lower in hollows of the noise and slides off steep ground.
-    let snow_height = smoothstep(draw.snow_line - draw.blend, draw.snow_line + draw.blend, height + draw.blend * 1.6 * uneven + draw.blend * 0.5 * fine);
-    let snow_hold = 1.0 - smoothstep(draw.snow_slope * 0.7, draw.snow_slope * 1.15, slope + 0.25 * fine);
+    let snow_height = smoothstep(look.snow_line - look.blend, look.snow_line + look.blend, height + look.blend * 1.6 * uneven + look.blend * 0.5 * fine);
+    let snow_hold = 1.0 - smoothstep(look.snow_slope * 0.7, look.snow_slope * 1.15, slope + 0.25 * fine);
     let snow = snow_height * snow_hold;
-    let rock = smoothstep(draw.rock_slope * 0.8, draw.rock_slope * 1.25, slope + 0.3 * uneven + 0.15 * fine);
-    let grassy = 1.0 - smoothstep(draw.tree_line - draw.blend, draw.tree_line + draw.blend, height + draw.blend * 1.4 * uneven + draw.blend * fine);
+    let rock = smoothstep(look.rock_slope * 0.8, look.rock_slope * 1.25, slope + 0.3 * uneven + 0.15 * fine);
+    let grassy = 1.0 - smoothstep(look.tree_line - look.blend, look.tree_line + look.blend, height + look.blend * 1.4 * uneven + look.blend * fine);
     // Earth shows through the grass where it is steeper and in patches.
-    let bare = smoothstep(draw.rock_slope * 0.45, draw.rock_slope * 0.9, slope + 0.35 * uneven + 0.3 * fine);
+    let bare = smoothstep(look.rock_slope * 0.45, look.rock_slope * 0.9, slope + 0.35 * uneven + 0.3 * fine);
     var left = 1.0;
     var weights: array<f32, 5>;
     weights[SNOW] = snow;
@@ -62,7 +56,7 @@ fn material_weights(draw: DrawParams, height: f32, slope: f32, patchiness: vec2<
 const LEAST_WEIGHT: f32 = 0.04;
 
 // Near texture scale mixed with the far one by the size of a pixel on the ground.
-fn sample_layer(layer: u32, near: vec2<f32>, far: vec2<f32>, dx: vec2<f32>, dy: vec2<f32>, index: f32, farness: f32) -> Surface {
+fn sample_layer(layer: u32, near: vec2<f32>, far: vec2<f32>, dx: vec2<f32>, dy: vec2<f32>, index: f32, farness: f32) -> Texel {
     if farness >= 1.0 {
         return sample_varied(albedo_height, normal_roughness, textures, layer, far, dx / FAR_TILES, dy / FAR_TILES, index * 0.37);
     }
@@ -71,7 +65,7 @@ fn sample_layer(layer: u32, near: vec2<f32>, far: vec2<f32>, dx: vec2<f32>, dy: 
         return close;
     }
     let wide = sample_varied(albedo_height, normal_roughness, textures, layer, far, dx / FAR_TILES, dy / FAR_TILES, index * 0.37);
-    return mix_surface(close, wide, farness);
+    return mix_texels(close, wide, farness);
 }
 
 struct Blend {
@@ -83,7 +77,7 @@ struct Blend {
     total: f32,
 }
 
-fn add(blend: Blend, s: Surface, bump: vec3<f32>, weight: f32) -> Blend {
+fn add(blend: Blend, s: Texel, bump: vec3<f32>, weight: f32) -> Blend {
     return Blend(
         blend.albedo + s.albedo * weight,
         blend.roughness + s.roughness * weight,
@@ -93,36 +87,44 @@ fn add(blend: Blend, s: Surface, bump: vec3<f32>, weight: f32) -> Blend {
     );
 }
 
-fn shade(draw: DrawParams, position: vec3<f32>, ground: f32, vertex_gradient: vec2<f32>, dx: vec3<f32>, dy: vec3<f32>) -> Shaded {
-    let camera_distance = length(position - draw.camera);
+// What the rasteriser gives, shaded; stage space's origin stands `anchor_height` metres up.
+fn ground_surface(view: GroundView, surface: Surface, anchor_height: f32) -> Shaded {
+    // Derivatives before any branch: WGSL wants them in uniform control flow.
+    let dx = dpdx(surface.position);
+    let dy = dpdy(surface.position);
+    let position = vec3(surface.position.x, surface.position.y + anchor_height, surface.position.z);
+    let camera_distance = length(surface.position - view.camera);
     let pixel = max(length(dx.xz), length(dy.xz));
-    var gradient = vertex_gradient;
+    let depth = surface.uv.x;
+    // The sea bed, where it lies below the surface that is drawn.
+    let ground = select(position.y, look.sea_level - depth, depth > -0.99 * DEPTH_RANGE);
+    var gradient = -surface.normal.xz / max(surface.normal.y, 1e-3);
     var relief_occlusion = 1.0;
-    if draw.relief_texel > 0.0 {
+    if look.relief_texel > 0.0 {
         // The relief map takes over where its texels are finer than the triangles.
-        let uv = draw.relief_offset + position.xz * draw.relief_scale;
-        let map = textureSampleGrad(relief, relief_sampler, uv, dx.xz * draw.relief_scale, dy.xz * draw.relief_scale);
-        let share = smoothstep(60.0, 160.0, camera_distance / draw.relief_texel);
+        let uv = view.relief_offset + position.xz * look.relief_scale;
+        let map = textureSampleGrad(relief, relief_sampler, uv, dx.xz * look.relief_scale, dy.xz * look.relief_scale);
+        let share = smoothstep(60.0, 160.0, camera_distance / look.relief_texel);
         gradient = mix(gradient, map.xy, share);
         relief_occlusion = map.z;
     }
     let slope = length(gradient);
     let base_normal = normalize(vec3(-gradient.x, 1.0, -gradient.y));
 
-    let world = draw.anchor + position.xz;
+    let world = view.anchor + position.xz;
     let wide_noise = 0.65 * value_noise(world / 173.0, 1u) + 0.35 * value_noise(world / 47.0, 2u);
     let fine_noise = 0.6 * value_noise(world / 11.0, 3u) + 0.4 * value_noise(world / 2.9, 4u);
-    let weights = material_weights(draw, ground, slope, vec2(wide_noise, fine_noise));
+    let weights = material_weights(ground, slope, vec2(wide_noise, fine_noise));
 
-    let near = draw.near_offset + position.xz / draw.tile;
-    let far = draw.far_offset + position.xz / (draw.tile * FAR_TILES);
-    let ddx = dx.xz / draw.tile;
-    let ddy = dy.xz / draw.tile;
-    let index = 9.0 * value_noise(world / (draw.tile * 2.3), 5u);
+    let near = view.near_offset + position.xz / look.tile;
+    let far = view.far_offset + position.xz / (look.tile * FAR_TILES);
+    let ddx = dx.xz / look.tile;
+    let ddy = dy.xz / look.tile;
+    let index = 9.0 * value_noise(world / (look.tile * 2.3), 5u);
     // From 3 cm a pixel on the near texture is only an average: the far one takes over.
     let farness = smoothstep(0.012, 0.09, pixel);
 
-    var layers: array<Surface, 5>;
+    var layers: array<Texel, 5>;
     var bumps: array<vec3<f32>, 5>;
     var highest = 0.0;
     for (var i = 0u; i < 5u; i++) {
@@ -139,14 +141,14 @@ fn shade(draw: DrawParams, position: vec3<f32>, ground: f32, vertex_gradient: ve
             let upright = smoothstep(0.55, 0.75, base_normal.y);
             let along = select(vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0), side_z);
             if upright < 1.0 {
-                let s = sample_layer(i, side / draw.tile, side / (draw.tile * FAR_TILES), side_dx / draw.tile, side_dy / draw.tile, index, farness);
+                let s = sample_layer(i, side / look.tile, side / (look.tile * FAR_TILES), side_dx / look.tile, side_dy / look.tile, index, farness);
                 layers[i] = s;
                 bumps[i] = along * s.normal.x - vec3(0.0, 1.0, 0.0) * s.normal.y;
             }
             if upright > 0.0 {
                 let t = sample_layer(i, near, far, ddx, ddy, index, farness);
                 let bump = vec3(t.normal.x, 0.0, t.normal.y);
-                layers[i] = mix_surface(layers[i], t, upright);
+                layers[i] = mix_texels(layers[i], t, upright);
                 bumps[i] = mix(bumps[i], bump, upright);
             }
         } else {
@@ -166,23 +168,25 @@ fn shade(draw: DrawParams, position: vec3<f32>, ground: f32, vertex_gradient: ve
     }
     let scale = 1.0 / max(blend.total, 1e-6);
     var out: Shaded;
+    out.emissive = vec3(0.0);
+    out.metallic = 0.0;
+    out.unlit = false;
     // Large-scale light and dark, and warm and cool, that no tile can have.
     let tint = mix(vec3(0.82, 0.86, 0.84), vec3(1.14, 1.1, 1.04), wide_noise) * (0.9 + 0.2 * fine_noise);
-    out.albedo = clamp(blend.albedo * scale * tint, vec3(0.0), vec3(1.0));
+    out.base_color = clamp(blend.albedo * scale * tint, vec3(0.0), vec3(1.0));
     out.roughness = clamp(blend.roughness * scale, 0.05, 1.0);
     out.occlusion = blend.occlusion * scale * relief_occlusion;
     out.reflectance = 0.4;
     out.normal = normalize(base_normal + blend.bump * scale * 0.9);
 
     // Wet sand just above the water line, and the water itself.
-    let depth = draw.sea_level - ground;
     let wet = smoothstep(-0.7, 0.0, depth);
-    out.albedo *= 1.0 - 0.45 * wet;
+    out.base_color *= 1.0 - 0.45 * wet;
     out.roughness = mix(out.roughness, 0.35, wet * 0.7);
     if depth > 0.0 {
-        let water = water_surface(draw, position, depth, pixel, out.albedo);
+        let water = water_surface(view, position.xz, depth, pixel, out.base_color);
         let shore = smoothstep(0.0, 0.12, depth);
-        out.albedo = mix(out.albedo, water.albedo, shore);
+        out.base_color = mix(out.base_color, water.albedo, shore);
         out.roughness = mix(out.roughness, water.roughness, shore);
         out.normal = normalize(mix(out.normal, water.normal, shore));
         out.reflectance = mix(out.reflectance, 0.35, shore); // F0 = 0.16 r^2 = 0.02: water.

@@ -1,40 +1,27 @@
-//! The components that shape terrain tessellation: one on the camera, one on the terrain.
+//! The components that shape the ground: one on the camera, one on the terrain.
 
-use bevy::math::DVec3;
 use bevy::prelude::*;
 
-/// Switches terrain tessellation on for a camera, and sets its detail.
+use crate::stage::StageCamera;
+
+/// Makes a camera see the terrain, and sets its patches. How fine they are cut is set by the
+/// [`StageCamera`], which comes along: wanted length of an edge in pixels, the point that detail
+/// follows, fill and lines.
 ///
-/// A camera without this component costs nothing: no pipeline, no buffer, no pass.
-/// The camera also needs Bevy's deferred G-buffer: `DepthPrepass`, `DeferredPrepass` and
-/// `Msaa::Off` (with the `render` feature they are required automatically, except `Msaa`).
+/// A camera without this component costs nothing: no pipeline, no buffer, no pass. It also needs
+/// Bevy's deferred G-buffer, see [`StageCamera`].
 #[derive(Component, Clone, Debug, PartialEq)]
-#[require(crate::TerrainCover)]
-#[cfg_attr(
-    feature = "render",
-    require(
-        bevy::core_pipeline::prepass::DepthPrepass,
-        bevy::core_pipeline::prepass::DeferredPrepass
-    )
-)]
+#[require(crate::TerrainCover, StageCamera)]
 pub struct TerrainView {
-    /// Wanted length of a triangle edge on the screen, in physical pixels, seen from the detail
-    /// focus. Default 8; range 1 to 256 (clamped). Halving it quadruples the triangles.
-    pub pixels_per_edge: f32,
     /// Side of the smallest patch, in metres. Default 16; range 1 to 4096 (clamped). The densest
     /// possible grid is a 64th of it.
     pub finest_patch: f32,
     /// A quadtree node is split while the focus is nearer than this many of its sides.
     /// Default 2; at least 1.5 (clamped), which keeps neighbours within one level.
     pub split_distance: f32,
-    /// The point that detail follows, in world space, metres; `None`: the camera itself.
-    pub focus: Option<DVec3>,
-    /// Draw filled triangles. Default true.
-    pub fill: bool,
-    /// Draw triangle edges as lines, over the fill or alone. Default false.
-    pub lines: bool,
-    /// Capacity of the vertex pool, in vertices of 16 bytes. Default 1 048 576 (16 MiB).
-    /// Where a frame needs more, all levels are lowered evenly until it fits.
+    /// Capacity of the vertex pool, in vertices of 20 bytes. Default 1 048 576 (20 MiB).
+    /// Where a frame needs more, all levels are lowered evenly until it fits. With several views the
+    /// greatest of them counts for each.
     pub max_vertices: u32,
     /// Capacity of the index pool, in triangles of 12 bytes. Default 2 097 152 (24 MiB).
     pub max_triangles: u32,
@@ -43,12 +30,8 @@ pub struct TerrainView {
 impl Default for TerrainView {
     fn default() -> Self {
         Self {
-            pixels_per_edge: 8.0,
             finest_patch: 16.0,
             split_distance: 2.0,
-            focus: None,
-            fill: true,
-            lines: false,
             max_vertices: 1 << 20,
             max_triangles: 1 << 21,
         }

@@ -1,9 +1,9 @@
-#define_import_path dolomite::tessellation::water
+#define_import_path dolomite::ground::water
 
 // The sea: an opaque surface whose colour follows the depth below it. Lengths metres.
 
-#import dolomite::tessellation::draw_types::DrawParams
-#import dolomite::tessellation::texturing::value_noise
+#import dolomite::ground::types::GroundView
+#import dolomite::ground::texturing::value_noise
 
 struct Water {
     albedo: vec3<f32>,
@@ -37,8 +37,8 @@ fn wave_slope(at: vec2<f32>, time: f32, pixel: f32) -> vec3<f32> {
     return vec3(slope, lost);
 }
 
-fn water_surface(draw: DrawParams, position: vec3<f32>, depth: f32, pixel: f32, bed: vec3<f32>) -> Water {
-    let waves = wave_slope(draw.anchor + position.xz, draw.time, pixel);
+fn water_surface(view: GroundView, place: vec2<f32>, depth: f32, pixel: f32, bed: vec3<f32>) -> Water {
+    let waves = wave_slope(view.anchor + place, view.time, pixel);
     // Absorption by depth (Beer-Lambert), per metre: red goes first.
     let through = exp(-vec3(0.55, 0.16, 0.11) * depth * 1.4);
     let deep = vec3(0.004, 0.022, 0.035);

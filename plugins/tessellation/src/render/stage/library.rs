@@ -1,0 +1,35 @@
+//! The WGSL files as assets.
+
+use bevy::prelude::*;
+use bevy::shader::Shader;
+
+/// Every WGSL file that others import: these handles keep them alive.
+#[derive(Resource, Clone)]
+pub struct ModuleShaders(#[expect(dead_code, reason = "held, never read")] Vec<Handle<Shader>>);
+
+impl ModuleShaders {
+    /// Registers them with the asset system, the first time.
+    pub fn load(app: &mut App) -> Self {
+        if let Some(known) = app.world().get_resource::<Self>() {
+            return known.clone();
+        }
+        let mut assets = app.world_mut().resource_mut::<Assets<Shader>>();
+        let modules = dolomite_shaders::ALL
+            .iter()
+            .filter(|file| file.is_module())
+            .map(|file| assets.add(shader(file.source, file.path)))
+            .collect();
+        let modules = Self(modules);
+        app.insert_resource(modules.clone());
+        modules
+    }
+}
+
+/// A shader asset of ours, validated in debug builds.
+pub fn shader(source: impl Into<std::borrow::Cow<'static, str>>, path: &str) -> Shader {
+    let mut shader = Shader::from_wgsl(source, path);
+    if cfg!(debug_assertions) {
+        shader.validate_shader = bevy::shader::ValidateShader::Enabled;
+    }
+    shader
+}
