@@ -27,8 +27,25 @@ const CAPABILITIES: Capabilities = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
 /// # Errors
 /// An unknown path, an import that is not ours, or WGSL that is not valid.
 pub fn compose(path: &str, defs: &[&str]) -> Result<naga::Module, ComposeError> {
-    match ALL.iter().find(|file| file.path == path) {
-        Some(file) => build(file, defs),
+    compose_with(path, defs, &[])
+}
+
+/// As [`compose`], with `others` beside our files: one with the path of one of ours stands in its
+/// place, as a user's functions stand in that of `stage/user.wgsl`.
+///
+/// # Errors
+/// As [`compose`].
+pub fn compose_with(
+    path: &str,
+    defs: &[&str],
+    others: &[ShaderFile],
+) -> Result<naga::Module, ComposeError> {
+    let ours = ALL
+        .iter()
+        .filter(|file| others.iter().all(|other| other.path != file.path));
+    let files: Vec<ShaderFile> = others.iter().chain(ours).copied().collect();
+    match files.iter().find(|file| file.path == path) {
+        Some(file) => build(file, defs, &files),
         None => Err(ComposeError {
             file: path.to_owned(),
             reason: "no such file; the files are listed in dolomite_shaders::ALL".to_owned(),
@@ -36,14 +53,18 @@ pub fn compose(path: &str, defs: &[&str]) -> Result<naga::Module, ComposeError> 
     }
 }
 
-fn build(file: &ShaderFile, defs: &[&str]) -> Result<naga::Module, ComposeError> {
+fn build(
+    file: &ShaderFile,
+    defs: &[&str],
+    files: &[ShaderFile],
+) -> Result<naga::Module, ComposeError> {
     let defs: HashMap<String, ShaderDefValue> = defs
         .iter()
         .map(|name| ((*name).to_owned(), ShaderDefValue::Bool(true)))
         .collect();
     let mut composer = Composer::default().with_capabilities(CAPABILITIES);
-    for module in imports(file) {
-        add(&mut composer, module, &defs)?;
+    for module in imports(file, files) {
+        add(&mut composer, module, &defs, files)?;
     }
     let module = composer.make_naga_module(NagaModuleDescriptor {
         source: file.source,
@@ -57,8 +78,11 @@ fn build(file: &ShaderFile, defs: &[&str]) -> Result<naga::Module, ComposeError>
     })
 }
 
-/// The modules of ours that a file imports.
-fn imports(file: &ShaderFile) -> impl Iterator<Item = &'static ShaderFile> {
+/// The modules of `files` that a file imports.
+fn imports<'a>(
+    file: &ShaderFile,
+    files: &'a [ShaderFile],
+) -> impl Iterator<Item = &'a ShaderFile> + use<'a> {
     let lines = file
         .source
         .lines()
@@ -66,7 +90,7 @@ fn imports(file: &ShaderFile) -> impl Iterator<Item = &'static ShaderFile> {
     let paths: Vec<&str> = lines
         .map(|import| import.trim().trim_end_matches(';'))
         .collect();
-    ALL.iter().filter(move |module| {
+    files.iter().filter(move |module| {
         module.import_path().is_some_and(|module| {
             paths.iter().any(|path| {
                 path.strip_prefix(module)
@@ -81,6 +105,7 @@ fn add(
     composer: &mut Composer,
     file: &ShaderFile,
     defs: &HashMap<String, ShaderDefValue>,
+    files: &[ShaderFile],
 ) -> Result<(), ComposeError> {
     if file
         .import_path()
@@ -88,8 +113,8 @@ fn add(
     {
         return Ok(());
     }
-    for module in imports(file) {
-        add(composer, module, defs)?;
+    for module in imports(file, files) {
+        add(composer, module, defs, files)?;
     }
     let added = composer.add_composable_module(ComposableModuleDescriptor {
         source: file.source,
@@ -127,6 +152,29 @@ mod tests {
     }
 
     #[test]
+    fn a_file_stands_in_the_place_of_another() {
+        let functions = |body| ShaderFile {
+            path: "stage/user.wgsl",
+            source: body,
+        };
+        let good = functions(
+            "#define_import_path dolomite::stage::user
+#import dolomite::stage::api::{Patch, PatchLevels, StageView}
+fn control(input: Patch, view: StageView) -> PatchLevels {
+    return PatchLevels(vec4(7.0), vec2(7.0));
+}",
+        );
+        let path = "stage/control.wgsl";
+        let [ours, others] = [&[] as &[_], &[good]].map(|others| {
+            let module = compose_with(path, &[], others).expect("valid functions");
+            format!("{module:?}")
+        });
+        assert!(!ours.contains("F32(7.0)") && others.contains("F32(7.0)"));
+        let broken = functions("#define_import_path dolomite::stage::user\nfn control() {}");
+        assert!(compose_with(path, &[], &[broken]).is_err());
+    }
+
+    #[test]
     fn a_wrong_file_is_refused() {
         let error = compose("terrain/none.wgsl", &[]).expect_err("no such file");
         assert_eq!(error.file, "terrain/none.wgsl");
@@ -136,7 +184,7 @@ mod tests {
                 path: "terrain/broken.wgsl",
                 source: source.leak(),
             };
-            let error = build(&broken, &[]).expect_err(body);
+            let error = build(&broken, &[], ALL).expect_err(body);
             assert_eq!(error.file, "terrain/broken.wgsl");
             assert!(error.reason.contains("terrain/broken.wgsl:1:"), "{error}");
         }

@@ -7,7 +7,7 @@
 #[cfg(feature = "compose")]
 mod compose;
 #[cfg(feature = "compose")]
-pub use compose::{ComposeError, compose};
+pub use compose::{ComposeError, compose, compose_with};
 
 /// One WGSL file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
