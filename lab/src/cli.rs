@@ -23,7 +23,7 @@ pub struct Arguments {
     /// Folder for the CSV, SVG and HTML files; made if need be
     #[arg(long, default_value = "target/lab")]
     pub out: PathBuf,
-    /// Samples of each measurement
+    /// Samples of each measurement; of `tessellation-stage`: pairs of patches
     #[arg(long, default_value_t = Options::default().samples, value_parser = sample_count)]
     pub samples: usize,
     /// Timed runs of each measurement, of which the median counts
@@ -36,6 +36,9 @@ pub struct Arguments {
         value_parser = clap::value_parser!(u32).range(1..=16_000_000)
     )]
     pub triangles: u32,
+    /// Frames in which background pixels behind closed surfaces are counted
+    #[arg(long, default_value_t = Options::default().frames, value_parser = frame_count)]
+    pub frames: usize,
     /// Of `tessellation` alone: compare the captured patches of this file, one JSON object a line,
     /// in place of the study; prints one JSON object and writes no files
     #[arg(long, value_name = "FILE.jsonl")]
@@ -82,12 +85,23 @@ where
 const SAMPLES: std::ops::RangeInclusive<usize> = 256..=1 << 23;
 
 fn sample_count(text: &str) -> Result<usize, String> {
+    in_range(text, &SAMPLES)
+}
+
+/// Most frames: each is a row of the table.
+const FRAMES: std::ops::RangeInclusive<usize> = 12..=100_000;
+
+fn frame_count(text: &str) -> Result<usize, String> {
+    in_range(text, &FRAMES)
+}
+
+fn in_range(text: &str, range: &std::ops::RangeInclusive<usize>) -> Result<usize, String> {
     match text.parse() {
-        Ok(count) if SAMPLES.contains(&count) => Ok(count),
+        Ok(count) if range.contains(&count) => Ok(count),
         _ => Err(format!(
             "a number from {} to {} is needed",
-            SAMPLES.start(),
-            SAMPLES.end()
+            range.start(),
+            range.end()
         )),
     }
 }
@@ -122,6 +136,7 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
         samples: arguments.samples,
         repeats: arguments.repeats,
         triangles: arguments.triangles,
+        frames: arguments.frames,
     };
     let all = arguments.study == "all";
     let chosen = |study: &&Study| all || study.name == arguments.study;
@@ -196,6 +211,18 @@ mod tests {
         for wrong in ["0", "16000001", "-1", "many"] {
             assert!(
                 parse(&format!("noise --triangles={wrong}")).is_err(),
+                "{wrong}"
+            );
+        }
+    }
+
+    #[test]
+    fn frames_have_a_range() {
+        assert_eq!(parse("noise").unwrap().frames, 1000);
+        assert_eq!(parse("noise --frames 12").unwrap().frames, 12);
+        for wrong in ["0", "11", "100001", "-1", "many"] {
+            assert!(
+                parse(&format!("noise --frames={wrong}")).is_err(),
                 "{wrong}"
             );
         }

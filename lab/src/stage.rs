@@ -97,6 +97,20 @@ impl StagePasses {
         tessellator: Tessellator,
         drawing: Drawing,
     ) -> Result<Self, StageError> {
+        Self::with_functions(gpu, tessellator, drawing, &[])
+    }
+
+    /// As [`Self::with_drawing`], with `functions` in place of the shader files whose paths they
+    /// have, above all of `stage/user.wgsl`.
+    ///
+    /// # Errors
+    /// As [`Self::with_drawing`].
+    pub fn with_functions(
+        gpu: &Gpu,
+        tessellator: Tessellator,
+        drawing: Drawing,
+        functions: &[dolomite_shaders::ShaderFile],
+    ) -> Result<Self, StageError> {
         let scope = gpu.device().push_error_scope(wgpu::ErrorFilter::Validation);
         let layout = |kinds: &[BufferBindingType]| layout(gpu, ShaderStages::COMPUTE, kinds);
         let uniform = BufferBindingType::Uniform;
@@ -107,7 +121,7 @@ impl StagePasses {
         let defs = defs(&tessellator, drawing);
         let pass = |file: &str, entry: &str, layout: &BindGroupLayout, more: &[&'static str]| {
             let defs = [defs.as_slice(), more].concat();
-            let module = dolomite_shaders::compose(file, &defs)?;
+            let module = dolomite_shaders::compose_with(file, &defs, functions)?;
             let module = gpu
                 .device()
                 .create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -309,6 +323,12 @@ impl<'a> StageRun<'a> {
             .gpu
             .device()
             .create_command_encoder(&Default::default());
+        self.record(&mut encoder, repeats);
+        self.timed(encoder, repeats)
+    }
+
+    /// Records the passes `repeats` times; gives the number of dispatches.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, repeats: u32) -> usize {
         for _ in 0..repeats.max(1) {
             encoder.clear_buffer(&self.work, 0, Some(self.params.cleared_bytes()));
             let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -329,7 +349,7 @@ impl<'a> StageRun<'a> {
             pass.set_bind_group(0, &self.groups[1], &[]);
             pass.dispatch_workgroups_indirect(&self.work, DISPATCH_ARGUMENTS);
         }
-        self.timed(encoder, repeats)
+        self.passes.passes.len() * repeats.max(1) as usize
     }
 
     /// Copies as many bytes as the last run emitted, `repeats` times; the wall time of one.

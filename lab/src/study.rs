@@ -18,6 +18,8 @@ pub struct Options {
     pub repeats: usize,
     /// Triangles of a timed tessellation.
     pub triangles: u32,
+    /// Frames in which background pixels are counted.
+    pub frames: usize,
 }
 
 impl Default for Options {
@@ -27,6 +29,7 @@ impl Default for Options {
             samples: 1 << 16,
             repeats: 9,
             triangles: 1_000_000,
+            frames: 1000,
         }
     }
 }

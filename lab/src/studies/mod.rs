@@ -3,8 +3,14 @@
 pub mod noise;
 pub mod tessellation;
 pub mod tessellation_speed;
+pub mod tessellation_stage;
 
 use crate::study::Study;
 
 /// All of them, in the order in which `all` runs them.
-pub const STUDIES: &[Study] = &[noise::STUDY, tessellation::STUDY, tessellation_speed::STUDY];
+pub const STUDIES: &[Study] = &[
+    noise::STUDY,
+    tessellation::STUDY,
+    tessellation_speed::STUDY,
+    tessellation_stage::STUDY,
+];

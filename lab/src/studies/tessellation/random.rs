@@ -122,7 +122,7 @@ fn level(random: &mut Random) -> f32 {
 }
 
 /// A level that does not discard.
-fn positive(random: &mut Random) -> f32 {
+pub fn positive(random: &mut Random) -> f32 {
     match below(random, 32) {
         // An integer, 16 in all or up to 64, or its neighbour among f32.
         0..=4 => neighbour(random, 16),

@@ -1,0 +1,10 @@
+#define_import_path dolomite::stage::user_material
+
+// The very function of assets/shaders/rock.wgsl.
+
+#import dolomite::stage::draw_types::{Shaded, Surface}
+#import dolomite::lab::rock
+
+fn material(surface: Surface) -> Shaded {
+    return rock::material(surface);
+}
