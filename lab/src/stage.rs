@@ -39,9 +39,24 @@ pub enum StageError {
 pub struct StagePasses {
     work_layout: BindGroupLayout,
     emit_layout: BindGroupLayout,
+    data_layout: Option<BindGroupLayout>,
     passes: [ComputePipeline; 5],
     pub(crate) tessellator: Tessellator,
     pub(crate) drawing: Drawing,
+    split: bool,
+}
+
+/// What the passes of a tessellator are compiled for, beside its rules.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StageOptions<'a> {
+    /// Where vertices are evaluated.
+    pub drawing: Drawing,
+    /// Whether the patches' sides may be split.
+    pub split: bool,
+    /// Files in place of those whose paths they have, above all of `stage/user.wgsl`.
+    pub functions: &'a [dolomite_shaders::ShaderFile],
+    /// Buffers that the functions read, bound in this order at group 1.
+    pub data: &'a [BufferBindingType],
 }
 
 /// Patches on the adapter, with room for what becomes of them.
@@ -56,6 +71,8 @@ pub struct StageRun<'a> {
     /// Behind the pool's indices [`GUARD`] bytes that nothing may write.
     pub indices: Buffer,
     groups: [BindGroup; 2],
+    /// What the functions read.
+    data: Option<BindGroup>,
 }
 
 /// What came out of a run.
@@ -111,6 +128,29 @@ impl StagePasses {
         drawing: Drawing,
         functions: &[dolomite_shaders::ShaderFile],
     ) -> Result<Self, StageError> {
+        let options = StageOptions {
+            drawing,
+            functions,
+            ..Default::default()
+        };
+        Self::with_options(gpu, tessellator, &options)
+    }
+
+    /// Compiles the passes of `tessellator` for `options`.
+    ///
+    /// # Errors
+    /// If a shader is wrong, or the adapter refuses it.
+    pub fn with_options(
+        gpu: &Gpu,
+        tessellator: Tessellator,
+        options: &StageOptions,
+    ) -> Result<Self, StageError> {
+        let StageOptions {
+            drawing,
+            split,
+            functions,
+            data,
+        } = *options;
         let scope = gpu.device().push_error_scope(wgpu::ErrorFilter::Validation);
         let layout = |kinds: &[BufferBindingType]| layout(gpu, ShaderStages::COMPUTE, kinds);
         let uniform = BufferBindingType::Uniform;
@@ -118,7 +158,11 @@ impl StagePasses {
         let write = BufferBindingType::Storage { read_only: false };
         let work_layout = layout(&[uniform, read, read, write]);
         let emit_layout = layout(&[uniform, read, read, read, write, write]);
-        let defs = defs(&tessellator, drawing);
+        let data_layout = (!data.is_empty()).then(|| layout(data));
+        let mut defs = defs(&tessellator, drawing);
+        if split {
+            defs.push("STAGE_SPLIT");
+        }
         let pass = |file: &str, entry: &str, layout: &BindGroupLayout, more: &[&'static str]| {
             let defs = [defs.as_slice(), more].concat();
             let module = dolomite_shaders::compose_with(file, &defs, functions)?;
@@ -132,7 +176,8 @@ impl StagePasses {
                 .device()
                 .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                     label: Some(entry),
-                    bind_group_layouts: &[Some(layout)],
+                    bind_group_layouts: &[Some(layout), data_layout.as_ref()]
+                        [..1 + usize::from(data_layout.is_some())],
                     immediate_size: 0,
                 });
             let pipeline = gpu
@@ -160,15 +205,21 @@ impl StagePasses {
         Ok(Self {
             work_layout,
             emit_layout,
+            data_layout,
             passes,
             tessellator,
             drawing,
+            split,
         })
     }
 
     /// Shader definitions of its passes and draws.
     pub(crate) fn defs(&self) -> Vec<&'static str> {
-        defs(&self.tessellator, self.drawing)
+        let mut defs = defs(&self.tessellator, self.drawing);
+        if self.split {
+            defs.push("STAGE_SPLIT");
+        }
+        defs
     }
 }
 
@@ -311,7 +362,55 @@ impl<'a> StageRun<'a> {
             vertices,
             indices,
             groups,
+            data: None,
         })
+    }
+
+    /// Gives the functions what they read: the bytes of each buffer of
+    /// [`StageOptions::data`], in that order.
+    pub fn set_data(&mut self, contents: &[&[u8]], kinds: &[BufferBindingType]) {
+        let Some(layout) = &self.passes.data_layout else {
+            return;
+        };
+        let buffers: Vec<Buffer> = contents
+            .iter()
+            .zip(kinds)
+            .map(|(contents, kind)| {
+                let usage = match kind {
+                    BufferBindingType::Uniform => BufferUsages::UNIFORM,
+                    BufferBindingType::Storage { .. } => BufferUsages::STORAGE,
+                };
+                self.gpu.device().create_buffer_init(&BufferInitDescriptor {
+                    label: None,
+                    contents,
+                    usage,
+                })
+            })
+            .collect();
+        let entries: Vec<_> = (0_u32..)
+            .zip(&buffers)
+            .map(|(binding, buffer)| BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        let group = self.gpu.device().create_bind_group(&BindGroupDescriptor {
+            label: None,
+            layout,
+            entries: &entries,
+        });
+        self.data = Some(group);
+    }
+
+    /// Sees the patches as `view` does, with vertices that can store texture coordinates to
+    /// `uv_range`.
+    pub fn set_view(&mut self, view: StageView, uv_range: f32) {
+        self.params.view = view;
+        self.params.uv_range = uv_range;
+        let uniform = &self.given[0];
+        self.gpu
+            .queue()
+            .write_buffer(uniform, 0, bytes_of(&self.params));
     }
 
     /// Records the passes `repeats` times and waits; gives the wall time of one.
@@ -333,6 +432,9 @@ impl<'a> StageRun<'a> {
             encoder.clear_buffer(&self.work, 0, Some(self.params.cleared_bytes()));
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_bind_group(0, &self.groups[0], &[]);
+            if let Some(data) = &self.data {
+                pass.set_bind_group(1, data, &[]);
+            }
             let items = self.params.items().div_ceil(BLOCK);
             let patches = self.params.patches.div_ceil(64);
             let [control, measure, plan, place, emit] = &self.passes.passes;

@@ -1,209 +1,180 @@
-//! The real compute shaders on the adapter, against their Rust twins: the same indices, integer
-//! for integer, vertices within f32 rounding, and no crack by the bits of the positions.
+//! The ground's real WGSL on the adapter, through the passes of the stage, against its Rust twin: the
+//! same triangles, vertices within f32 rounding, and no crack by the bits of the positions.
 
 mod support;
 
-use bytemuck::{bytes_of, cast_slice, pod_collect_to_vec};
-use dolomite_lab::gpu::{Binding, Gpu, Kernel, for_test};
-use dolomite_terrain::{GpuTerrain, Terrain};
-use dolomite_tessellation::cover::Cover;
-use dolomite_tessellation::layout::{Corner, Edge, Patch, PlanResult, Vertex, ViewParams};
-use dolomite_tessellation::twin;
-use support::{Random, cracks, random_view, terrain};
+use bytemuck::{bytes_of, cast_slice};
+use dolomite_lab::gpu::{Gpu, for_test};
+use dolomite_lab::stage::{Emitted, StageOptions, StagePasses, StageRun};
+use dolomite_shaders::ShaderFile;
+use dolomite_tessellation::ground::GROUND_LAYOUT;
+use dolomite_tessellation::ground::functions::DEPTH_RANGE;
+use dolomite_tessellation::stage::tables::Instance;
+use support::{POOLS, Random, Scene, TESSELLATOR, cracks, random_scene, terrain};
+use wgpu::BufferBindingType;
 
-/// What the shaders write before they run: no vertex and no index has these bits.
-const SENTINEL: u8 = 0xcd;
+/// The ground's functions in the place of the user's.
+const FUNCTIONS: ShaderFile = ShaderFile {
+    path: "stage/user.wgsl",
+    source: "#define_import_path dolomite::stage::user
 
-struct Output {
-    cover: Cover,
-    result: PlanResult,
-    vertices: Vec<Vertex>,
-    indices: Vec<u32>,
+#import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex}
+#import dolomite::ground::functions as ground
+
+fn control(input: Patch, view: StageView) -> PatchLevels {
+    return ground::control(input, view);
 }
 
-/// The adapter and the three passes, compiled; `None` where there is no adapter.
-struct Passes {
-    gpu: Gpu,
-    levels: Kernel,
-    plan: Kernel,
-    emit: Kernel,
+fn evaluate(input: Patch, at: vec3<f32>) -> Vertex {
+    return ground::evaluate(input, at);
 }
+",
+};
 
-impl Passes {
-    fn new() -> Option<Self> {
-        let gpu = for_test()?;
-        let kernel = |name: &str| {
-            let path = format!("tessellation/{name}.wgsl");
-            let module = dolomite_shaders::compose(&path, &[])
-                .unwrap_or_else(|error| panic!("{path}: {error}"));
-            gpu.kernel(module, name)
-                .unwrap_or_else(|error| panic!("{path}: {error}"))
-        };
-        let (levels, plan, emit) = (kernel("levels"), kernel("plan"), kernel("emit"));
-        Some(Self {
-            gpu,
-            levels,
-            plan,
-            emit,
-        })
-    }
-}
+const READ: BufferBindingType = BufferBindingType::Storage { read_only: true };
+const DATA: [BufferBindingType; 3] = [READ, READ, BufferBindingType::Uniform];
 
-/// levels → plan → emit on the adapter.
-fn run(passes: &Passes, cover: &Cover, params: &ViewParams, terrain: &Terrain) -> Output {
-    let GpuTerrain {
-        layers,
-        data,
-        uniform,
-    } = terrain.gpu();
-    let (layers, data): (&[u8], &[u8]) = (cast_slice(&layers), cast_slice(&data));
-    let uniform = bytes_of(&uniform);
-    let view = bytes_of(params);
-    let mut corners: Vec<u8> = cast_slice(&cover.corners).to_vec();
-    let mut edges: Vec<u8> = cast_slice(&cover.edges).to_vec();
-    let mut patches: Vec<u8> = cast_slice(&cover.patches).to_vec();
-    let mut result = vec![SENTINEL; size_of::<PlanResult>()];
-    let heights = || {
-        vec![
-            Binding::Read(layers),
-            Binding::Read(data),
-            Binding::Uniform(uniform),
-        ]
+fn passes(gpu: &Gpu) -> StagePasses {
+    let options = StageOptions {
+        split: true,
+        functions: &[FUNCTIONS],
+        data: &DATA,
+        ..Default::default()
     };
-    let items = params.edge_count.max(params.patch_count);
-    passes
-        .gpu
-        .run(
-            &passes.levels,
-            &mut [
-                vec![
-                    Binding::Uniform(view),
-                    Binding::Read(&corners),
-                    Binding::Write(&mut edges),
-                    Binding::Write(&mut patches),
-                ],
-                heights(),
-            ],
-            [items.div_ceil(64), 1, 1],
-        )
-        .expect("levels runs");
-    passes
-        .gpu
-        .run(
-            &passes.plan,
-            &mut [vec![
-                Binding::Uniform(view),
-                Binding::Write(&mut corners),
-                Binding::Write(&mut edges),
-                Binding::Write(&mut patches),
-                Binding::Write(&mut result),
-            ]],
-            [1, 1, 1],
-        )
-        .expect("plan runs");
-    let result: PlanResult = bytemuck::pod_read_unaligned(&result);
-    let mut vertices = vec![SENTINEL; result.vertices.max(1) as usize * 16];
-    let mut indices = vec![SENTINEL; result.triangles.max(1) as usize * 12];
-    passes
-        .gpu
-        .run(
-            &passes.emit,
-            &mut [
-                vec![
-                    Binding::Uniform(view),
-                    Binding::Read(&corners),
-                    Binding::Read(&edges),
-                    Binding::Read(&patches),
-                    Binding::Write(&mut vertices),
-                    Binding::Write(&mut indices),
-                ],
-                heights(),
-            ],
-            [
-                params.patch_count + params.edge_count + params.corner_count.div_ceil(64),
-                1,
-                1,
-            ],
-        )
-        .expect("emit runs");
-    vertices.truncate(result.vertices as usize * 16);
-    indices.truncate(result.triangles as usize * 12);
-    Output {
-        cover: Cover {
-            corners: pod_collect_to_vec::<u8, Corner>(&corners),
-            edges: pod_collect_to_vec::<u8, Edge>(&edges),
-            patches: pod_collect_to_vec::<u8, Patch>(&patches),
-        },
-        result,
-        vertices: pod_collect_to_vec(&vertices),
-        indices: pod_collect_to_vec(&indices),
-    }
+    StagePasses::with_options(gpu, TESSELLATOR, &options).expect("the ground's functions")
+}
+
+fn run(gpu: &Gpu, passes: &StagePasses, scene: &Scene) -> Emitted {
+    let mut entity = Instance::IDENTITY;
+    entity.rows[0][3] = scene.patches.origin.x as f32;
+    entity.rows[2][3] = scene.patches.origin.y as f32;
+    entity.params[0][0] = scene.relief;
+    let entities = [(scene.patches.mesh.clone(), entity)];
+    let mut run = StageRun::new(gpu, passes, GROUND_LAYOUT, &entities, POOLS).expect("few patches");
+    let given = scene.terrain.gpu();
+    let contents: [&[u8]; 3] = [
+        cast_slice(&given.layers),
+        cast_slice(&given.data),
+        bytes_of(&given.uniform),
+    ];
+    run.set_data(&contents, &DATA);
+    run.set_view(scene.view, DEPTH_RANGE);
+    run.tessellate(1).expect("a run");
+    run.read().expect("what was emitted")
+}
+
+fn positions(emitted: &Emitted) -> Vec<[f32; 3]> {
+    let bits = emitted.vertices.iter().map(|v| [v[0], v[1], v[2]]);
+    bits.map(|bits| bits.map(f32::from_bits)).collect()
+}
+
+fn triangles(emitted: &Emitted) -> Vec<[u32; 3]> {
+    let chunks = emitted.indices.chunks_exact(3);
+    chunks.map(|chunk| [chunk[0], chunk[1], chunk[2]]).collect()
 }
 
 #[test]
 fn the_adapter_agrees_with_the_twin() {
-    let Some(passes) = Passes::new() else { return };
+    let Some(gpu) = for_test() else { return };
+    let passes = passes(&gpu);
     let terrain = terrain(6);
     let mut random = Random(20);
+    let mut same = 0;
     for round in 0..12 {
-        let (cover, params) = random_view(&mut random, &terrain, 64.0);
-        let ours = run(&passes, &cover, &params, &terrain);
-        // The twin plans with the adapter's own wanted levels and visibility: from there on all
-        // is integers.
-        let mut twin_cover = cover.clone();
-        twin::levels(&mut twin_cover, &params, &terrain);
-        for (twin, adapter) in twin_cover.edges.iter_mut().zip(&ours.cover.edges) {
-            let (a, b) = (f32::from_bits(twin.wanted), f32::from_bits(adapter.wanted));
-            // Heights differ by f32 rounding of a sum of six octaves, some 1e-4 m at most; near
-            // the eye that is 1e-4 of a distance of 0.1 m and more.
-            assert!(
-                (a - b).abs() <= 2e-3 * a,
-                "round {round}: wanted {a} and {b}"
-            );
-            twin.wanted = adapter.wanted;
+        let scene = random_scene(&mut random, &terrain, 64.0);
+        let ours = run(&gpu, &passes, &scene);
+        let twin = scene.tessellate(POOLS);
+        assert!(ours.guarded, "round {round}");
+        assert_eq!(ours.head.discarded, twin.discarded, "round {round}");
+        // Levels differ by rounding of distances: where one crosses an odd number, an edge has two
+        // segments more on one side. Few rounds are free of it, but then all is the same.
+        if triangles(&ours) != twin.primitives.triangles() {
+            let (a, b) = (ours.head.primitives, twin.primitives.len() as u32);
+            // A dozen edges in tens of thousands.
+            assert!(a.abs_diff(b) <= 64 + b / 500, "round {round}: {a} and {b}");
+            continue;
         }
-        for (twin, adapter) in twin_cover.patches.iter_mut().zip(&ours.cover.patches) {
-            twin.visible = adapter.visible;
-        }
-        let result = twin::plan(&mut twin_cover, &params);
-        assert_eq!(
-            result,
-            PlanResult {
-                pad: result.pad,
-                ..ours.result
-            },
-            "round {round}"
-        );
-        let mesh = twin::emit(&twin_cover, &params, &terrain, &result);
-        assert_eq!(mesh.indices, ours.indices, "round {round}");
-        for (a, b) in mesh.vertices.iter().zip(&ours.vertices) {
-            for axis in 0..3 {
-                // x and z: one rounding of a metre coordinate up to 5 km (2.4e-4 m). y: 1e-5 of
-                // the amplitude of 200 m on either side.
-                let bound = if axis == 1 { 4e-3 } else { 5e-4 };
-                let difference = (a.position[axis] - b.position[axis]).abs();
-                assert!(difference <= bound, "round {round}: {a:?} and {b:?}");
+        same += 1;
+        for (vertex, position) in scene.vertices(&twin).iter().zip(positions(&ours)) {
+            for (axis, (a, b)) in vertex.position.to_array().iter().zip(position).enumerate() {
+                // x and z: a place along an edge may move with its level by the rounding of
+                // distances, 1e-6 of the side of a patch of 1 km. y: 1e-5 of the amplitude of 200 m
+                // on either side, and what that place moves on a slope of 2.
+                let bound = if axis == 1 { 8e-3 } else { 2e-3 };
+                assert!(
+                    (a - b).abs() <= bound,
+                    "round {round}: {vertex:?} {position:?}"
+                );
             }
         }
     }
+    assert!(
+        same >= 3,
+        "{same} rounds of 12 with the very same triangles"
+    );
 }
 
 #[test]
 fn two_hundred_cameras_have_no_crack_on_the_adapter() {
-    let Some(passes) = Passes::new() else { return };
+    let Some(gpu) = for_test() else { return };
+    let passes = passes(&gpu);
     let terrain = terrain(3);
     let mut random = Random(21);
-    let mut triangles = 0;
+    let mut count = 0;
     for round in 0..200 {
-        let (cover, params) = random_view(&mut random, &terrain, 128.0);
-        let output = run(&passes, &cover, &params, &terrain);
-        triangles += output.indices.len() / 3;
-        // Sentinel bits as an index are out of range, as a position far off: both are found.
-        let found = cracks(&output.cover, &output.vertices, &output.indices);
-        assert_eq!(found, Some(0), "round {round}");
+        let scene = random_scene(&mut random, &terrain, 128.0);
+        let ours = run(&gpu, &passes, &scene);
+        let found = triangles(&ours);
+        count += found.len();
+        let positions = positions(&ours);
+        let by_index = open_edges(&found, Some).expect("all indices count");
+        let by_position = open_edges(&found, |index| {
+            let position = positions.get(index as usize)?;
+            Some(position.map(f32::to_bits))
+        });
+        // Fewer where a vertex has just come out of its neighbour.
+        let by_position = by_position.expect("no vertex is missing");
+        assert!(
+            by_position <= by_index,
+            "round {round}: {by_position} of {by_index}"
+        );
+        let twin = scene.tessellate(POOLS);
+        if found == twin.primitives.triangles() {
+            let functions = scene.functions();
+            let drawn: Vec<bool> = (0..scene.patches.mesh.patches() as u32)
+                .map(|patch| functions.control(patch).outer[0] > 0.0)
+                .collect();
+            let cracks = cracks(
+                &scene.patches,
+                &drawn,
+                &twin.edge_segments,
+                &positions,
+                &found,
+            );
+            assert_eq!(cracks, Some(0), "round {round}");
+        }
     }
     assert!(
-        triangles > 200_000,
-        "{triangles} triangles are enough to mean something"
+        count > 200_000,
+        "{count} triangles are enough to mean something"
     );
+}
+
+/// Directed edges without an opposite, where `key` says which vertices are one; `None` if a triangle
+/// names a vertex that is not there.
+fn open_edges<K: std::hash::Hash + Eq + Copy>(
+    triangles: &[[u32; 3]],
+    key: impl Fn(u32) -> Option<K>,
+) -> Option<usize> {
+    let mut count = std::collections::HashMap::new();
+    for corners in triangles {
+        let [a, b, c] = [key(corners[0])?, key(corners[1])?, key(corners[2])?];
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            *count.entry((from, to)).or_insert(0) += 1;
+        }
+    }
+    let open = count
+        .iter()
+        .map(|((from, to), n)| (n - count.get(&(*to, *from)).copied().unwrap_or(0)).max(0));
+    usize::try_from(open.sum::<i32>()).ok()
 }

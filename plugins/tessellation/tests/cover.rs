@@ -4,11 +4,12 @@
 mod support;
 
 use bevy::math::{DVec2, DVec3};
-use dolomite_terrain::{GroundPoint, GroundRect};
-use dolomite_tessellation::cover::{Cover, Lattice};
-use dolomite_tessellation::layout::{Edge, NONE, Patch};
-use dolomite_tessellation::twin;
-use support::{Random, cracks, params, random_view, terrain};
+use dolomite_terrain::GroundRect;
+use dolomite_tessellation::ground::lattice::Lattice;
+use dolomite_tessellation::stage::coordinate::side_coordinate;
+use dolomite_tessellation::stage::patches::{REVERSED, WHOLE};
+use dolomite_tessellation::stage::{Domain, Levels};
+use support::{POOLS, Random, Scene, TESSELLATOR, cover, cracks, random_scene, terrain, view};
 
 fn lattice() -> Lattice {
     Lattice::new(
@@ -44,32 +45,33 @@ fn leaves_cover_the_extent_once() {
 #[test]
 fn neighbours_differ_by_one_level_at_most() {
     let lattice = lattice();
+    let ground = terrain(1);
     let mut random = Random(2);
     for round in 0..100 {
         let focus = DVec2::new(random.within(-2e4, 2e4), random.within(-5e3, 4e4));
         let leaves = lattice.leaves(focus, random.within(0.0, 300.0), random.within(1.5, 3.0));
-        let cover = Cover::new(&lattice, &leaves, |_| (0.0, 1.0));
-        // Where neighbours differ by more, an edge of the finer one has no patch on its other
-        // side, though it does not lie on the extent's border.
+        // Where neighbours differ by more, an edge of the finer one has no patch on its other side,
+        // though it does not lie on the extent's border.
+        let patches = cover(&ground, &lattice, &leaves);
+        let topology = patches.mesh.topology();
+        let mut beside = vec![0; topology.edges.len()];
+        for (patch, halves) in topology.patches.iter().zip(&topology.halves) {
+            let seconds = halves[4..].iter().filter(|word| **word != WHOLE);
+            for word in patch[4..].iter().chain(seconds) {
+                beside[(word & !REVERSED) as usize] += 1;
+            }
+        }
         let steps = lattice.steps();
-        let border = |corner: u32| {
-            let at = cover.corners[corner as usize];
-            let point = GroundPoint {
-                cell: at.cell.into(),
-                frac: at.frac.into(),
+        for (owner, beside) in topology.edges.iter().zip(beside) {
+            let leaf = leaves[(owner >> 2) as usize];
+            let on_border = match owner & 3 {
+                0 => leaf.corner.x == 0,
+                1 => leaf.corner.y + leaf.side == steps.y,
+                2 => leaf.corner.x + leaf.side == steps.x,
+                _ => leaf.corner.y == 0,
             };
-            [DVec2::ZERO.as_uvec2(), steps].map(|lattice_corner| {
-                let limit = GroundPoint::new(lattice.position(lattice_corner));
-                [
-                    point.to_fixed()[0] == limit.to_fixed()[0],
-                    point.to_fixed()[1] == limit.to_fixed()[1],
-                ]
-            })
-        };
-        for edge in cover.edges.iter().filter(|edge| edge.patches[1] == NONE) {
-            let [a, b] = edge.corners.map(border);
-            let on_border = (0..2).any(|end| (0..2).any(|axis| a[end][axis] && b[end][axis]));
-            assert!(on_border, "round {round}: edge {edge:?} hangs");
+            let due = if on_border { 1 } else { 2 };
+            assert_eq!(beside, due, "round {round}: side {} of {leaf:?}", owner & 3);
         }
     }
 }
@@ -81,130 +83,39 @@ fn looking_away_and_back_gives_the_same_patches() {
     let before = lattice.leaves(here, 12.0, 2.0);
     let away = lattice.leaves(here + 5000.0, 12.0, 2.0);
     assert_ne!(before, away, "moving changes the patches");
-    assert_eq!(before, lattice.leaves(here, 12.0, 2.0));
-}
-
-/// The outline of a patch along one side as the twin would index it: bits of the positions.
-fn outline(cover: &Cover, edge: &Edge, own: impl Fn(&Edge, u32) -> [i64; 2]) -> Vec<[i64; 2]> {
-    let corner = |c: u32| {
-        let corner = &cover.corners[c as usize];
-        GroundPoint {
-            cell: corner.cell.into(),
-            frac: corner.frac.into(),
-        }
-        .to_fixed()
-    };
-    let mut points = vec![corner(edge.corners[0])];
-    points.extend((1..edge.level).map(|i| own(edge, i)));
-    points.push(corner(edge.corners[1]));
-    points
-}
-
-/// Vertex `i` of an edge as a patch that did not share it would compute it: from the patch's own
-/// corner and size.
-fn from_patch(cover: &Cover, patch: &Patch, edge: &Edge, i: u32) -> [i64; 2] {
-    let point = |c: u32| {
-        let corner = &cover.corners[c as usize];
-        GroundPoint {
-            cell: corner.cell.into(),
-            frac: corner.frac.into(),
-        }
-    };
-    let (low, high) = (point(patch.corners[0]), point(patch.corners[3]));
-    let size = high.relative_to(low);
-    let [from, to] = edge.corners.map(point);
-    let start = from.relative_to(low) / size;
-    let end = to.relative_to(low) / size;
-    let t = start + (end - start) * (i as f32 / edge.level as f32);
-    low.offset((size * t).as_dvec2()).to_fixed()
-}
-
-/// Vertex `i` of an edge as its owner computes it, as in `twin::emit`.
-fn from_edge(cover: &Cover, edge: &Edge, i: u32) -> [i64; 2] {
-    let point = |c: u32| {
-        let corner = &cover.corners[c as usize];
-        GroundPoint {
-            cell: corner.cell.into(),
-            frac: corner.frac.into(),
-        }
-    };
-    let [from, to] = edge.corners.map(point);
-    let length = to.relative_to(from);
-    from.offset((length * (i as f32 / edge.level as f32)).as_dvec2())
-        .to_fixed()
-}
-
-/// Positions that the two patches beside an edge give to its vertices, and where they differ.
-fn mismatches(cover: &Cover, shared: bool) -> usize {
-    let pairs = cover.edges.iter().filter(|edge| edge.patches[1] != NONE);
-    pairs
-        .map(|edge| {
-            let [left, right] = edge.patches.map(|id| {
-                let patch = &cover.patches[id as usize];
-                // The patch must know this very edge as a piece of one of its sides.
-                assert!(
-                    patch
-                        .edges
-                        .iter()
-                        .any(|e| *e != NONE && cover.edges[*e as usize].corners == edge.corners)
-                );
-                outline(cover, edge, |edge, i| {
-                    if shared {
-                        from_edge(cover, edge, i)
-                    } else {
-                        from_patch(cover, patch, edge, i)
-                    }
-                })
-            });
-            left.iter().zip(&right).filter(|(a, b)| a != b).count()
-        })
-        .sum()
-}
-
-#[test]
-fn ten_thousand_cameras_and_level_sets_share_every_edge_bit_for_bit() {
-    let terrain = terrain(1);
-    let mut random = Random(3);
-    let mut edges = 0;
-    for _ in 0..10_000 {
-        let (mut cover, mut params) = random_view(&mut random, &terrain, 512.0);
-        for edge in &mut cover.edges {
-            edge.wanted = (1.0 + 15.0 * random.unit() as f32).to_bits();
-        }
-        for patch in &mut cover.patches {
-            patch.visible = 1;
-        }
-        params.max_vertices = u32::MAX;
-        twin::plan(&mut cover, &params);
-        edges += cover.edges.len();
-        assert_eq!(mismatches(&cover, true), 0);
-    }
-    assert!(
-        edges > 100_000,
-        "{edges} edges are enough to mean something"
+    let again = lattice.leaves(here, 12.0, 2.0);
+    assert_eq!(before, again);
+    let ground = terrain(2);
+    assert_eq!(
+        cover(&ground, &lattice, &before),
+        cover(&ground, &lattice, &again),
+        "and their points, to the bit"
     );
 }
 
-#[test]
-fn edges_without_an_owner_would_crack() {
-    let terrain = terrain(1);
-    let mut random = Random(4);
-    let mut found = 0;
-    for _ in 0..20 {
-        let (mut cover, params) = random_view(&mut random, &terrain, 64.0);
-        for edge in &mut cover.edges {
-            edge.wanted = 13.0_f32.to_bits();
-        }
-        for patch in &mut cover.patches {
-            patch.visible = 1;
-        }
-        twin::plan(&mut cover, &params);
-        found += mismatches(&cover, false);
-    }
-    assert!(
-        found > 0,
-        "computing an edge from each patch's own corner must differ somewhere"
-    );
+fn drawn(scene: &Scene) -> Vec<bool> {
+    let functions = scene.functions();
+    (0..scene.patches.mesh.patches() as u32)
+        .map(|patch| functions.control(patch).outer[0] > 0.0)
+        .collect()
+}
+
+fn found_cracks(
+    scene: &Scene,
+    mesh: &dolomite_tessellation::stage::MeshTessellation,
+) -> Option<usize> {
+    let positions: Vec<[f32; 3]> = scene
+        .vertices(mesh)
+        .iter()
+        .map(|vertex| vertex.position.to_array())
+        .collect();
+    cracks(
+        &scene.patches,
+        &drawn(scene),
+        &mesh.edge_segments,
+        &positions,
+        mesh.primitives.triangles(),
+    )
 }
 
 #[test]
@@ -212,40 +123,96 @@ fn meshes_of_random_cameras_have_no_crack() {
     let terrain = terrain(4);
     let mut random = Random(5);
     for round in 0..60 {
-        let (mut cover, params) = random_view(&mut random, &terrain, 64.0);
-        twin::levels(&mut cover, &params, &terrain);
-        let result = twin::plan(&mut cover, &params);
-        let mesh = twin::emit(&cover, &params, &terrain, &result);
-        assert_eq!(mesh.vertices.len(), result.vertices as usize);
-        assert_eq!(mesh.indices.len(), result.triangles as usize * 3);
-        assert_eq!(
-            cracks(&cover, &mesh.vertices, &mesh.indices),
-            Some(0),
-            "round {round}"
-        );
+        let scene = random_scene(&mut random, &terrain, 64.0);
+        let mesh = scene.tessellate(POOLS);
+        assert_eq!(found_cracks(&scene, &mesh), Some(0), "round {round}");
     }
 }
 
 #[test]
 fn the_search_sees_a_crack() {
     let terrain = terrain(2);
-    let (mut cover, params) = random_view(&mut Random(6), &terrain, 256.0);
-    for patch in &mut cover.patches {
-        patch.visible = 1;
-    }
-    for edge in &mut cover.edges {
-        edge.wanted = 4.0_f32.to_bits();
-    }
-    let result = twin::plan(&mut cover, &params);
-    let mut mesh = twin::emit(&cover, &params, &terrain, &result);
-    let used = mesh.indices[mesh.indices.len() / 2] as usize;
+    let scene = random_scene(&mut Random(6), &terrain, 256.0);
+    let mesh = TESSELLATOR.tessellate_mesh(&scene.patches.mesh, |_| Levels::uniform(4.0), POOLS);
+    let all = vec![true; scene.patches.mesh.patches()];
+    let mut positions: Vec<[f32; 3]> = scene
+        .vertices(&mesh)
+        .iter()
+        .map(|vertex| vertex.position.to_array())
+        .collect();
+    let mut triangles = mesh.primitives.triangles().to_vec();
+    let search = |positions: &[[f32; 3]], triangles: &[[u32; 3]]| {
+        cracks(
+            &scene.patches,
+            &all,
+            &mesh.edge_segments,
+            positions,
+            triangles,
+        )
+    };
+    assert_eq!(search(&positions, &triangles), Some(0));
     // A second vertex, one bit higher, for one triangle only.
-    let mut moved = mesh.vertices[used];
-    moved.position[1] = f32::from_bits(moved.position[1].to_bits() + 1);
-    mesh.vertices.push(moved);
-    let place = mesh.indices.len() / 2;
-    mesh.indices[place] = mesh.vertices.len() as u32 - 1;
-    assert_ne!(cracks(&cover, &mesh.vertices, &mesh.indices), Some(0));
+    let middle = triangles.len() / 2;
+    let mut moved = positions[triangles[middle][0] as usize];
+    moved[1] = f32::from_bits(moved[1].to_bits() + 1);
+    positions.push(moved);
+    triangles[middle][0] = positions.len() as u32 - 1;
+    assert_ne!(search(&positions, &triangles), Some(0));
+}
+
+/// Positions that the patches on both sides of an edge would give to its vertices, each from its own
+/// corners, and how many differ.
+fn mismatches_without_owners(scene: &Scene) -> usize {
+    let topology = scene.patches.mesh.topology();
+    let functions = scene.functions();
+    let unit = 1.0 / (1 << 24) as f32;
+    // Of each edge: the patch sides that are wholly along it.
+    let mut sides: Vec<Vec<(u32, u32, bool)>> = vec![Vec::new(); topology.edges.len()];
+    for (patch, (own, halves)) in (0_u32..).zip(topology.patches.iter().zip(&topology.halves)) {
+        for side in 0..4_u32 {
+            if halves[side as usize] == WHOLE {
+                let word = own[4 + side as usize];
+                sides[(word & !REVERSED) as usize].push((patch, side, word & REVERSED != 0));
+            }
+        }
+    }
+    let segments = 13;
+    sides
+        .iter()
+        .filter(|sides| sides.len() == 2)
+        .map(|sides| {
+            let outline = |&(patch, side, reversed): &(u32, u32, bool)| {
+                (1..segments)
+                    .map(|i| {
+                        let i = if reversed { segments - i } else { i };
+                        let place = (i * (1 << 24)) / segments;
+                        let at = side_coordinate(Domain::Quads, side, place);
+                        let at = bevy::math::Vec2::new(at[0] as f32, at[1] as f32) * unit;
+                        functions
+                            .evaluate(patch, at)
+                            .position
+                            .to_array()
+                            .map(f32::to_bits)
+                    })
+                    .collect::<Vec<_>>()
+            };
+            let (one, other) = (outline(&sides[0]), outline(&sides[1]));
+            one.iter().zip(&other).filter(|(a, b)| a != b).count()
+        })
+        .sum()
+}
+
+#[test]
+fn edges_without_an_owner_would_crack() {
+    let terrain = terrain(1);
+    let mut random = Random(4);
+    let found: usize = (0..20)
+        .map(|_| mismatches_without_owners(&random_scene(&mut random, &terrain, 64.0)))
+        .sum();
+    assert!(
+        found > 0,
+        "computing an edge from each patch's own corners must differ somewhere"
+    );
 }
 
 #[test]
@@ -256,32 +223,71 @@ fn what_is_behind_the_camera_emits_nothing() {
     // Outside the extent, its back to it.
     let eye = DVec3::new(extent.max.x + 500.0, 300.0, extent.centre().y);
     let leaves = lattice.leaves(DVec2::new(eye.x, eye.z), 300.0, 2.0);
-    let bounds = terrain.bounds(&extent);
-    let mut cover = Cover::new(&lattice, &leaves, |_| (bounds.min, bounds.max));
-    let params = params(&cover, eye, -std::f64::consts::FRAC_PI_2, 0.0, 8.0);
-    twin::levels(&mut cover, &params, &terrain);
-    let result = twin::plan(&mut cover, &params);
-    assert_eq!((result.vertices, result.triangles, result.drawn), (0, 0, 0));
-    assert_eq!(result.culled, params.patch_count);
-    assert_eq!(result.indexed, [0, 1, 0, 0, 0]);
+    let scene = Scene {
+        patches: cover(&terrain, &lattice, &leaves),
+        view: view(eye, -std::f64::consts::FRAC_PI_2, 0.0, 8.0),
+        relief: 400.0,
+        terrain,
+    };
+    let mesh = scene.tessellate(POOLS);
+    assert_eq!((mesh.vertices.len(), mesh.primitives.len()), (0, 0));
+    assert_eq!(mesh.discarded as usize, leaves.len());
 }
 
 #[test]
 fn small_pools_lower_all_levels_and_are_never_overrun() {
     let terrain = terrain(2);
-    let (mut cover, mut params) = random_view(&mut Random(8), &terrain, 64.0);
-    twin::levels(&mut cover, &params, &terrain);
-    for patch in &mut cover.patches {
-        patch.visible = 1;
-    }
-    let full = twin::plan(&mut cover, &params);
-    params.max_vertices = full.vertices / 3;
-    let less = twin::plan(&mut cover, &params);
-    assert!(
-        less.lowered > 0 && less.vertices <= params.max_vertices,
-        "{less:?}"
+    let mut random = Random(8);
+    let (scene, full) = loop {
+        let scene = random_scene(&mut random, &terrain, 64.0);
+        let full = scene.tessellate(POOLS);
+        // Some look at the sky.
+        if full.vertices.len() > 10_000 {
+            break (scene, full);
+        }
+    };
+    assert_eq!(full.lowered, 0);
+    let third = full.vertices.len() as u32 / 3;
+    let less = scene.tessellate([third, POOLS[1]]);
+    assert!(less.lowered > 0 && less.vertices.len() as u32 <= third);
+    assert_eq!(
+        found_cracks(&scene, &less),
+        Some(0),
+        "lowered levels crack no more"
     );
-    params.max_vertices = 10;
-    let none = twin::plan(&mut cover, &params);
-    assert_eq!(none.indexed[0], 0, "what cannot fit is not drawn");
+}
+
+#[test]
+fn ground_under_deep_water_is_two_triangles_a_patch() {
+    let terrain = terrain(2);
+    let mut scene = random_scene(&mut Random(9), &terrain, 64.0);
+    let lattice = Lattice::new(terrain.extent(), 64.0);
+    let centre = terrain.extent().centre();
+    let leaves = lattice.leaves(centre, 5.0, 2.0);
+    // All of it 100 m below the sea, by its bounds.
+    scene.patches = dolomite_tessellation::ground::GroundPatches::new(
+        &lattice,
+        &leaves,
+        |_| (-120.0, -100.0),
+        |points| vec![-110.0; points.len()],
+    )
+    .expect("a balanced quadtree");
+    scene.view = view(DVec3::new(centre.x, 30.0, centre.y), 0.3, -0.4, 8.0);
+    let mesh = scene.tessellate(POOLS);
+    let whole = |halves: &[u32; 8]| halves.iter().all(|word| *word == WHOLE);
+    let topology = scene.patches.mesh.topology();
+    let plain = drawn(&scene)
+        .iter()
+        .zip(&topology.halves)
+        .filter(|(drawn, halves)| **drawn && whole(halves))
+        .count();
+    let split = drawn(&scene)
+        .iter()
+        .zip(&topology.halves)
+        .filter(|(drawn, halves)| **drawn && !whole(halves))
+        .count();
+    assert!(plain > 10 && mesh.primitives.len() >= 2 * plain);
+    // A patch with split sides has three inner segments each way, the least odd number above one:
+    // 2 triangles in the middle, 4 more on its outline, one for each of up to 8 edges.
+    assert!(mesh.primitives.len() <= 2 * plain + 14 * split);
 }

@@ -2,8 +2,6 @@
 
 use std::mem::offset_of;
 
-use dolomite_tessellation::layout::{Corner, Edge, Patch, PlanResult, ViewParams};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Module, TypeInner};
 
 fn composed(path: &str) -> Module {
@@ -46,114 +44,12 @@ macro_rules! same_layout {
 }
 
 #[test]
-fn compute_shaders_are_valid() {
-    for path in [
-        "tessellation/levels.wgsl",
-        "tessellation/plan.wgsl",
-        "tessellation/emit.wgsl",
-    ] {
-        let module = composed(path);
-        Validator::new(
-            ValidationFlags::all(),
-            Capabilities::SHADER_FLOAT16_IN_FLOAT32,
-        )
-        .validate(&module)
-        .unwrap_or_else(|error| panic!("{path}: {error:?}"));
-        assert_eq!(module.entry_points.len(), 1, "{path}");
-        // WebGPU's default limits.
-        let storage = module
-            .global_variables
-            .iter()
-            .filter(|(_, v)| matches!(v.space, naga::AddressSpace::Storage { .. }))
-            .count();
-        assert!(storage <= 8, "{path} binds {storage} storage buffers");
-        assert!(
-            module.entry_points[0]
-                .workgroup_size
-                .iter()
-                .product::<u32>()
-                <= 256,
-            "{path}"
-        );
-    }
-}
-
-#[test]
-fn records_lie_as_in_rust() {
-    let plan = composed("tessellation/plan.wgsl");
-    same_layout!(
-        &plan,
-        Corner {
-            cell,
-            frac,
-            patches,
-            vertex,
-            pad
-        }
-    );
-    same_layout!(
-        &plan,
-        Edge {
-            corners,
-            patches,
-            wanted,
-            level,
-            vertex,
-            pad
-        }
-    );
-    same_layout!(
-        &plan,
-        Patch {
-            corners,
-            edges,
-            min_height,
-            max_height,
-            visible,
-            vertex,
-            triangle,
-            inner,
-            pad
-        }
-    );
-    same_layout!(
-        &plan,
-        ViewParams {
-            planes,
-            sweep,
-            eye,
-            segments_per_radian,
-            anchor,
-            corner_count,
-            edge_count,
-            patch_count,
-            max_vertices,
-            max_triangles,
-            sea_level,
-        }
-    );
-    same_layout!(
-        &plan,
-        PlanResult {
-            indexed,
-            plain,
-            vertices,
-            triangles,
-            drawn,
-            culled,
-            lowered,
-            pad
-        }
-    );
-}
-
-#[test]
-#[should_panic(expected = "size of Edge")]
+#[should_panic(expected = "size of StageView")]
 fn a_changed_struct_is_seen() {
-    struct Edge {
-        corners: [u32; 2],
+    struct StageView {
+        planes: [[f32; 4]; 6],
     }
-    same_layout!(&composed("tessellation/plan.wgsl"), Edge { corners });
+    same_layout!(&composed("stage/control.wgsl"), StageView { planes });
 }
 
 #[test]
@@ -172,7 +68,7 @@ fn the_stages_records_lie_as_in_rust() {
             time,
             previous_time,
             orthographic,
-            pad,
+            camera,
         }
     );
     same_layout!(
@@ -191,6 +87,7 @@ fn the_stages_records_lie_as_in_rust() {
             point_size,
             uv_range,
             amplified,
+            split,
         }
     );
     let draw = composed("stage/user_material.wgsl");
@@ -212,6 +109,10 @@ fn the_stages_records_lie_as_in_rust() {
             time,
             anchor,
             uv_range,
+            viewport,
+            flags,
+            pad,
+            numbers,
         }
     );
 }
@@ -224,6 +125,10 @@ fn the_stages_passes_keep_to_webgpus_limits() {
         ("stage/plan.wgsl", &[]),
         ("stage/place_items.wgsl", &[]),
         ("stage/emit.wgsl", &["STAGE_READ", "STAGE_MOVES"]),
+        (
+            "stage/emit.wgsl",
+            &["STAGE_READ", "STAGE_QUADS", "STAGE_SPLIT"],
+        ),
     ] {
         let module = dolomite_shaders::compose(path, defs).expect(path);
         let storage = module
@@ -240,33 +145,21 @@ fn the_stages_passes_keep_to_webgpus_limits() {
 
 #[cfg(feature = "render")]
 #[test]
-fn draw_parameters_lie_as_in_rust() {
-    use dolomite_tessellation::render::DrawParams;
-    let draw = composed("tessellation/draw.wgsl");
-    same_layout!(
-        &draw,
-        DrawParams {
-            clip_from_anchor,
-            previous_clip_from_anchor,
-            camera,
-            time,
-            anchor,
-            near_offset,
-            far_offset,
-            viewport,
-            sea_level,
-            tile,
-            sand_top,
-            tree_line,
-            snow_line,
-            blend,
-            rock_slope,
-            snow_slope,
-            flags,
-            relief_texel,
-            relief_offset,
-            relief_scale,
-            pad,
-        }
-    );
+fn the_grounds_look_lies_as_in_rust() {
+    use bevy::render::render_resource::ShaderType;
+    use dolomite_tessellation::render::ground::GroundLook;
+    // `#[derive(ShaderType)]` lays the Rust struct out by WGSL's own rules: order and size are left.
+    let (size, members) = wgsl_struct(&composed("ground/material.wgsl"), "GroundLook");
+    assert_eq!(u64::from(size), GroundLook::min_size().get());
+    let names: Vec<&str> = members
+        .iter()
+        .map(|(name, _)| name.trim_end_matches('_'))
+        .collect();
+    let debug = format!("{:?}", GroundLook::default());
+    let ours: Vec<&str> = debug
+        .trim_start_matches("GroundLook { ")
+        .split(", ")
+        .filter_map(|field| field.split(':').next())
+        .collect();
+    assert_eq!(names, ours);
 }

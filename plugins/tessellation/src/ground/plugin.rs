@@ -10,7 +10,7 @@ use dolomite_terrain::{Ground, GroundPoint, Planes, Terrain};
 use super::lattice::{Lattice, Node, clamped, selection_height};
 use super::patches::GroundPatches;
 use super::settings::TerrainView;
-use crate::stage::StageCamera;
+use crate::stage::{PatchMeshError, StageCamera};
 
 /// Refines the [`Terrain`] in the world for every camera that carries a [`TerrainView`].
 ///
@@ -43,6 +43,8 @@ impl Plugin for TerrainTessellationPlugin {
 pub struct TerrainCover {
     /// The patches; replaced, never changed, when the focus asks for others.
     pub patches: GroundPatches,
+    /// Why the newest leaves could not be taken, if they could not; the patches are older then.
+    pub fault: Option<PatchMeshError>,
     /// The leaves that they were made from.
     leaves: Vec<Node>,
 }
@@ -155,9 +157,13 @@ fn update_covers(
         let heights = |points: &[GroundPoint]| heights(&terrain, points);
         match GroundPatches::new(&lattice, &leaves, bounds, heights) {
             Ok(patches) => {
-                *cover = TerrainCover { patches, leaves };
+                *cover = TerrainCover {
+                    patches,
+                    fault: None,
+                    leaves,
+                };
             }
-            Err(fault) => error!("the ground cannot be covered: {fault}"),
+            Err(fault) => cover.fault = Some(fault),
         }
     }
 }

@@ -24,6 +24,8 @@ pub struct MeshTessellation {
     pub vertices: Vec<MeshVertex>,
     /// What joins them, patch after patch.
     pub primitives: Primitives,
+    /// Segments of each edge of the mesh's topology; 0 where no patch uses it.
+    pub edge_segments: Vec<u32>,
     /// Patches that an outer level discarded.
     pub discarded: u32,
     /// How often all levels were lowered by a fifth to fit the pools.
@@ -235,9 +237,12 @@ impl<'a> Asked<'a> {
             }
         }
         let mut edge_at = Vec::with_capacity(self.edges.len());
+        let mut edge_segments = Vec::with_capacity(self.edges.len());
         for (edge, owner) in (0_u32..).zip(&self.topology.edges) {
             edge_at.push(vertices.len() as u32);
             let count = self.edge_vertices(tessellator, edge, share);
+            let used = self.edges[edge as usize].0 > 0;
+            edge_segments.push(count + u32::from(used));
             let places = Edge::new(
                 self.edge(tessellator, edge, share).max(Level(level::ONE)),
                 spacing,
@@ -286,6 +291,7 @@ impl<'a> Asked<'a> {
         MeshTessellation {
             vertices,
             primitives,
+            edge_segments,
             discarded: self.inner.iter().filter(|inner| inner.is_none()).count() as u32,
             lowered,
         }

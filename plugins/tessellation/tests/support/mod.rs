@@ -1,11 +1,17 @@
-//! What several tests need: random views of a cover, and the search for cracks.
+//! What several tests need: random views of the ground, and the search for cracks.
 
 use std::collections::HashMap;
 
-use bevy::math::{DMat4, DVec2, DVec3, DVec4};
-use dolomite_terrain::{Fractal, GroundRect, Layer, Source, Sum, Terrain, TerrainData};
-use dolomite_tessellation::cover::{Cover, Lattice};
-use dolomite_tessellation::layout::{NONE, Vertex, ViewParams};
+use bevy::math::{DMat4, DVec2, DVec3, DVec4, Vec2};
+use dolomite_terrain::{
+    Fractal, GroundPoint, GroundRect, Layer, Source, Sum, Terrain, TerrainData,
+};
+use dolomite_tessellation::ground::GroundPatches;
+use dolomite_tessellation::ground::functions::{GroundFunctions, GroundVertex};
+use dolomite_tessellation::ground::lattice::{Lattice, Node};
+use dolomite_tessellation::stage::layout::StageView;
+use dolomite_tessellation::stage::patches::{REVERSED, WHOLE};
+use dolomite_tessellation::stage::{Domain, MeshTessellation, Mode, Spacing, Tessellator, Winding};
 
 /// PCG (O'Neill 2014).
 pub struct Random(pub u64);
@@ -50,8 +56,69 @@ pub fn terrain(octaves: u32) -> Terrain {
     .expect("the parameters are in range")
 }
 
-/// A cover and its view for a random camera over the terrain.
-pub fn random_view(random: &mut Random, terrain: &Terrain, finest: f64) -> (Cover, ViewParams) {
+/// How the ground is tessellated.
+pub const TESSELLATOR: Tessellator = Tessellator {
+    domain: Domain::Quads,
+    spacing: Spacing::FractionalOdd,
+    winding: Winding::Ccw,
+    mode: Mode::Exact,
+};
+
+/// Pools of the game.
+pub const POOLS: [u32; 2] = [1 << 20, 1 << 21];
+
+/// The ground in a random view.
+pub struct Scene {
+    pub terrain: Terrain,
+    pub patches: GroundPatches,
+    pub view: StageView,
+    pub relief: f32,
+}
+
+impl Scene {
+    pub fn functions(&self) -> GroundFunctions<'_> {
+        GroundFunctions {
+            patches: &self.patches,
+            terrain: &self.terrain,
+            view: &self.view,
+            relief: self.relief,
+        }
+    }
+
+    pub fn tessellate(&self, pools: [u32; 2]) -> MeshTessellation {
+        let functions = self.functions();
+        TESSELLATOR.tessellate_mesh(&self.patches.mesh, |patch| functions.control(patch), pools)
+    }
+
+    pub fn vertices(&self, mesh: &MeshTessellation) -> Vec<GroundVertex> {
+        let functions = self.functions();
+        let unit = 1.0 / (1 << 24) as f32;
+        mesh.vertices
+            .iter()
+            .map(|vertex| {
+                let at = Vec2::new(vertex.at[0] as f32, vertex.at[1] as f32) * unit;
+                functions.evaluate(vertex.patch, at)
+            })
+            .collect()
+    }
+}
+
+pub fn heights(terrain: &Terrain, points: &[GroundPoint]) -> Vec<f32> {
+    points
+        .iter()
+        .map(|point| terrain.sample(*point).value)
+        .collect()
+}
+
+pub fn cover(terrain: &Terrain, lattice: &Lattice, leaves: &[Node]) -> GroundPatches {
+    let bounds = terrain.bounds(&terrain.extent());
+    let heights = |points: &[GroundPoint]| heights(terrain, points);
+    GroundPatches::new(lattice, leaves, |_| (bounds.min, bounds.max), heights)
+        .expect("a balanced quadtree")
+}
+
+/// The patches and the view of a random camera over the terrain.
+pub fn random_scene(random: &mut Random, terrain: &Terrain, finest: f64) -> Scene {
     let extent = terrain.extent();
     let margin = extent.size() * 0.2;
     let focus = DVec2::new(
@@ -63,26 +130,24 @@ pub fn random_view(random: &mut Random, terrain: &Terrain, finest: f64) -> (Cove
     let height = height * height;
     let lattice = Lattice::new(extent, finest);
     let leaves = lattice.leaves(focus, height, random.within(1.5, 3.0));
-    let bounds = terrain.bounds(&extent);
-    let cover = Cover::new(&lattice, &leaves, |_| (bounds.min, bounds.max));
     let eye = DVec3::new(focus.x, 100.0 + height, focus.y);
     let pixels = random.within(4.0, 40.0);
-    let params = params(
-        &cover,
-        eye,
-        random.within(0.0, 6.3),
-        random.within(-1.5, 0.5),
-        pixels,
-    );
-    (cover, params)
+    let (yaw, pitch) = (random.within(0.0, 6.3), random.within(-1.5, 0.5));
+    let bounds = terrain.bounds(&extent);
+    Scene {
+        patches: cover(terrain, &lattice, &leaves),
+        view: view(eye, yaw, pitch, pixels),
+        relief: bounds.max - bounds.min,
+        terrain: terrain.clone(),
+    }
 }
 
-/// A 1280 × 720 view with a vertical field of view of 60 degrees.
-pub fn params(cover: &Cover, eye: DVec3, yaw: f64, pitch: f64, pixels_per_edge: f64) -> ViewParams {
-    let anchor = DVec2::new(eye.x, eye.z).floor();
+/// A 1280 × 720 view with a vertical field of view of 60 degrees, without shadows.
+pub fn view(eye: DVec3, yaw: f64, pitch: f64, pixels_per_edge: f64) -> StageView {
+    let anchor = eye.floor();
     // 1 / tan 30°.
     let focal = 3.0_f64.sqrt();
-    let relative = eye - DVec3::new(anchor.x, 0.0, anchor.y);
+    let relative = eye - anchor;
     let view_from_anchor = (DMat4::from_translation(relative)
         * DMat4::from_rotation_y(yaw)
         * DMat4::from_rotation_x(pitch))
@@ -96,32 +161,37 @@ pub fn params(cover: &Cover, eye: DVec3, yaw: f64, pitch: f64, pixels_per_edge: 
     ) * view_from_anchor;
     let rows = clip.transpose();
     let (x, y, z, w) = (rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis);
-    let planes = [w + x, w - x, w + y, w - y, w - z, z].map(|plane| plane.as_vec4().to_array());
-    ViewParams {
-        planes,
+    StageView {
+        planes: [w + x, w - x, w + y, w - y, w - z, z].map(|plane| plane.as_vec4().to_array()),
         sweep: [0.0; 4],
         eye: relative.as_vec3().to_array(),
-        segments_per_radian: (360.0 * focal / pixels_per_edge) as f32,
-        anchor: anchor.as_ivec2().to_array(),
-        corner_count: cover.corners.len() as u32,
-        edge_count: cover.edges.len() as u32,
-        patch_count: cover.patches.len() as u32,
-        max_vertices: 1 << 20,
-        max_triangles: 1 << 21,
-        sea_level: 0.0,
+        pixels_per_radian: (360.0 * focal) as f32,
+        anchor: anchor.as_vec3().to_array(),
+        pixels_per_edge: pixels_per_edge as f32,
+        time: 0.0,
+        previous_time: 0.0,
+        orthographic: 0.0,
+        camera: 1.0,
     }
 }
 
-/// Segments of the mesh's border, by the bits of their positions, that lie between two drawn
-/// patches: each is a crack. `None` if a triangle uses a vertex that was never written.
-pub fn cracks(cover: &Cover, vertices: &[Vertex], indices: &[u32]) -> Option<usize> {
+/// How far the mesh's border, by the bits of its positions, differs from the edges that only one drawn
+/// patch has: each edge too many is a crack. `None` if a triangle uses a vertex that was never written.
+///
+/// `drawn` says of each patch whether it is, `segments` how many every edge has.
+pub fn cracks(
+    patches: &GroundPatches,
+    drawn: &[bool],
+    segments: &[u32],
+    positions: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+) -> Option<usize> {
     let bits = |index: u32| {
-        let vertex = vertices.get(index as usize)?;
-        let [x, y, z] = vertex.position.map(f32::to_bits);
-        (!vertex.position.iter().any(|c| c.is_nan())).then_some([x, y, z])
+        let position = positions.get(index as usize)?;
+        (!position.iter().any(|c| c.is_nan())).then_some(position.map(f32::to_bits))
     };
-    let mut open: HashMap<([u32; 3], [u32; 3]), i32> = HashMap::with_capacity(indices.len());
-    for corners in indices.chunks_exact(3) {
+    let mut open: HashMap<([u32; 3], [u32; 3]), i32> = HashMap::with_capacity(3 * triangles.len());
+    for corners in triangles {
         let [a, b, c] = [bits(corners[0])?, bits(corners[1])?, bits(corners[2])?];
         for (from, to) in [(a, b), (b, c), (c, a)] {
             *open.entry((from, to)).or_default() += 1;
@@ -132,13 +202,19 @@ pub fn cracks(cover: &Cover, vertices: &[Vertex], indices: &[u32]) -> Option<usi
         let back = open.get(&(*to, *from)).copied().unwrap_or(0);
         border += usize::try_from(count - back).unwrap_or(0);
     }
-    // The border that there has to be: edges with one drawn patch beside them.
-    let drawn = |patch: u32| patch != NONE && cover.patches[patch as usize].drawn();
-    let due: usize = cover
-        .edges
+    let topology = patches.mesh.topology();
+    let mut beside = vec![0; topology.edges.len()];
+    for ((patch, halves), drawn) in topology.patches.iter().zip(&topology.halves).zip(drawn) {
+        let seconds = halves[4..].iter().filter(|word| **word != WHOLE);
+        for word in patch[4..].iter().chain(seconds) {
+            beside[(word & !REVERSED) as usize] += usize::from(*drawn);
+        }
+    }
+    let due: usize = segments
         .iter()
-        .filter(|edge| drawn(edge.patches[0]) != drawn(edge.patches[1]))
-        .map(|edge| edge.level as usize)
+        .zip(beside)
+        .filter(|(_, beside)| *beside == 1)
+        .map(|(segments, _)| *segments as usize)
         .sum();
     Some(border.abs_diff(due))
 }

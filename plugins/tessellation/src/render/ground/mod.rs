@@ -163,6 +163,10 @@ fn place_patches(
         if found.is_some() && !cover.is_changed() {
             continue;
         }
+        if let Some(fault) = &cover.fault {
+            error!("the ground cannot be covered with patches: {fault}");
+            continue;
+        }
         let bounds = terrain.bounds(&terrain.extent());
         let relief = (bounds.max - bounds.min).max(0.0);
         let mut patches = Patches::new(cover.patches.mesh.clone());
