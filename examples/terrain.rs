@@ -1,0 +1,86 @@
+//! An island of noise as patches of the tessellation stage, beside a displaced sphere of your own: both
+//! share the G-buffer and the shadows. `cargo run --release --example terrain`.
+
+mod support;
+
+use std::sync::Arc;
+
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use bevy::render::render_resource::AsBindGroup;
+use dolomite::DolomitePlugins;
+use dolomite::terrain::{Fractal, GroundRect, Hill, Layer, Source, Sum, Terrain, TerrainData};
+use dolomite::tessellation::render::stage::{PatchKind, PatchPlugin, PatchShader};
+use dolomite::tessellation::stage::{PatchLayout, Patches, shapes};
+use dolomite::tessellation::{MaterialBands, TerrainMaterial, TerrainView};
+
+/// A boulder that stands on the island.
+#[derive(Resource, AsBindGroup, Clone)]
+struct Boulder {}
+
+impl PatchKind for Boulder {
+    const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;
+    const UV_RANGE: f32 = 2.0;
+    const CUSTOM_MATERIAL: bool = true;
+
+    fn shader() -> PatchShader {
+        PatchShader::File("shaders/rock.wgsl")
+    }
+}
+
+fn main() {
+    support::app("Terrain")
+        .add_plugins((DolomitePlugins, PatchPlugin(Boulder {})))
+        .insert_resource(ClearColor(Color::srgb(0.42, 0.60, 0.80)))
+        .add_systems(Startup, setup)
+        .run();
+}
+
+fn setup(mut commands: Commands, assets: Res<AssetServer>) -> Result {
+    let ridges = Fractal {
+        sum: Sum::Ridged,
+        octaves: 9,
+        amplitude: 90.0,
+        wavelength: 260.0,
+        ..default()
+    };
+    let dome = Hill {
+        centre: DVec2::ZERO,
+        radius: 420.0,
+        height: 70.0,
+    };
+    let layer = |source| Layer { source, mask: None };
+    let terrain = Terrain::new(TerrainData {
+        extent: GroundRect::square(DVec2::ZERO, 1200.0),
+        layers: vec![layer(Source::Hill(dome)), layer(Source::Fractal(ridges))],
+        base: -75.0,
+        sea_level: Some(0.0),
+    })?;
+    let material = TerrainMaterial {
+        bands: MaterialBands {
+            tree_line: 40.0,
+            snow_line: 75.0,
+            blend: 14.0,
+            ..default()
+        },
+        ..TerrainMaterial::new(
+            assets.load("textures/terrain_albedo_height.png"),
+            assets.load("textures/terrain_normal_roughness.png"),
+        )
+    };
+    let boulder = Patches::<Boulder>::new(Arc::new(shapes::octahedron(4)));
+    commands.spawn((
+        boulder.with(0, Vec4::new(0.0, 0.14, 1.4, 0.0)),
+        Transform::from_xyz(0.0, 62.0, 40.0).with_scale(Vec3::splat(22.0)),
+    ));
+    commands.spawn((terrain, material));
+    commands.spawn(support::light(60_000.0, 3_500.0));
+    let circle = support::Circle {
+        centre: Vec3::new(0.0, 20.0, 0.0),
+        distance: 420.0,
+        yaw: 0.5,
+        pitch: 0.22,
+    };
+    commands.spawn((support::camera(circle, 6.0, 13.4), TerrainView::default()));
+    Ok(())
+}
