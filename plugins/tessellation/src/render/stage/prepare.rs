@@ -117,7 +117,8 @@ pub struct ViewKind {
     /// Shadow views to draw into, and the slot of each.
     pub shadows: Vec<(Entity, u32)>,
     pub cleared: u64,
-    pub groups_of: [u32; 2],
+    /// Workgroups: of 64 patches, of a block of items, of 256 halves of sides.
+    pub groups_of: [u32; 3],
 }
 
 /// Bind groups of one kind in one view.
@@ -434,6 +435,7 @@ impl ViewKind {
             groups_of: [
                 params.patches.div_ceil(64),
                 params.items().div_ceil(crate::stage::layout::BLOCK),
+                params.strip_threads(traits.layout.domain).div_ceil(256),
             ],
         }
     }
