@@ -1,10 +1,11 @@
 //! The passes of the tessellation stage without Bevy's renderer: control, measure, plan, place and
-//! emit, as `dolomite_tessellation` records them, with the functions of `shaders/src/stage/user.wgsl`.
+//! the three of emission, as `dolomite_tessellation` records them, with the functions of `shaders/src/stage/user.wgsl`.
 
 use crate::gpu::{Gpu, GpuError};
 use bytemuck::{Zeroable, bytes_of, cast_slice, pod_collect_to_vec, pod_read_unaligned};
 use dolomite_tessellation::stage::layout::{
-    BLOCK, DISPATCH_ARGUMENTS, EVALUATED_BYTES, StageParams, StageView, VERTEX_BYTES, WorkHead,
+    BLOCK, EVALUATED_BYTES, GRID_DISPATCH_ARGUMENTS, StageParams, StageView, VERTEX_BYTES,
+    VERTEX_DISPATCH_ARGUMENTS, WorkHead,
 };
 use dolomite_tessellation::stage::tables::{Instance, Tables};
 use dolomite_tessellation::stage::{
@@ -40,7 +41,9 @@ pub struct StagePasses {
     work_layout: BindGroupLayout,
     emit_layout: BindGroupLayout,
     data_layout: Option<BindGroupLayout>,
-    passes: [ComputePipeline; 5],
+    passes: [ComputePipeline; 6],
+    /// Not of isolines.
+    strips: Option<ComputePipeline>,
     pub(crate) tessellator: Tessellator,
     pub(crate) drawing: Drawing,
     split: bool,
@@ -192,13 +195,18 @@ impl StagePasses {
                 });
             Ok::<_, StageError>(pipeline)
         };
+        let emission = |file, entry| pass(file, entry, &emit_layout, &["STAGE_READ"]);
         let passes = [
             pass("stage/control.wgsl", "control_patches", &work_layout, &[])?,
             pass("stage/measure.wgsl", "measure", &work_layout, &[])?,
             pass("stage/plan.wgsl", "plan", &work_layout, &[])?,
             pass("stage/place_items.wgsl", "place_items", &work_layout, &[])?,
-            pass("stage/emit.wgsl", "emit", &emit_layout, &["STAGE_READ"])?,
+            emission("stage/emit_vertices.wgsl", "emit_vertices")?,
+            emission("stage/emit_grid.wgsl", "emit_grid")?,
         ];
+        let strips = (tessellator.domain != Domain::Isolines)
+            .then(|| emission("stage/emit_strips.wgsl", "emit_strips"))
+            .transpose()?;
         if let Some(error) = bevy::tasks::block_on(scope.pop()) {
             return Err(GpuError::Validation(error.to_string()).into());
         }
@@ -207,6 +215,7 @@ impl StagePasses {
             emit_layout,
             data_layout,
             passes,
+            strips,
             tessellator,
             drawing,
             split,
@@ -437,7 +446,7 @@ impl<'a> StageRun<'a> {
             }
             let items = self.params.items().div_ceil(BLOCK);
             let patches = self.params.patches.div_ceil(64);
-            let [control, measure, plan, place, emit] = &self.passes.passes;
+            let [control, measure, plan, place, vertices, grid] = &self.passes.passes;
             for (pipeline, groups) in [
                 (control, patches),
                 (measure, items),
@@ -447,11 +456,20 @@ impl<'a> StageRun<'a> {
                 pass.set_pipeline(pipeline);
                 pass.dispatch_workgroups(groups.min(COLUMNS), groups.div_ceil(COLUMNS), 1);
             }
-            pass.set_pipeline(emit);
             pass.set_bind_group(0, &self.groups[1], &[]);
-            pass.dispatch_workgroups_indirect(&self.work, DISPATCH_ARGUMENTS);
+            pass.set_pipeline(vertices);
+            pass.dispatch_workgroups_indirect(&self.work, VERTEX_DISPATCH_ARGUMENTS);
+            pass.set_pipeline(grid);
+            pass.dispatch_workgroups_indirect(&self.work, GRID_DISPATCH_ARGUMENTS);
+            if let Some(strips) = &self.passes.strips {
+                let threads = self.params.strip_threads(self.passes.tessellator.domain);
+                let groups = threads.div_ceil(256);
+                pass.set_pipeline(strips);
+                pass.dispatch_workgroups(groups.min(COLUMNS), groups.div_ceil(COLUMNS), 1);
+            }
         }
-        self.passes.passes.len() * repeats.max(1) as usize
+        (self.passes.passes.len() + usize::from(self.passes.strips.is_some()))
+            * repeats.max(1) as usize
     }
 
     /// Copies as many bytes as the last run emitted, `repeats` times; the wall time of one.

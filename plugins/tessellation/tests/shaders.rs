@@ -124,9 +124,11 @@ fn the_stages_passes_keep_to_webgpus_limits() {
         ("stage/measure.wgsl", &[]),
         ("stage/plan.wgsl", &[]),
         ("stage/place_items.wgsl", &[]),
-        ("stage/emit.wgsl", &["STAGE_READ", "STAGE_MOVES"]),
+        ("stage/emit_vertices.wgsl", &["STAGE_READ", "STAGE_MOVES"]),
+        ("stage/emit_grid.wgsl", &["STAGE_READ"]),
+        ("stage/emit_strips.wgsl", &["STAGE_READ"]),
         (
-            "stage/emit.wgsl",
+            "stage/emit_strips.wgsl",
             &["STAGE_READ", "STAGE_QUADS", "STAGE_SPLIT"],
         ),
     ] {

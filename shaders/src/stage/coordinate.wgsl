@@ -44,35 +44,43 @@ fn reference_ring(edge: StageEdge, k: u32, i: u32, side: u32) -> vec3<u32> {
     return vec3(select(first, last, side == 1u), select(last, first, side == 1u), off) << vec3(8u);
 }
 
-// Inner vertex `index` of a triangle.
-fn ring_coordinate(edge: StageEdge, index: u32, mode: u32) -> vec3<u32> {
-    let a = edge.count;
+// Vertex i of a side of ring k.
+struct RingPlace {
+    k: u32,
+    side: u32,
+    i: u32,
+}
+
+// Where inner vertex `index` of a triangle with `a` inner segments stands.
+fn ring_place(a: u32, index: u32) -> RingPlace {
     let k = ring_of(a, divide_small(index, 3u), a / 2u);
     let m = a - 2u * k;
-    if m == 0u {
-        let third = select(UNIT / 3u, 0x5555u << 8u, mode == D3D);
-        return vec3(third, third, UNIT - 2u * third);
-    }
     let at = index - ring_start(a, k);
-    let side = divide_small(at, m);
-    let i = at - side * m;
+    let side = select(0u, 1u, at >= m) + select(0u, 1u, at >= 2u * m);
+    return RingPlace(k, side, at - side * m);
+}
+
+// Its coordinate; `along` is the place of vertex k + i of the edge.
+fn ring_at(edge: StageEdge, ring: RingPlace, along: u32, mode: u32) -> vec3<u32> {
+    let k = ring.k;
     // Towards the side's start, towards its end, and its distance.
     var c: vec3<u32>;
     if mode == D3D {
-        c = reference_ring(edge, k, i, side);
-    } else if i == 0u {
-        let corner = scaled(edge, k, 2u, 3u);
-        c = vec3(UNIT - 2u * corner, corner, corner);
+        c = reference_ring(edge, k, ring.i, ring.side);
     } else {
-        let third = scaled(edge, k, 1u, 3u);
-        let along = place(edge, k + i, mode);
-        c = vec3(UNIT - along - third, along - third, 2u * third);
+        let corner = ring.i == 0u;
+        let part = scaled(edge, k, select(1u, 2u, corner), 3u);
+        c = select(vec3(UNIT - along - part, along - part, 2u * part), vec3(UNIT - 2u * part, part, part), corner);
     }
-    switch side {
-        case 0u: { return c.zxy; }
-        case 1u: { return c.yzx; }
-        default: { return c; }
-    }
+    c = select(select(c, c.yzx, ring.side == 1u), c.zxy, ring.side == 0u);
+    let third = select(UNIT / 3u, 0x5555u << 8u, mode == D3D);
+    return select(c, vec3(third, third, UNIT - 2u * third), 2u * k == edge.count);
+}
+
+// Inner vertex `index` of a triangle.
+fn ring_coordinate(edge: StageEdge, index: u32, mode: u32) -> vec3<u32> {
+    let ring = ring_place(edge.count, index);
+    return ring_at(edge, ring, place(edge, ring.k + ring.i, mode), mode);
 }
 
 fn inner_coordinate(rules: Rules, shape: Shape, index: u32) -> vec3<u32> {
@@ -111,5 +119,5 @@ fn coordinate(rules: Rules, shape: Shape, vertex: vec2<u32>) -> vec3<u32> {
 
 // As numbers; exact, for they are multiples of 2^-24 up to 1.
 fn as_numbers(c: vec3<u32>) -> vec3<f32> {
-    return vec3<f32>(c) * (1.0 / f32(UNIT));
+    return vec3<f32>(vec3<i32>(c)) * (1.0 / f32(UNIT));
 }

@@ -83,27 +83,22 @@ fn placed_shape(id: u32) -> Shape {
     return shape;
 }
 
-// Inner levels of a patch as `place` left them; isolines: levels of lines and segments.
-fn placed_levels(id: u32) -> vec2<u32> {
-    let at = inner_word(stage, id);
-    return vec2(work[at], work[at + 1u]);
+// Vertices of a corner or an edge; it has no primitives.
+fn outline_size(item: u32, share: u32) -> vec2<u32> {
+    let rules = stage_rules();
+    // The words of the edges lie behind those of the corners.
+    let word = work[corner_word(item)];
+    let inside = segments(lower(rules, word, share), rules.spacing) - 1u;
+    return vec2(select(inside, word, item < stage.corners || word == 0u), 0u);
 }
 
 // Vertices and primitives of an item.
 fn item_size(item: u32, share: u32) -> vec2<u32> {
     let rules = stage_rules();
-    if item < stage.corners {
-        return vec2(work[corner_word(item)], 0u);
+    if item < stage.corners + stage.edges {
+        return outline_size(item, share);
     }
-    let edge = item - stage.corners;
-    if edge < stage.edges {
-        let level = work[edge_word(stage, edge)];
-        if level == 0u {
-            return vec2(0u);
-        }
-        return vec2(segments(lower(rules, level, share), rules.spacing) - 1u, 0u);
-    }
-    let id = edge - stage.edges;
+    let id = item - stage.corners - stage.edges;
     if id >= stage.patches || work[inner_word(stage, id)] == 0u {
         return vec2(0u);
     }

@@ -1,18 +1,23 @@
-// Pass 4, a thread an item: what comes before each item. Where the pools do not hold all even at
-// level 1, the last vertices and primitives are those that are missing.
+// Pass 4, a thread BLOCK_RUN items: what comes before each item. Where the pools do not hold all even
+// at level 1, the last vertices and primitives are those that are missing.
 
 #import dolomite::stage::api::stage
 #import dolomite::stage::types::ISOLINES
-#import dolomite::stage::counts::{item_size, patch_shape, work}
+#import dolomite::stage::counts::{patch_shape, work}
 #import dolomite::stage::rules::stage_rules
-#import dolomite::stage::work::{BLOCK, CHUNK, COLUMNS, SHARE, block_word, chunk_word, inner_word, item_count, offset_word}
+#import dolomite::stage::work::{BLOCK, BLOCK_RUN, COLUMNS, SHARE, block_word, inner_word, item_count, offset_word, thread_before, thread_word}
 
-var<workgroup> sums: array<vec2<u32>, 256>;
+const THREADS: u32 = BLOCK / BLOCK_RUN;
+
+var<workgroup> sums: array<vec2<u32>, 64>;
 
 // Replaces the levels of a patch by those that count. Nobody else reads them in this pass.
 fn settle(id: u32, share: u32) {
     let at = inner_word(stage, id);
     if work[at] == 0u {
+        // Without segments nothing of it is emitted.
+        work[at + 2u] = 0u;
+        work[at + 3u] = 0u;
         return;
     }
     let rules = stage_rules();
@@ -27,24 +32,31 @@ fn settle(id: u32, share: u32) {
 #endif
 }
 
-// Tells the chunks whose first vertex or primitive is among those of the item.
-fn mark_chunks(column: u32, item: u32, first: u32, end: u32) {
-    for (var chunk = (first + CHUNK - 1u) / CHUNK; chunk * CHUNK < end; chunk++) {
-        work[chunk_word(stage, column, chunk)] = item;
+// Tells the threads of emission which item or patch they work for.
+fn mark_threads(column: u32, number: u32, first: u32, end: u32) {
+    let last = thread_before(stage, column, number + 1u, end);
+    for (var thread = thread_before(stage, column, number, first); thread < last; thread++) {
+        work[thread_word(stage, column, thread)] = number;
     }
 }
 
-@compute @workgroup_size(256)
+fn size_of(item: u32) -> vec2<u32> {
+    let at = offset_word(stage, item);
+    return vec2(work[at], work[at + 1u]);
+}
+
+@compute @workgroup_size(64)
 fn place_items(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let block = group.x + group.y * COLUMNS;
-    let item = block * BLOCK + thread;
-    let share = work[SHARE];
-    var size = vec2(0u);
-    if item < item_count(stage) {
-        size = item_size(item, share);
+    let first = block * BLOCK + thread * BLOCK_RUN;
+    let last = min(first + BLOCK_RUN, item_count(stage));
+    var own = vec2(0u);
+    for (var item = first; item < last; item++) {
+        own += size_of(item);
     }
-    sums[thread] = size;
-    for (var reach = 1u; reach < BLOCK; reach <<= 1u) {
+    // Hillis and Steele, 1986.
+    sums[thread] = own;
+    for (var reach = 1u; reach < THREADS; reach <<= 1u) {
         workgroupBarrier();
         var before = vec2(0u);
         if thread >= reach {
@@ -53,18 +65,25 @@ fn place_items(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         workgroupBarrier();
         sums[thread] += before;
     }
-    if item >= stage.corners + stage.edges && item < item_count(stage) {
-        settle(item - stage.corners - stage.edges, share);
+    if first >= last {
+        return;
     }
-    if item < item_count(stage) {
-        let base = block_word(stage, block);
+    let base = block_word(stage, block);
+    var before = vec2(work[base], work[base + 1u]) + sums[thread] - own;
+    let patches = stage.corners + stage.edges;
+    for (var item = first; item < last; item++) {
+        let end = before + size_of(item);
         let at = offset_word(stage, item);
-        let before = sums[thread] - size;
-        let vertex = work[base] + before.x;
-        let primitive = work[base + 1u] + before.y;
-        work[at] = vertex;
-        work[at + 1u] = primitive;
-        mark_chunks(0u, item, vertex, min(vertex + size.x, stage.max_vertices));
-        mark_chunks(1u, item, primitive, min(primitive + size.y, stage.max_primitives));
+        work[at] = before.x;
+        work[at + 1u] = before.y;
+        mark_threads(0u, item, before.x, end.x);
+        if item >= patches {
+            mark_threads(1u, item - patches, before.y, end.y);
+        }
+        before = end;
+    }
+    let share = work[SHARE];
+    for (var item = max(first, patches); item < last; item++) {
+        settle(item - patches, share);
     }
 }

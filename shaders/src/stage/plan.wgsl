@@ -5,7 +5,7 @@
 #import dolomite::stage::api::stage
 #import dolomite::stage::counts::{item_size, work}
 #import dolomite::stage::rules::stage_rules
-#import dolomite::stage::work::{AMPLIFIED, BLOCK, COLUMNS, DISPATCH, INDEXED, LOWERED, LOWERINGS, PLAIN, PRIMITIVES, SHARE, VERTICES, WANTED_PRIMITIVES, WANTED_VERTICES, block_word, item_count, share_after}
+#import dolomite::stage::work::{AMPLIFIED, BLOCK, COLUMNS, GRID_DISPATCH, INDEXED, LOWERED, LOWERINGS, PLAIN, PRIMITIVES, SHARE, VERTEX_DISPATCH, VERTICES, WANTED_PRIMITIVES, WANTED_VERTICES, block_word, item_count, offset_word, share_after, thread_before}
 
 const THREADS: u32 = 256u;
 // Sums stop here instead of wrapping round.
@@ -25,14 +25,18 @@ fn total(thread: u32, own: vec2<u32>) -> vec2<u32> {
     return workgroupUniformLoad(&sums[0]);
 }
 
-// Sizes of a run of blocks with levels lowered to `share`, written for each block; their sum.
+// Sizes of a run of blocks with levels lowered to `share`, written for each block and item; their sum.
 fn lowered_sizes(first: u32, last: u32, share: u32) -> vec2<u32> {
     let items = item_count(stage);
     var own = vec2(0u);
     for (var block = first; block < last; block++) {
         var size = vec2(0u);
         for (var item = block * BLOCK; item < min((block + 1u) * BLOCK, items); item++) {
-            size += item_size(item, share);
+            let own = item_size(item, share);
+            let at = offset_word(stage, item);
+            work[at] = own.x;
+            work[at + 1u] = own.y;
+            size += own;
         }
         let at = block_word(stage, block);
         work[at] = size.x;
@@ -44,6 +48,14 @@ fn lowered_sizes(first: u32, last: u32, share: u32) -> vec2<u32> {
 
 fn fits(sum: vec2<u32>) -> bool {
     return sum.x <= stage.max_vertices && sum.y <= stage.max_primitives;
+}
+
+// Arguments of a dispatch with 256 threads a group.
+fn write_groups(at: u32, threads: u32) {
+    let groups = (threads + 255u) / 256u;
+    work[at] = min(groups, COLUMNS);
+    work[at + 1u] = (groups + COLUMNS - 1u) / COLUMNS;
+    work[at + 2u] = 1u;
 }
 
 @compute @workgroup_size(256)
@@ -110,10 +122,12 @@ fn plan(@builtin(local_invocation_index) thread: u32) {
         work[PLAIN + 1u] = 1u;
         work[AMPLIFIED] = stage.amplified;
         work[AMPLIFIED + 1u] = held.y;
-        let groups = (held.x + 255u) / 256u + (held.y + 255u) / 256u;
-        work[DISPATCH] = min(groups, COLUMNS);
-        work[DISPATCH + 1u] = (groups + COLUMNS - 1u) / COLUMNS;
-        work[DISPATCH + 2u] = 1u;
+        let items = item_count(stage);
+        write_groups(VERTEX_DISPATCH, thread_before(stage, 0u, items, held.x));
+        write_groups(GRID_DISPATCH, thread_before(stage, 1u, stage.patches, held.y));
+        let end = offset_word(stage, items);
+        work[end] = held.x;
+        work[end + 1u] = held.y;
         work[VERTICES] = held.x;
         work[PRIMITIVES] = held.y;
         work[LOWERED] = lowered;

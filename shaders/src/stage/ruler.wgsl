@@ -3,8 +3,6 @@
 // How the strip between two rows of vertices is stitched: the twin of
 // plugins/tessellation/src/stage/ruler.rs, where the order is explained.
 
-#import dolomite::stage::divide::divide_small
-
 struct Step {
     // Vertices of the outer and the inner row before the step.
     outer: u32,
@@ -102,13 +100,4 @@ fn regular(m: u32, t: u32) -> Step {
         return Step(1u + cell, cell + second, second == 1u);
     }
     return Step(1u + cell + second, cell, second == 0u);
-}
-
-// Step t of a strip between rows of `outer` and `inner` segments of one length, from end to end: both
-// advance as evenly as they can.
-fn half_strip(outer: u32, inner: u32, t: u32) -> Step {
-    let total = outer + inner;
-    let at = divide_small(t * outer + total / 2u, total);
-    let next = divide_small((t + 1u) * outer + total / 2u, total);
-    return Step(at, t - at, next > at);
 }

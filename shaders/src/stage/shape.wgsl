@@ -3,9 +3,9 @@
 // How many vertices and primitives a patch has, and which vertices each primitive joins: the twin of
 // plugins/tessellation/src/stage/shape.rs.
 
-#import dolomite::stage::types::{Shape, TRIANGLES, QUADS, ISOLINES, INNER, CORNER, MIDDLE}
+#import dolomite::stage::types::{Shape, TRIANGLES, QUADS, ISOLINES, INNER, CORNER}
 #import dolomite::stage::divide::divide_small
-#import dolomite::stage::ruler::{Step, half_strip, regular, transition}
+#import dolomite::stage::ruler::{Step, regular, transition}
 
 fn corner_count(domain: u32) -> u32 {
     return select(select(4u, 3u, domain == TRIANGLES), 0u, domain == ISOLINES);
@@ -61,19 +61,15 @@ fn ring_vertex(a: u32, k: u32, side: u32, i: u32) -> u32 {
     return ring_start(a, k) + select(place, 0u, place == 3u * m);
 }
 
-// The greatest k from 1 to `last` with (k - 1) (s - k) <= place.
+// The greatest k from 1 to `last` with (k - 1) (s - k) <= place: the root of that, which f32 gives to
+// within 1 for s up to 64, then both neighbours are tried.
 fn ring_of(s: u32, place: u32, last: u32) -> u32 {
-    var low = 1u;
-    var high = last;
-    while low < high {
-        let middle = (low + high + 1u) / 2u;
-        if (middle - 1u) * (s - middle) <= place {
-            low = middle;
-        } else {
-            high = middle - 1u;
-        }
-    }
-    return low;
+    let square = (i32(s) - 1) * (i32(s) - 1) - 4 * i32(place);
+    let root = i32(sqrt(f32(max(square, 0))));
+    var k = clamp(u32(max((i32(s) + 1 - root) / 2, 1)), 1u, max(last, 1u));
+    k -= select(0u, 1u, (k - 1u) * (s - k) > place);
+    k += select(0u, 1u, k < last && k * (s - k - 1u) <= place);
+    return k;
 }
 
 // Inner segments parallel to a side.
@@ -88,30 +84,7 @@ fn side_vertex(domain: u32, shape: Shape, side: u32, i: u32) -> vec2<u32> {
     if i == shape.sides[side] {
         return vec2(CORNER, side);
     }
-#ifdef STAGE_SPLIT
-    if i == shape.first[side] {
-        return vec2(MIDDLE, side);
-    }
-#endif
     return vec2(side, i);
-}
-
-// Step t of the strip along a side. Each half of a split side has its half of the inner row.
-fn side_step(shape: Shape, side: u32, along: u32, t: u32) -> Step {
-    let total = shape.sides[side];
-#ifdef STAGE_SPLIT
-    let first = shape.first[side];
-    if first > 0u {
-        let row = along - 2u;
-        let half = row / 2u;
-        if t < first + half {
-            return half_strip(first, half, t);
-        }
-        let step = half_strip(total - first, row - half, t - first - half);
-        return Step(step.outer + first, step.inner + half, step.advances_outer);
-    }
-#endif
-    return transition(total, along, t);
 }
 
 // Vertex i of the outline of the inner vertices along a side.
@@ -140,7 +113,7 @@ fn side_triangle(domain: u32, shape: Shape, place: u32) -> array<vec2<u32>, 3> {
         side++;
         along = along_side(domain, shape.rows, side);
     }
-    let step = side_step(shape, side, along, t);
+    let step = transition(shape.sides[side], along, t);
     let a = side_vertex(domain, shape, side, step.outer);
     let c = row_vertex(domain, shape.rows, side, step.inner);
     if step.advances_outer {
@@ -189,6 +162,54 @@ fn cell_triangle(rows: vec2<u32>, t: u32) -> array<vec2<u32>, 3> {
         return array(low_left, top_right, top_left);
     }
     return array(low_right, top_right, top_left);
+}
+
+// Two triangles beside each other inside of a patch, by inner vertices.
+struct Pair {
+    first: vec3<u32>,
+    second: vec3<u32>,
+}
+
+// Triangles 2 pair and 2 pair + 1 of those between the rings of a triangle; the last one of an odd
+// number stands alone.
+fn ring_pair(a: u32, pair: u32) -> Pair {
+    let last = a / 2u - 1u;
+    if pair == 3u * last * (a - 2u - last) {
+        let base = ring_start(a, last + 1u);
+        return Pair(vec3(base, base + 1u, base + 2u), vec3(0u));
+    }
+    let k = ring_of(a - 1u, divide_small(pair, 3u), last);
+    let m = a - 2u * k;
+    let place = pair - 3u * (k - 1u) * (a - 1u - k);
+    let side = select(0u, 1u, place >= m - 1u) + select(0u, 1u, place >= 2u * (m - 1u));
+    let q = place - side * (m - 1u);
+    let half = (m - 1u) / 2u;
+    // Vertices from q on of the outer and the inner row; the last one of a ring is its first.
+    let start = vec2(ring_start(a, k), ring_start(a, k + 1u));
+    let row = side * vec2(m, m - 2u) + vec2(q);
+    let x0 = start.x + row.x;
+    let x1 = x0 + 1u;
+    let x2 = select(x1 + 1u, start.x, row.x + 2u == 3u * m);
+    let z0 = select(start.y + row.y, start.y, row.y == 3u * (m - 2u));
+    let z1 = select(z0 + 1u, start.y, row.y + 1u == 3u * (m - 2u));
+    return Pair(
+        select(vec3(x1, z0, start.y + row.y - 1u), vec3(x0, x1, z0), q <= half),
+        select(vec3(x1, z1, z0), vec3(x1, x2, z0), q >= half),
+    );
+}
+
+// Both triangles of an inner cell of a quad, see cell_triangle.
+fn cell_pair(rows: vec2<u32>, cell: u32) -> Pair {
+    let j = divide_small(cell, rows.x - 2u);
+    let i = cell - j * (rows.x - 2u);
+    let columns = rows.x - 1u;
+    let low = j * columns + i;
+    let top = low + columns;
+    let rising = (2u * (i + 1u) < rows.x) == (2u * (j + 1u) < rows.y);
+    return Pair(
+        vec3(low, low + 1u, select(top, top + 1u, rising)),
+        vec3(select(low + 1u, low, rising), top + 1u, top),
+    );
 }
 
 // The vertices of primitive t, counter-clockwise; a segment of isolines repeats its second.

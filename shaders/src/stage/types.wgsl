@@ -48,8 +48,6 @@ struct Shape {
     rows: vec2<u32>,
 }
 
-// A vertex of a patch: (side 0 to 3, vertex 1 to n - 1), (INNER, index), (CORNER, corner) or, in the
-// middle of a side that lies along two edges, (MIDDLE, side).
+// A vertex of a patch: (side 0 to 3, vertex 1 to n - 1), (INNER, index) or (CORNER, corner).
 const INNER: u32 = 4u;
 const CORNER: u32 = 5u;
-const MIDDLE: u32 = 6u;

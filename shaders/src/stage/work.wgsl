@@ -10,8 +10,9 @@
 //                 segments of sides and rows, 8 bits each; 5 where sides may be split, the last
 //                 for the segments of their first halves
 //   blocks     2  for each 256 items: vertices and primitives, then those before them
-//   offsets    2  each item: vertices and primitives before it
-//   chunks     1  for each 256 vertices, then for each 256 primitives: the item of the first
+//   offsets    2  each item, and once behind the last: vertices and primitives of it as `measure` left
+//                 them until `place`, then those before it
+//   threads    1  each thread of emit_vertices: its item; then each of emit_grid: its patch
 //
 // Items are the corners, then the edges, then the patches. Pure functions: the files with entry
 // points bind the buffer, as atomics or not.
@@ -23,8 +24,8 @@
 const INDEXED: u32 = 0u;
 // draw_indirect: vertices of an amplified primitive, primitives, 0, 0.
 const AMPLIFIED: u32 = 5u;
-// dispatch_workgroups_indirect of emit.
-const DISPATCH: u32 = 9u;
+// dispatch_workgroups_indirect of emit_vertices.
+const VERTEX_DISPATCH: u32 = 9u;
 // Counters.
 const VERTICES: u32 = 12u;
 const PRIMITIVES: u32 = 13u;
@@ -35,8 +36,10 @@ const WANTED_VERTICES: u32 = 16u;
 const WANTED_PRIMITIVES: u32 = 17u;
 // What is left of every level, in 1/1024.
 const SHARE: u32 = 18u;
+// dispatch_workgroups_indirect of emit_grid.
+const GRID_DISPATCH: u32 = 19u;
 // draw_indirect of the same primitives, their indices fetched by the shader: index count, 1, 0, 0.
-const PLAIN: u32 = 19u;
+const PLAIN: u32 = 22u;
 const HEAD: u32 = 32u;
 #ifdef STAGE_SPLIT
 const INNER_WORDS: u32 = 5u;
@@ -48,8 +51,9 @@ const INNER_WORDS: u32 = 4u;
 const EDGE_NUMBER: u32 = 0x7fffffffu;
 const REVERSED: u32 = 0x80000000u;
 
-// Items of a block.
+// Items of a block, and of one of its threads: software Vulkan pays for barriers by the thread.
 const BLOCK: u32 = 256u;
+const BLOCK_RUN: u32 = 4u;
 // Columns of a dispatch's grid: one axis allows 65535 groups.
 const COLUMNS: u32 = 32768u;
 // After so many steps of 4/5 every level is below 1.
@@ -89,13 +93,27 @@ fn share_after(steps: u32) -> u32 {
     return share;
 }
 
-// Vertices or primitives of a chunk.
-const CHUNK: u32 = 256u;
+// Vertices of one item that a thread of emit_vertices makes at most: what they have in common is
+// loaded once.
+const VERTEX_RUN: u32 = 4u;
+// The same of primitives and patches, on average.
+const GRID_RUN: u32 = 32u;
 
-// Chunk `chunk` of the vertices (column 0) or of the primitives (column 1).
-fn chunk_word(stage: StageParams, column: u32, chunk: u32) -> u32 {
-    let before = select(0u, (stage.max_vertices + CHUNK - 1u) / CHUNK, column == 1u);
-    return offset_word(stage, item_count(stage)) + before + chunk;
+// Threads of emit_vertices (column 0) before item `number`, or of emit_grid (column 1) before patch
+// `number`, which so many vertices or primitives come before. The difference from one to the next is
+// at least what the pool holds of its own, divided by the run and rounded up.
+fn thread_before(stage: StageParams, column: u32, number: u32, before: u32) -> u32 {
+    if column == 1u {
+        return min(before, stage.max_primitives) / GRID_RUN + number;
+    }
+    return min(before, stage.max_vertices) / VERTEX_RUN + number;
+}
+
+// Where it stands which item (column 0) or patch (column 1) a thread works for.
+fn thread_word(stage: StageParams, column: u32, thread: u32) -> u32 {
+    let items = item_count(stage);
+    let before = select(0u, thread_before(stage, 0u, items, stage.max_vertices), column == 1u);
+    return offset_word(stage, items + 1u) + before + thread;
 }
 
 // A level that was lowered to share / 1024 of it, clamped and rounded again.

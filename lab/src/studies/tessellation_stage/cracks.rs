@@ -196,7 +196,7 @@ fn standing_notes() -> [String; 2] {
          edge lies up to 100 of its lengths from the origin. Triangles of both patches are compared \
          as sets of edges between positions, by the bits of the positions."
             .into(),
-        "On the CPU the twin emits both patches with the topology of their mesh as emit.wgsl does. \
+        "On the CPU the twin emits both patches with the topology of their mesh as the passes do. \
          pairs_with_other_places: each patch's own coordinates along the side name other places, as \
          integers of 2^-24. On the adapter all passes run and vertices and indices are read back."
             .into(),

@@ -81,7 +81,11 @@ mod tests {
             (COSTLY, vec!["GBUFFER"]),
             (COSTLY, vec!["GBUFFER", "STAGE_EVALUATED"]),
         ] {
-            for file in ["stage/control.wgsl", "stage/emit.wgsl", "stage/draw.wgsl"] {
+            for file in [
+                "stage/control.wgsl",
+                "stage/emit_vertices.wgsl",
+                "stage/draw.wgsl",
+            ] {
                 if let Err(error) = compose_with(file, &defs, set) {
                     panic!("{defs:?}: {error}");
                 }

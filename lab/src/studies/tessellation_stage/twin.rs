@@ -1,5 +1,5 @@
 //! What the stage emits for a pair of patches, on the CPU: edges and corners once, by the patch that
-//! owns them, as `shaders/src/stage/emit.wgsl` does.
+//! owns them, as the passes of emission do.
 
 use super::pairs::{Pair, layout};
 use super::seam::{Bits, Seam, Seams};

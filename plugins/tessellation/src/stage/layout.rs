@@ -3,6 +3,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use super::Domain;
+
 /// The view as control functions see it; see the WGSL file for units and meanings.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable, PartialEq)]
@@ -57,10 +59,22 @@ impl StageParams {
     pub const fn work_bytes(&self) -> u64 {
         let items = self.items() as u64;
         let blocks = items.div_ceil(BLOCK as u64);
-        let chunks =
-            (self.max_vertices as u64).div_ceil(256) + (self.max_primitives as u64).div_ceil(256);
+        let patches = self.patches as u64;
+        let vertex_threads = self.max_vertices as u64 / VERTEX_RUN + items;
+        let grid_threads = self.max_primitives as u64 / GRID_RUN + patches;
         let placed = 4 + self.split as u64;
-        self.cleared_bytes() + (placed * self.patches as u64 + 2 * blocks + 2 * items + chunks) * 4
+        let words = placed * patches + 2 * blocks + 2 * (items + 1) + vertex_threads + grid_threads;
+        self.cleared_bytes() + words * 4
+    }
+
+    /// Threads that join the sides of the patches: a half of a side each.
+    pub const fn strip_threads(&self, domain: Domain) -> u32 {
+        let sides = match domain {
+            Domain::Triangles => 3,
+            Domain::Quads => 4,
+            Domain::Isolines => 0,
+        };
+        2 * sides * self.patches
     }
 }
 
@@ -71,9 +85,15 @@ pub const BLOCK: u32 = 256;
 /// Byte offset in the work buffer of the arguments for `draw_indirect`.
 pub const AMPLIFIED_ARGUMENTS: u64 = 5 * 4;
 /// Byte offset in the work buffer of the arguments for the draw of lines.
-pub const PLAIN_ARGUMENTS: u64 = 19 * 4;
-/// Byte offset in the work buffer of the arguments for the emit dispatch.
-pub const DISPATCH_ARGUMENTS: u64 = 9 * 4;
+pub const PLAIN_ARGUMENTS: u64 = 22 * 4;
+/// Vertices of a thread of `emit_vertices`, as in `work.wgsl`.
+const VERTEX_RUN: u64 = 4;
+/// Primitives of a thread of `emit_grid` and `emit_strips` on average, as in `work.wgsl`.
+const GRID_RUN: u64 = 32;
+/// Byte offset in the work buffer of the arguments for the dispatch of `emit_vertices`.
+pub const VERTEX_DISPATCH_ARGUMENTS: u64 = 9 * 4;
+/// Byte offset in the work buffer of the arguments for the dispatch of `emit_grid`.
+pub const GRID_DISPATCH_ARGUMENTS: u64 = 19 * 4;
 
 /// The head of the work buffer as it is read back.
 #[repr(C)]
@@ -83,7 +103,7 @@ pub struct WorkHead {
     pub indexed: [u32; 5],
     /// Arguments of the amplified draw.
     pub amplified: [u32; 4],
-    /// Arguments of the emit dispatch.
+    /// Arguments of the dispatch of `emit_vertices`.
     pub dispatch: [u32; 3],
     /// Vertices emitted.
     pub vertices: u32,
@@ -99,6 +119,8 @@ pub struct WorkHead {
     pub wanted_primitives: u32,
     /// What is left of every level, in 1/1024.
     pub share: u32,
+    /// Arguments of the dispatch of `emit_grid`.
+    pub grid_dispatch: [u32; 3],
     /// Arguments of the draw that fetches indices by itself, for lines.
     pub plain: [u32; 4],
 }
@@ -152,3 +174,6 @@ pub const VERTEX_BYTES: u64 = 20;
 
 /// Bytes of a vertex that the draws evaluate: patch, u, v.
 pub const EVALUATED_BYTES: u64 = 12;
+
+/// Bytes of the smallest primitive, a segment: two indices.
+pub const SEGMENT_BYTES: u64 = 8;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::layout::StageParams;
+use super::layout::{EVALUATED_BYTES, SEGMENT_BYTES, StageParams};
 use super::patches::{BINDING_LIMIT, WHOLE};
 use super::{PatchLayout, PatchMesh};
 
@@ -125,9 +125,13 @@ impl Tables {
             .flat_map(|(_, instance)| bytemuck::cast::<_, [[f32; 4]; 11]>(*instance))
             .collect();
         data.extend(points);
+        // The work buffer has to have room for the largest pools as well.
+        let mut most = params;
+        most.max_vertices = (BINDING_LIMIT / EVALUATED_BYTES) as u32;
+        most.max_primitives = (BINDING_LIMIT / SEGMENT_BYTES) as u32;
         let greatest = (words.len() as u64 * 4)
             .max(data.len() as u64 * 16)
-            .max(params.work_bytes());
+            .max(most.work_bytes());
         if greatest > BINDING_LIMIT {
             return Err(greatest);
         }

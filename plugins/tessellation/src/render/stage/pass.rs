@@ -6,8 +6,8 @@ use bevy::prelude::*;
 use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::render::render_phase::TrackedRenderPass;
 use bevy::render::render_resource::{
-    BindGroupEntries, BindingResource, BufferBinding, ComputePassDescriptor, IndexFormat,
-    PipelineCache, RenderPassDescriptor, StoreOp,
+    BindGroupEntries, BindingResource, BufferBinding, ComputePass, ComputePassDescriptor,
+    ComputePipeline, IndexFormat, PipelineCache, RenderPassDescriptor, StoreOp,
 };
 use bevy::render::renderer::{RenderContext, RenderDevice, ViewQuery};
 use bevy::render::view::ViewDepthTexture;
@@ -16,13 +16,13 @@ use super::StageShared;
 use super::extract::ExtractedStageCamera;
 use super::pipeline::{DrawKey, KindPipelines, KindView, fetches};
 use super::prepare::{Kind, KindTraits, StageKinds, ViewGroups, ViewKind};
-use crate::stage::layout::{AMPLIFIED_ARGUMENTS, DISPATCH_ARGUMENTS, PLAIN_ARGUMENTS, StageDraw};
+use crate::stage::layout::{
+    AMPLIFIED_ARGUMENTS, GRID_DISPATCH_ARGUMENTS, PLAIN_ARGUMENTS, StageDraw,
+    VERTEX_DISPATCH_ARGUMENTS,
+};
 
 /// Columns of a dispatch's grid, as in `work.wgsl`.
 const COLUMNS: u32 = 32_768;
-
-/// Compute passes a kind and view, when it is not settled.
-pub const DISPATCHES: u32 = 5;
 
 /// Pipelines and bind groups that are missing.
 pub fn bind_groups(
@@ -157,7 +157,7 @@ fn draw_key(prepass: &ViewPrepassTextures, state: &ViewKind) -> DrawKey {
     }
 }
 
-/// control → measure → plan → place → emit, for each kind whose inputs changed.
+/// control → measure → plan → place → vertices → grid → strips, for each kind whose inputs changed.
 pub fn tessellate(
     view: ViewQuery<Entity, With<ExtractedStageCamera>>,
     mut kinds: ResMut<StageKinds>,
@@ -181,11 +181,16 @@ pub fn tessellate(
                 Some(measure),
                 Some(plan),
                 Some(place),
-                Some(emit),
+                Some(vertices),
+                Some(grid),
             ] = found
             else {
                 continue;
             };
+            let strips = pipelines.strips.map(|id| cache.get_compute_pipeline(id));
+            if matches!(strips, Some(None)) {
+                continue;
+            }
             let recorder = ctx.diagnostic_recorder();
             let recorder = recorder.as_deref();
             let encoder = ctx.command_encoder();
@@ -195,24 +200,24 @@ pub fn tessellate(
                 ..default()
             });
             let span = recorder.pass_span(&mut pass, "stage");
-            let [patches, items] = state.groups_of;
+            let [patches, items, sides] = state.groups_of;
             pass.set_bind_group(0, &groups.work, &[]);
             pass.set_bind_group(1, &data.bind_group, &[]);
-            for (pipeline, groups) in [
-                (control, patches),
-                (measure, items),
-                (plan, 1),
-                (place, items),
-            ] {
-                pass.set_pipeline(pipeline);
-                pass.dispatch_workgroups(groups.min(COLUMNS), groups.div_ceil(COLUMNS), 1);
-            }
-            pass.set_pipeline(emit);
+            dispatch(&mut pass, control, patches);
+            dispatch(&mut pass, measure, items);
+            dispatch(&mut pass, plan, 1);
+            dispatch(&mut pass, place, items);
             pass.set_bind_group(0, &groups.emit, &[]);
-            pass.dispatch_workgroups_indirect(&state.work, DISPATCH_ARGUMENTS);
+            pass.set_pipeline(vertices);
+            pass.dispatch_workgroups_indirect(&state.work, VERTEX_DISPATCH_ARGUMENTS);
+            pass.set_pipeline(grid);
+            pass.dispatch_workgroups_indirect(&state.work, GRID_DISPATCH_ARGUMENTS);
+            if let Some(strips) = strips.flatten() {
+                dispatch(&mut pass, strips, sides);
+            }
             span.end(&mut pass);
             drop(pass);
-            shared.count_dispatches(DISPATCHES);
+            shared.count_dispatches(pipelines.dispatches());
             state.settled = true;
             state.filled = true;
             state.counters.want();
@@ -221,6 +226,12 @@ pub fn tessellate(
             state.counters.copy(ctx.command_encoder(), &state.work);
         }
     }
+}
+
+/// So many groups, in rows of [`COLUMNS`].
+fn dispatch(pass: &mut ComputePass, pipeline: &ComputePipeline, groups: u32) {
+    pass.set_pipeline(pipeline);
+    pass.dispatch_workgroups(groups.min(COLUMNS), groups.div_ceil(COLUMNS), 1);
 }
 
 /// The primitives of every kind into the G-buffer and the depth buffer.

@@ -34,7 +34,9 @@ pub struct KindShaders {
     measure: Handle<Shader>,
     plan: Handle<Shader>,
     place: Handle<Shader>,
-    emit: Handle<Shader>,
+    vertices: Handle<Shader>,
+    grid: Handle<Shader>,
+    strips: Handle<Shader>,
     draw: Handle<Shader>,
     /// The user's file, unless the functions stand in a library.
     pub user: Option<Handle<Shader>>,
@@ -70,7 +72,9 @@ impl KindShaders {
             measure: entry("stage/measure.wgsl"),
             plan: entry("stage/plan.wgsl"),
             place: entry("stage/place_items.wgsl"),
-            emit: entry("stage/emit.wgsl"),
+            vertices: entry("stage/emit_vertices.wgsl"),
+            grid: entry("stage/emit_grid.wgsl"),
+            strips: entry("stage/emit_strips.wgsl"),
             draw: entry("stage/draw.wgsl"),
             user,
             _modules: modules,
@@ -126,8 +130,10 @@ pub struct KindPipelines {
     /// Of draws that fetch vertices by themselves: amplified ones, and those of lines.
     pub fetch_layout: BindGroupLayoutDescriptor,
     data_layout: BindGroupLayoutDescriptor,
-    /// control, measure, plan, place, emit.
-    pub compute: [CachedComputePipelineId; 5],
+    /// control, measure, plan, place, vertices, grid.
+    pub compute: [CachedComputePipelineId; 6],
+    /// Not of isolines, which have no sides.
+    pub strips: Option<CachedComputePipelineId>,
     pub shadow: CachedRenderPipelineId,
     draw: Vec<(DrawKey, CachedRenderPipelineId)>,
     /// Whether a fault was told of.
@@ -215,8 +221,11 @@ impl KindPipelines {
             pass("measure", &shaders.measure, &work_layout, false),
             pass("plan", &shaders.plan, &work_layout, false),
             pass("place_items", &shaders.place, &work_layout, false),
-            pass("emit", &shaders.emit, &emit_layout, true),
+            pass("emit_vertices", &shaders.vertices, &emit_layout, true),
+            pass("emit_grid", &shaders.grid, &emit_layout, true),
         ];
+        let strips = (kind.traits.layout.domain != Domain::Isolines)
+            .then(|| pass("emit_strips", &shaders.strips, &emit_layout, true));
         let shadow = cache.queue_render_pipeline(RenderPipelineDescriptor {
             label: Some(format!("stage_shadow {}", kind.name).into()),
             layout: vec![
@@ -245,6 +254,7 @@ impl KindPipelines {
             fetch_layout,
             data_layout: data_layout.clone(),
             compute,
+            strips,
             shadow,
             draw: Vec::new(),
             told: false,
@@ -322,14 +332,22 @@ impl KindPipelines {
 
     /// Number of pipelines queued so far.
     pub fn count(&self) -> usize {
-        self.compute.len() + 1 + self.draw.len()
+        self.dispatches() as usize + 1 + self.draw.len()
+    }
+
+    /// Dispatches of a tessellation.
+    pub fn dispatches(&self) -> u32 {
+        self.compute_ids().count() as u32
+    }
+
+    fn compute_ids(&self) -> impl Iterator<Item = &CachedComputePipelineId> {
+        self.compute.iter().chain(&self.strips)
     }
 
     /// Why a pipeline could not be made, if one could not.
     pub fn fault(&self, cache: &PipelineCache) -> Option<String> {
         let compute = self
-            .compute
-            .iter()
+            .compute_ids()
             .map(|id| cache.get_compute_pipeline_state(*id));
         let render = self.draw.iter().map(|(_, id)| id).chain([&self.shadow]);
         compute

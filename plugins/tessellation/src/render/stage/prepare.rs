@@ -130,7 +130,8 @@ pub struct ViewKind {
     /// Shadow views to draw into, and the slot of each.
     pub shadows: Vec<(Entity, u32)>,
     pub cleared: u64,
-    pub groups_of: [u32; 2],
+    /// Workgroups: of 64 patches, of a block of items, of 256 halves of sides.
+    pub groups_of: [u32; 3],
 }
 
 /// Bind groups of one kind in one view.
@@ -381,7 +382,7 @@ pub fn views(
             if [state.params.max_vertices, state.params.max_primitives] != [vertices, primitives] {
                 *state = ViewKind::new(&device, &params, &kind.traits);
             }
-            state.fit(&device, &params, buffers.generation);
+            state.fit(&device, &params, &kind.traits, buffers.generation);
             state.update(&queue, &params, kind.version, kind.traits.evaluated);
             let mut main = StageDraw {
                 clip_from_stage: space.clip_from_stage(matrices.clip_from_world),
@@ -498,13 +499,19 @@ impl ViewKind {
             previous_clip: None,
             shadows: Vec::new(),
             cleared: 0,
-            groups_of: [0; 2],
+            groups_of: [0; 3],
         }
     }
 
     /// Makes the working memory large enough for the kind's patches, and drops bind groups of
     /// buffers that were replaced.
-    fn fit(&mut self, device: &RenderDevice, params: &StageParams, generation: u64) {
+    fn fit(
+        &mut self,
+        device: &RenderDevice,
+        params: &StageParams,
+        traits: &KindTraits,
+        generation: u64,
+    ) {
         if self.work.size() < params.work_bytes() {
             // A quarter to spare, so that patches which come and go seldom need a new one.
             self.work = work_buffer(device, params.work_bytes() / 4 * 5);
@@ -519,6 +526,7 @@ impl ViewKind {
         self.groups_of = [
             params.patches.div_ceil(64),
             params.items().div_ceil(crate::stage::layout::BLOCK),
+            params.strip_threads(traits.layout.domain).div_ceil(256),
         ];
     }
 
