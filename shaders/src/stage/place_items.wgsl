@@ -18,6 +18,9 @@ fn settle(id: u32, share: u32) {
         // Without segments nothing of it is emitted.
         work[at + 2u] = 0u;
         work[at + 3u] = 0u;
+#ifdef STAGE_SPLIT
+        work[at + 4u] = 0u;
+#endif
         return;
     }
     let rules = stage_rules();
