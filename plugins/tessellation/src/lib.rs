@@ -38,7 +38,7 @@
 //! | `render::ground` | the terrain's functions, textures and look (feature `render`) |
 //!
 //! Cost: per camera and kind one vertex and one index pool ([`PatchKind::pool`]
-//! (render::stage::PatchKind::pool), [`TerrainView`]); five dispatches in a frame whose view or patches
+//! (render::stage::PatchKind::pool), [`TerrainView`]); seven dispatches in a frame whose view or patches
 //! changed, none else.
 
 pub mod ground;
