@@ -511,6 +511,20 @@ impl<'a> StageRun<'a> {
         Ok(start.elapsed() / repeats.max(1))
     }
 
+    /// What a pass after emission reads: parameters, tables, data and the work buffer, as bytes.
+    ///
+    /// # Errors
+    /// If they do not come back.
+    pub fn inputs(&self) -> Result<[Vec<u8>; 4], StageError> {
+        let [_, tables, data] = &self.given;
+        Ok([
+            bytes_of(&self.params).to_vec(),
+            self.gpu.read(tables)?,
+            self.gpu.read(data)?,
+            self.gpu.read(&self.work)?,
+        ])
+    }
+
     /// What control and evaluate functions read: parameters, tables, data.
     pub(crate) fn given(&self) -> [&Buffer; 3] {
         self.given.each_ref()

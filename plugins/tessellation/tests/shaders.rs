@@ -125,6 +125,7 @@ fn the_stages_passes_keep_to_webgpus_limits() {
         ("stage/plan.wgsl", &[]),
         ("stage/place_items.wgsl", &[]),
         ("stage/emit_vertices.wgsl", &["STAGE_READ", "STAGE_MOVES"]),
+        ("stage/shadow_ranges.wgsl", &["STAGE_READ"]),
         ("stage/emit_grid.wgsl", &["STAGE_READ"]),
         ("stage/emit_strips.wgsl", &["STAGE_READ"]),
         (

@@ -80,6 +80,16 @@ fn control(input: Patch, view: StageView) -> PatchLevels {
     return PatchLevels(vec4(u_low, v_low, u_high, v_high), vec2(max(v_low, v_high), max(u_low, u_high)));
 }
 
+// The box of the patch, as a sphere.
+fn bounds(input: Patch, view: StageView) -> vec4<f32> {
+    let a = drawn_corner(input, 0u);
+    let c = drawn_corner(input, 2u);
+    let heights = max(patch_point(input, 4u, 0u).xy, vec2(terrain.sea_level)) + entity_origin(input).y - view.anchor.y;
+    let low = vec3(a.x, heights.x, c.z);
+    let high = vec3(c.x, heights.y, a.z);
+    return vec4((low + high) * 0.5, length(high - low) * 0.5);
+}
+
 fn evaluate(input: Patch, at: vec3<f32>) -> Vertex {
     let a = patch_point(input, 0u, 0u);
     let c = patch_point(input, 2u, 0u);

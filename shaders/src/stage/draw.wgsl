@@ -27,6 +27,10 @@ fn corner_weights(number: u32) -> vec3<f32> {
 fn rasterised(position: vec3<f32>, normal: vec3<f32>, uv: vec2<f32>, before: vec3<f32>, row: u32) -> Varying {
     var out: Varying;
     out.clip = stage_draw.clip_from_stage * vec4(position, 1.0);
+#ifdef STAGE_SHADOW
+    // What stands between the light and its near plane casts a shadow too: parallel light has w = 1.
+    out.clip.z = select(out.clip.z, min(out.clip.z, 1.0), out.clip.w == 1.0);
+#endif
     out.position = position;
     out.normal = normal;
     out.uv = uv;

@@ -83,6 +83,7 @@ impl PatchKind for GroundKind {
     const LAYOUT: PatchLayout = GROUND_LAYOUT;
     const UV_RANGE: f32 = DEPTH_RANGE;
     const CUSTOM_MATERIAL: bool = true;
+    const BOUNDED: bool = true;
 
     fn shader() -> PatchShader {
         PatchShader::Library("dolomite::ground::functions")

@@ -30,7 +30,7 @@ pub enum PatchShader {
 /// fn control(input: Patch, view: StageView) -> PatchLevels
 /// fn evaluate(input: Patch, at: vec3<f32>) -> Vertex
 /// ```
-/// and where the constants below say so `amplify` and `material` too. A field of a struct must not bear
+/// and where the constants below say so `amplify`, `material` and `bounds` too. A field of a struct must not bear
 /// the name of an imported function.
 pub trait PatchKind: AsBindGroup + Resource + Clone {
     /// Domain, control points, corners.
@@ -60,6 +60,10 @@ pub trait PatchKind: AsBindGroup + Resource + Clone {
     /// Whether the shader file has a function `material(surface: Surface) -> Shaded`; else
     /// [`Self::materials`] is the material.
     const CUSTOM_MATERIAL: bool = false;
+    /// Whether the shader has a function `bounds(input: Patch, view: StageView) -> vec4<f32>`: a sphere
+    /// in stage space, centre and radius, that holds the patch's surface. Shadow views then draw the
+    /// patches alone that they may see. Not used with an amplify function.
+    const BOUNDED: bool = false;
     /// Whether back faces are drawn.
     const DOUBLE_SIDED: bool = false;
     /// Whether it is drawn into shadow maps.

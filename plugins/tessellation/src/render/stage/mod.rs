@@ -17,6 +17,7 @@ mod library;
 mod pass;
 mod pipeline;
 mod prepare;
+mod ranges;
 mod readback;
 mod stats;
 mod view;
@@ -76,6 +77,7 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
             amplified: K::AMPLIFIED,
             double_sided: K::DOUBLE_SIDED,
             shadows: K::SHADOWS,
+            bounded: K::BOUNDED && K::SHADOWS && K::AMPLIFIED == 0,
         },
         shaders,
         pool: PatchPool::default(),

@@ -17,7 +17,7 @@ use super::extract::ExtractedStageCamera;
 use super::pipeline::{DrawKey, KindPipelines, KindView, fetches};
 use super::prepare::{Kind, KindTraits, StageKinds, ViewGroups, ViewKind};
 use crate::stage::layout::{
-    AMPLIFIED_ARGUMENTS, GRID_DISPATCH_ARGUMENTS, PLAIN_ARGUMENTS, StageDraw,
+    AMPLIFIED_ARGUMENTS, DRAW_SLOT, GRID_DISPATCH_ARGUMENTS, PLAIN_ARGUMENTS, StageDraw,
     VERTEX_DISPATCH_ARGUMENTS,
 };
 
@@ -70,6 +70,15 @@ pub fn bind_groups(
                     traits,
                 };
                 pipelines.draw(&of, &cache, draw_key(prepass, state));
+            }
+            if let (Some(ranges), Some((layout, _))) = (&mut state.ranges, &pipelines.ranges) {
+                ranges.bind(
+                    &device,
+                    &cache,
+                    layout,
+                    buffers,
+                    [&state.uniform, &state.work],
+                );
             }
             let fetched = fetches(traits, state.shown[1]);
             if state
@@ -221,6 +230,30 @@ pub fn tessellate(
             state.settled = true;
             state.filled = true;
             state.counters.want();
+            if let Some(ranges) = &mut state.ranges {
+                ranges.due = true;
+            }
+        }
+        if let Some(ranges) = &mut state.ranges
+            && ranges.due
+            && ranges.count > 0
+            && state.filled
+            && let Some(group) = &ranges.group
+            && let Some((_, id)) = pipelines.ranges
+            && let Some(pipeline) = cache.get_compute_pipeline(id)
+        {
+            let mut pass = ctx
+                .command_encoder()
+                .begin_compute_pass(&ComputePassDescriptor {
+                    label: Some("stage_shadow_ranges"),
+                    ..default()
+                });
+            pass.set_bind_group(0, group, &[]);
+            pass.set_bind_group(1, &data.bind_group, &[]);
+            dispatch(&mut pass, pipeline, ranges.count);
+            drop(pass);
+            shared.count_dispatches(1);
+            ranges.due = false;
         }
         if state.counters.is_waiting() {
             state.counters.copy(ctx.command_encoder(), &state.work);
@@ -328,12 +361,16 @@ fn draw<'a>(
         return;
     }
     pass.set_bind_group(2, &groups.draw, &[slot]);
+    set_buffers(pass, state);
+    pass.draw_indexed_indirect(&state.work, 0);
+}
+
+fn set_buffers<'a>(pass: &mut TrackedRenderPass<'a>, state: &'a ViewKind) {
     pass.set_vertex_buffer(0, state.vertices.slice(..));
     if let Some(previous) = &state.previous {
         pass.set_vertex_buffer(1, previous.slice(..));
     }
     pass.set_index_buffer(state.indices.slice(..), IndexFormat::Uint32);
-    pass.draw_indexed_indirect(&state.work, 0);
 }
 
 /// The same primitives into the shadow maps of the view's lights.
@@ -385,7 +422,17 @@ pub fn draw_shadows(
             pass.set_render_pipeline(pipeline);
             pass.set_bind_group(0, &groups.given, &[]);
             pass.set_bind_group(1, &data.bind_group, &[]);
-            draw(&mut pass, state, groups, &kind.traits, false, offset);
+            match &state.ranges {
+                Some(ranges) => {
+                    pass.set_bind_group(2, &groups.draw, &[offset]);
+                    set_buffers(&mut pass, state);
+                    let shadow_view = offset / DRAW_SLOT as u32 - 1;
+                    for at in ranges.draws(shadow_view, state.patches()) {
+                        pass.draw_indexed_indirect(&ranges.arguments, at);
+                    }
+                }
+                None => draw(&mut pass, state, groups, &kind.traits, false, offset),
+            }
         }
         span.end(&mut pass);
     }

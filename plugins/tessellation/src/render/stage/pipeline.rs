@@ -38,6 +38,8 @@ pub struct KindShaders {
     grid: Handle<Shader>,
     strips: Handle<Shader>,
     draw: Handle<Shader>,
+    /// Of kinds with a bounds function.
+    ranges: Option<Handle<Shader>>,
     /// The user's file, unless the functions stand in a library.
     pub user: Option<Handle<Shader>>,
     _modules: ModuleShaders,
@@ -62,6 +64,9 @@ impl KindShaders {
             if K::AMPLIFIED > 0 {
                 source = source.replace("dolomite::stage::user_amplify::", &given);
             }
+            if K::BOUNDED {
+                source = source.replace("dolomite::stage::user_bounds::", &given);
+            }
             if K::CUSTOM_MATERIAL {
                 source = source.replace("dolomite::stage::user_material::", &given);
             }
@@ -76,6 +81,7 @@ impl KindShaders {
             grid: entry("stage/emit_grid.wgsl"),
             strips: entry("stage/emit_strips.wgsl"),
             draw: entry("stage/draw.wgsl"),
+            ranges: K::BOUNDED.then(|| entry("stage/shadow_ranges.wgsl")),
             user,
             _modules: modules,
             defs: defs::<K>(),
@@ -135,6 +141,8 @@ pub struct KindPipelines {
     /// Not of isolines, which have no sides.
     pub strips: Option<CachedComputePipelineId>,
     pub shadow: CachedRenderPipelineId,
+    /// Of kinds with a bounds function: what shadow views see.
+    pub ranges: Option<(BindGroupLayoutDescriptor, CachedComputePipelineId)>,
     draw: Vec<(DrawKey, CachedRenderPipelineId)>,
     /// Whether a fault was told of.
     pub told: bool,
@@ -226,6 +234,17 @@ impl KindPipelines {
         ];
         let strips = (kind.traits.layout.domain != Domain::Isolines)
             .then(|| pass("emit_strips", &shaders.strips, &emit_layout, true));
+        let ranges = shaders
+            .ranges
+            .as_ref()
+            .filter(|_| kind.traits.bounded)
+            .map(|shader| {
+                let layout = super::ranges::layout();
+                let id = pass("shadow_ranges", shader, &layout, true);
+                (layout, id)
+            });
+        let mut shadow_defs = shaders.defs.clone();
+        shadow_defs.push("STAGE_SHADOW".into());
         let shadow = cache.queue_render_pipeline(RenderPipelineDescriptor {
             label: Some(format!("stage_shadow {}", kind.name).into()),
             layout: vec![
@@ -237,10 +256,12 @@ impl KindPipelines {
                     draw_layout.clone()
                 },
             ],
-            vertex: vertex_state(&kind.shaders, &kind.traits, shaders.defs.clone(), false),
+            vertex: vertex_state(&kind.shaders, &kind.traits, shadow_defs, false),
             primitive: PrimitiveState {
                 topology: topology(&kind.traits),
-                cull_mode: None,
+                // The light falls on front faces alone: behind each back face of a closed surface
+                // there is one.
+                cull_mode: (!kind.traits.double_sided).then_some(Face::Back),
                 ..default()
             },
             depth_stencil: Some(depth(CompareFunction::GreaterEqual)),
@@ -256,6 +277,7 @@ impl KindPipelines {
             compute,
             strips,
             shadow,
+            ranges,
             draw: Vec::new(),
             told: false,
         }
@@ -332,7 +354,7 @@ impl KindPipelines {
 
     /// Number of pipelines queued so far.
     pub fn count(&self) -> usize {
-        self.dispatches() as usize + 1 + self.draw.len()
+        self.queued().count() + 1 + self.draw.len()
     }
 
     /// Dispatches of a tessellation.
@@ -344,10 +366,16 @@ impl KindPipelines {
         self.compute.iter().chain(&self.strips)
     }
 
+    /// All that have to be there before anything is drawn.
+    fn queued(&self) -> impl Iterator<Item = &CachedComputePipelineId> {
+        self.compute_ids()
+            .chain(self.ranges.iter().map(|(_, id)| id))
+    }
+
     /// Why a pipeline could not be made, if one could not.
     pub fn fault(&self, cache: &PipelineCache) -> Option<String> {
         let compute = self
-            .compute_ids()
+            .queued()
             .map(|id| cache.get_compute_pipeline_state(*id));
         let render = self.draw.iter().map(|(_, id)| id).chain([&self.shadow]);
         compute

@@ -21,6 +21,7 @@ use super::camera::Camera;
 use super::extract::{ExtractedStageCamera, StageScene, same_meshes};
 use super::kind::{PatchKind, PatchMaterial, PatchPool};
 use super::pipeline::{KindPipelines, KindShaders};
+use super::ranges::ShadowRanges;
 use super::readback::Counters;
 use super::view::{StageSpace, Viewpoint, stage_view};
 use crate::stage::layout::{
@@ -32,7 +33,7 @@ use crate::stage::tables::{Instance, Tables};
 use crate::stage::{Domain, PatchLayout, PatchMesh};
 
 /// Shadow views that a view draws into at most.
-const SHADOW_SLOTS: u64 = 16;
+pub const SHADOW_SLOTS: u64 = 16;
 
 /// What is the same for all entities and views of a kind.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +47,8 @@ pub struct KindTraits {
     pub amplified: u32,
     pub double_sided: bool,
     pub shadows: bool,
+    /// Whether shadow views draw the patches alone that they may see.
+    pub bounded: bool,
 }
 
 impl KindTraits {
@@ -129,6 +132,8 @@ pub struct ViewKind {
     previous_clip: Option<DMat4>,
     /// Shadow views to draw into, and the slot of each.
     pub shadows: Vec<(Entity, u32)>,
+    /// What of the kind they see, if it has bounds.
+    pub ranges: Option<ShadowRanges>,
     pub cleared: u64,
     /// Workgroups: of 64 patches, of a block of items, of 256 halves of sides.
     pub groups_of: [u32; 3],
@@ -355,6 +360,7 @@ pub fn views(
     shadow_views: Query<&ExtractedView, With<ShadowView>>,
     device: Res<RenderDevice>,
     queue: Res<RenderQueue>,
+    mut clips: Local<Vec<DMat4>>,
 ) {
     for kind in kinds.0.values_mut() {
         kind.views.retain(|entity, _| views.contains(*entity));
@@ -404,6 +410,7 @@ pub fn views(
             state.previous_clip = Some(matrices.clip_from_world);
             queue.write_buffer(&state.draw, 0, bytemuck::bytes_of(&main));
             state.shadows.clear();
+            clips.clear();
             let lights = lights
                 .into_iter()
                 .flat_map(|lights| lights.lights.iter().copied());
@@ -417,8 +424,12 @@ pub fn views(
                 }
                 let clip = Camera::new(shadow, None).clip_from_world;
                 main.clip_from_stage = space.clip_from_stage(clip);
+                clips.push(clip * DMat4::from_translation(space.anchor));
                 queue.write_buffer(&state.draw, slot * DRAW_SLOT, bytemuck::bytes_of(&main));
                 state.shadows.push((light, (slot * DRAW_SLOT) as u32));
+            }
+            if let Some(ranges) = &mut state.ranges {
+                ranges.update(&queue, &clips);
             }
         }
     }
@@ -498,6 +509,7 @@ impl ViewKind {
             generation: 0,
             previous_clip: None,
             shadows: Vec::new(),
+            ranges: traits.bounded.then(|| ShadowRanges::new(device)),
             cleared: 0,
             groups_of: [0; 3],
         }
@@ -515,12 +527,12 @@ impl ViewKind {
         if self.work.size() < params.work_bytes() {
             // A quarter to spare, so that patches which come and go seldom need a new one.
             self.work = work_buffer(device, params.work_bytes() / 4 * 5);
-            self.groups = None;
             self.filled = false;
+            self.unbind();
         }
         if self.generation != generation {
             self.generation = generation;
-            self.groups = None;
+            self.unbind();
         }
         self.cleared = params.cleared_bytes();
         self.groups_of = [
@@ -528,6 +540,14 @@ impl ViewKind {
             params.items().div_ceil(crate::stage::layout::BLOCK),
             params.strip_threads(traits.layout.domain).div_ceil(256),
         ];
+    }
+
+    /// Drops the bind groups.
+    fn unbind(&mut self) {
+        self.groups = None;
+        if let Some(ranges) = &mut self.ranges {
+            ranges.group = None;
+        }
     }
 
     /// Takes over this frame's inputs; unsettles the view if any of them changed. Where the draws
