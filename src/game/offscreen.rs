@@ -17,6 +17,7 @@ use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use dolomite_tessellation::TessellationStats;
 use dolomite_tessellation::render::TerrainRelief;
+use dolomite_tessellation::render::stage::StageStats;
 use thiserror::Error;
 
 use super::device::{self, Device};
@@ -186,7 +187,7 @@ impl Offscreen {
     /// [`OffscreenError`] when a pipeline fails or nothing comes to rest.
     pub fn settle(&mut self) -> Result<(), OffscreenError> {
         let mut calm = 0;
-        let mut last = None;
+        let mut last = (None, None);
         let mut waiting = String::new();
         for _ in 0..SETTLE_LIMIT {
             self.step(Duration::ZERO)?;
@@ -196,10 +197,12 @@ impl Offscreen {
                 .world()
                 .get_resource::<TessellationStats>()
                 .copied();
-            let at_rest = stats.is_some_and(|stats| stats.triangles > 0 && stats.dispatches == 0);
+            let stage = self.app.world().get_resource::<StageStats>().cloned();
+            let at_rest = stats.is_some_and(|stats| stats.triangles > 0 && stats.dispatches == 0)
+                && stage.as_ref().is_none_or(|stage| stage.dispatches == 0);
             // The relief map arrives from the background when it is done.
             let relief = self.has_relief();
-            if pending.is_empty() && relief && at_rest && stats == last {
+            if pending.is_empty() && relief && at_rest && (stats, &stage) == (last.0, &last.1) {
                 calm += 1;
                 if calm == CALM {
                     return Ok(());
@@ -207,7 +210,7 @@ impl Offscreen {
             } else {
                 calm = 0;
             }
-            last = stats;
+            last = (stats, stage);
             waiting = if !relief {
                 "waiting for the relief map of the terrain".to_owned()
             } else if pending.is_empty() {

@@ -9,6 +9,7 @@ use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 use dolomite_terrain::Ground;
+use dolomite_tessellation::stage::StageCamera;
 use dolomite_tessellation::{MaterialBands, TerrainMaterial, TerrainView};
 
 use super::camera::{CameraSystems, FreeCamera};
@@ -29,6 +30,9 @@ const HEIGHT: f32 = 1.8;
 /// Exposure of the camera, EV at ISO 100. Sunlit ground is metered at 15; a stop and a half more
 /// light opens the shadows and lets snow come near white without burning out under AgX.
 pub const EV100: f32 = 12.9;
+
+/// AgX trades saturation for highlights; by day this gives grass and sky theirs back.
+pub const SATURATION: f32 = 1.3;
 
 /// Distances that the camera sees, metres. Depth is infinite; `far` bounds culling only.
 const NEAR: f32 = 0.15;
@@ -88,10 +92,9 @@ fn dress_camera(
             (DepthPrepass, DeferredPrepass),
             Exposure { ev100: EV100 },
             Tonemapping::AgX,
-            // AgX trades saturation for highlights; this gives grass and sky theirs back.
             ColorGrading {
                 global: ColorGradingGlobal {
-                    post_saturation: 1.3,
+                    post_saturation: SATURATION,
                     ..default()
                 },
                 midtones: ColorGradingSection {
@@ -107,6 +110,7 @@ fn dress_camera(
                 finest_patch: settings.finest_patch,
                 ..default()
             },
+            StageCamera::default(),
             UiCamera,
         ));
         if let Some(target) = &target {
