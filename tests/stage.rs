@@ -84,7 +84,7 @@ fn evaluate(input: Patch, at: vec3<f32>) -> Vertex {
     return Vertex(place(at, stage.view.time), vec3(0.0, 0.0, 1.0), at.xy, place(at, stage.view.previous_time), 0u);
 }
 fn material(surface: Surface) -> Shaded {
-    return Shaded(vec3(1.0), vec3(0.0), surface.normal, 1.0, 0.0, 0.5, 1.0, true);
+    return Shaded(vec3(1.0), vec3(0.0), surface.normal, 1.0, 0.0, 0.5, 1.0, true, true);
 }
 ";
 

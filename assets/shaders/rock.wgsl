@@ -93,5 +93,5 @@ fn material(surface: Surface) -> Shaded {
     let ice = smoothstep(0.22, 0.3, surface.uv.x) * (1.0 - 0.8 * steep);
     let ground = mix(vec3(0.20, 0.13, 0.08), vec3(0.075, 0.06, 0.055), max(steep, smoothstep(0.1, -0.4, surface.uv.x)));
     let colour = mix(ground, vec3(0.72, 0.76, 0.8), ice);
-    return Shaded(colour, vec3(0.0), surface.normal, mix(0.95, 0.45, ice), 0.0, 0.5, 1.0, false);
+    return Shaded(colour, vec3(0.0), surface.normal, mix(0.95, 0.45, ice), 0.0, 0.5, 1.0, false, true);
 }

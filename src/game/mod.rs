@@ -7,7 +7,9 @@
 //! | [`camera`], [`player`] | the free camera; the walking figure |
 //! | [`scenes`], [`scene_file`], [`hot_reload`] | from a name or file to a terrain; taking over changes |
 //! | [`settings`], [`paths`] | what the player may set; where files lie |
-//! | [`view`], [`sky`], [`textures`], [`hud`] | what is drawn |
+//! | [`view`], [`textures`], [`hud`] | what is drawn |
+//! | [`sky`], [`scattering`], [`sky_maps`], [`twilight`] | the sky by day and at dusk; exposure |
+//! | [`night`], [`galaxy`], [`stars`], [`star_catalogue`], [`moon`] | the sky by night |
 //! | [`device`], [`setup`] | is there a device; what every run needs, and all errors |
 //! | [`play`], [`shot`], [`mod@bench`] | the three ways to run it; [`offscreen`] is under the last two |
 
@@ -15,10 +17,13 @@ pub mod bench;
 pub mod bench_path;
 pub mod camera;
 pub mod device;
+pub mod galaxy;
 pub mod hot_reload;
 pub mod hud;
 pub mod input;
 pub mod keys;
+pub mod moon;
+pub mod night;
 pub mod offscreen;
 pub mod passes;
 pub mod paths;
@@ -34,5 +39,8 @@ pub mod shot;
 pub mod simulation;
 pub mod sky;
 pub mod sky_maps;
+pub mod star_catalogue;
+pub mod stars;
 pub mod textures;
+pub mod twilight;
 pub mod view;

@@ -1,23 +1,29 @@
-//! Sky, sun and haze: a clear day computed once for the place of the sun.
+//! Sky, sun, moon and haze: a clear day or night computed once for the place of the sun.
 //!
 //! The sky is a cube map (Bevy's skybox and environment map), the haze Bevy's distance fog with the
 //! air's own extinction. Bevy's atmosphere would do all of this on the GPU for each frame; it
 //! brings down the software Vulkan (Mesa 22.3) that tests and CI draw on.
 
+use bevy::camera::Exposure;
 use bevy::light::{
     CascadeShadowConfigBuilder, DirectionalLightShadowMap, EnvironmentMapLight, Skybox,
 };
 use bevy::math::ops;
 use bevy::pbr::{DistanceFog, FogFalloff};
 use bevy::prelude::*;
+use bevy::render::view::ColorGrading;
 
 use super::camera::FreeCamera;
-use super::scattering::{ground_extinction, sky_radiance, sun_illuminance};
+use super::moon::MoonPlugin;
+use super::night::Heavens;
+use super::scattering::ground_extinction;
 use super::scene_file::SunFile;
 use super::scenes::CurrentScene;
 use super::settings::Settings;
-use super::sky_maps::{SCALE, SkyMaps};
-use super::view::EV100;
+use super::sky_maps::SkyMaps;
+use super::stars::StarPlugin;
+use super::twilight;
+use super::view::SATURATION;
 
 /// How far from the camera things cast shadows, metres: across a valley.
 const SHADOW_DISTANCE: f32 = 5_000.0;
@@ -25,11 +31,27 @@ const SHADOW_DISTANCE: f32 = 5_000.0;
 /// Thickness of the haze against that of a very clear day.
 const HAZE: f32 = 1.25;
 
-/// The sun of the scene.
+/// Saturation of the picture by night: eyes see little colour then.
+const NIGHT_SATURATION: f32 = 1.1;
+
+/// The light of the scene that casts shadows: the sun, at night the moon.
 #[derive(Component)]
 struct Sun;
 
-/// Sun, sky and haze.
+/// The sky of the camera, for what is drawn in it.
+#[derive(Resource, Clone)]
+pub struct SeenSky {
+    /// What lights it.
+    pub heavens: Heavens,
+    /// Factor from cd/m² to what the picture holds.
+    pub exposure: f32,
+    /// The cube map that is seen, and the luminance of 1 in it, cd/m².
+    pub map: Handle<Image>,
+    /// See `map`.
+    pub scale: f32,
+}
+
+/// Sun, moon, stars, sky and haze.
 pub struct SkyPlugin;
 
 impl Plugin for SkyPlugin {
@@ -38,10 +60,15 @@ impl Plugin for SkyPlugin {
         app.insert_resource(GlobalAmbientLight::NONE)
             .insert_resource(ClearColor(Color::BLACK))
             .insert_resource(DirectionalLightShadowMap { size: 2048 })
+            .add_plugins((StarPlugin, MoonPlugin))
             .add_systems(Startup, spawn)
-            .add_systems(Update, turn_sun);
+            .add_systems(Update, turn_sun.in_set(SkySystems));
     }
 }
+
+/// The set in which [`SeenSky`] is brought up to date (schedule `Update`).
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SkySystems;
 
 /// The unit vector towards the sun.
 pub fn towards_sun(sun: SunFile) -> Vec3 {
@@ -72,13 +99,13 @@ fn spawn(mut commands: Commands) {
     ));
 }
 
-/// Sets sun, sky and haze anew whenever the place of the sun changes.
+/// Sets light, sky, haze and exposure anew whenever the place of the sun changes.
 fn turn_sun(
     mut commands: Commands,
     scene: Res<CurrentScene>,
     settings: Res<Settings>,
     mut suns: Query<(&mut Transform, &mut DirectionalLight), With<Sun>>,
-    cameras: Query<Entity, (With<FreeCamera>, With<Camera3d>)>,
+    mut cameras: Query<(Entity, &mut ColorGrading), (With<FreeCamera>, With<Camera3d>)>,
     mut images: ResMut<Assets<Image>>,
     mut last: Local<Option<SunFile>>,
 ) {
@@ -92,54 +119,66 @@ fn turn_sun(
         return;
     }
     *last = Some(sun);
-    let towards = towards_sun(sun);
-    let light = sun_illuminance(towards);
-    let brightest = light.max_element().max(1e-3);
+    let heavens = Heavens::new(towards_sun(sun), scene.terrain.sea_level().is_some());
+    let ev100 = twilight::ev100(heavens.elevation);
+    let exposure = twilight::exposure(ev100);
+    let light = heavens.key();
+    let brightest = light.illuminance.max_element().max(1e-6);
     for (mut transform, mut directional) in &mut suns {
-        *transform = Transform::default().looking_to(-towards, Vec3::Y);
+        *transform = Transform::default().looking_to(-light.towards, Vec3::Y);
         directional.illuminance = brightest;
-        let colour = light / brightest;
+        let colour = light.illuminance / brightest;
         directional.color = Color::linear_rgb(colour.x, colour.y, colour.z);
     }
-    let maps = SkyMaps::new(towards);
+    let maps = SkyMaps::new(|direction| heavens.radiance(direction), ev100);
+    let scale = maps.scale;
     let (seen, diffuse, specular) = (
         images.add(maps.seen),
         images.add(maps.diffuse),
         images.add(maps.specular),
     );
-    for camera in &cameras {
+    for (camera, mut grading) in &mut cameras {
+        grading.global.post_saturation =
+            SATURATION + (NIGHT_SATURATION - SATURATION) * heavens.stars;
         commands.entity(camera).insert((
+            Exposure { ev100 },
             Skybox {
                 image: Some(seen.clone()),
-                brightness: SCALE,
+                brightness: scale,
                 ..default()
             },
             EnvironmentMapLight {
                 diffuse_map: diffuse.clone(),
                 specular_map: specular.clone(),
-                intensity: SCALE,
+                intensity: scale,
                 ..default()
             },
-            haze(towards),
+            haze(&heavens, exposure),
         ));
     }
+    commands.insert_resource(SeenSky {
+        heavens,
+        exposure,
+        map: seen,
+        scale,
+    });
 }
 
 /// The air between the camera and the ground: its extinction, and the colour of the sky just above
-/// the horizon, to which everything far away tends.
-fn haze(towards_sun: Vec3) -> DistanceFog {
-    // Bevy's fog mixes exposed colours; its exposure is 1 / (1.2 · 2^EV100).
-    let exposure = 1.0 / (1.2 * ops::exp2(EV100));
-    // Mean over the horizon, five degrees up.
-    let horizon: Vec3 = (0..16_u8)
-        .map(|i| {
-            let (sin, cos) = ops::sin_cos(f32::from(i) * std::f32::consts::TAU / 16.0);
-            sky_radiance(Vec3::new(cos, 0.087, sin).normalize(), towards_sun)
-        })
-        .sum::<Vec3>()
-        / 16.0;
+/// the horizon, to which everything far away tends. Bevy's fog mixes exposed colours.
+fn haze(heavens: &Heavens, exposure: f32) -> DistanceFog {
+    // Five degrees up, all round.
+    let around = (0..16_u8).map(|i| {
+        let (sin, cos) = ops::sin_cos(f32::from(i) * std::f32::consts::TAU / 16.0);
+        heavens.radiance(Vec3::new(cos, 0.087, sin).normalize())
+    });
+    let horizon = if heavens.elevation < twilight::DUSK {
+        twilight_haze(around.collect(), heavens.elevation)
+    } else {
+        around.sum::<Vec3>() / 16.0
+    };
     let colour = horizon * exposure;
-    let glow = sun_illuminance(towards_sun) * exposure * 0.03;
+    let glow = heavens.key().illuminance * exposure * 0.03;
     let extinction = ground_extinction() * HAZE;
     DistanceFog {
         color: Color::linear_rgb(colour.x, colour.y, colour.z),
@@ -150,6 +189,20 @@ fn haze(towards_sun: Vec3) -> DistanceFog {
             inscattering: extinction,
         },
     }
+}
+
+/// At dusk one side of the horizon is a hundred times as bright as the other, and haze of the mean
+/// would glow before the dark one: the lower the sun, the more it tends to the geometric mean.
+fn twilight_haze(around: Vec<Vec3>, elevation: f32) -> Vec3 {
+    let count = around.len() as f32;
+    let mean = around.iter().sum::<Vec3>() / count;
+    let logs = around
+        .iter()
+        .map(|sky| Vec3::from_array(sky.to_array().map(|x| ops::ln(x.max(1e-9)))))
+        .sum::<Vec3>()
+        / count;
+    let geometric = Vec3::from_array(logs.to_array().map(ops::exp));
+    geometric.lerp(mean, twilight::smooth(-4.0, twilight::DUSK, elevation))
 }
 
 #[cfg(test)]

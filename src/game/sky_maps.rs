@@ -9,7 +9,7 @@ use bevy::render::render_resource::{
 use bevy::tasks::{ComputeTaskPool, TaskPool};
 use half::f16;
 
-use super::scattering::sky_radiance;
+use super::view::EV100;
 
 /// Side of a face of the map that is seen, texels. The sky is smooth.
 const SEEN_SIDE: u32 = 128;
@@ -21,7 +21,7 @@ const DIFFUSE_SIDE: u32 = 8;
 /// Directions that a texel of the lighting maps gathers from.
 const SAMPLES: u32 = 96;
 
-/// Cube maps in cd/m² over [`SCALE`].
+/// Cube maps in cd/m² over [`SkyMaps::scale`].
 pub struct SkyMaps {
     /// The sky as it is seen.
     pub seen: Image,
@@ -29,17 +29,22 @@ pub struct SkyMaps {
     pub diffuse: Image,
     /// Reflections, rougher from level to level.
     pub specular: Image,
+    /// Luminance of 1 in the maps, cd/m².
+    pub scale: f32,
 }
 
-/// Luminance of 1 in the maps, cd/m²: keeps f16 in its fine range.
-pub const SCALE: f32 = 1000.0;
+/// Luminance of 1 in the maps of a day, cd/m².
+const DAY_SCALE: f32 = 1000.0;
 
 impl SkyMaps {
-    /// The maps for a direction to the sun; some 0.1 s of a core.
-    pub fn new(towards_sun: Vec3) -> Self {
-        let seen = face_texels(SEEN_SIDE, |direction| {
-            sky_radiance(direction, towards_sun) / SCALE
-        });
+    /// The maps of a sky that has the `radiance` (cd/m²) in each direction, seen with the exposure
+    /// `ev100`; some 0.1 s of a core by day, several times that at dusk.
+    ///
+    /// The scale follows the exposure: f16 has its fine range where the picture has it, by night
+    /// too.
+    pub fn new(radiance: impl Fn(Vec3) -> Vec3 + Sync, ev100: f32) -> Self {
+        let scale = DAY_SCALE * ops::exp2(ev100 - EV100);
+        let seen = face_texels(SEEN_SIDE, |direction| radiance(direction) / scale);
         let sky = Cube {
             side: SEEN_SIDE,
             texels: seen,
@@ -60,6 +65,7 @@ impl SkyMaps {
             diffuse: cube_image(DIFFUSE_SIDE, &[diffuse]),
             specular: cube_image(SPECULAR_SIDE, &levels),
             seen: cube_image(SEEN_SIDE, std::slice::from_ref(&sky.texels)),
+            scale,
         }
     }
 }
@@ -193,6 +199,27 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn a_night_fills_the_same_bits_as_a_day() {
+        let mean = |radiance: f32, ev100: f32| {
+            let maps = SkyMaps::new(|_| Vec3::splat(radiance), ev100);
+            let data = maps.seen.data.expect("texels");
+            let texel = f16::from_le_bytes([data[0], data[1]]).to_f32();
+            (texel, maps.scale)
+        };
+        assert_eq!(
+            mean(2500.0, EV100),
+            (2.5, 1000.0),
+            "by day the scale is 1000"
+        );
+        // A moonless zenith: f16 holds it to half a thousandth, and would hold it to a tenth over
+        // the scale of the day.
+        let (texel, scale) = mean(2e-4, -2.7);
+        assert!((texel * scale / 2e-4 - 1.0).abs() < 5e-4, "{texel} {scale}");
+        let day = f16::from_f32(2e-4 / 1000.0).to_f32() * 1000.0;
+        assert!((day / 2e-4 - 1.0).abs() > 0.02, "{day}");
     }
 
     #[test]

@@ -31,6 +31,9 @@ const HEIGHT: f32 = 1.8;
 /// light opens the shadows and lets snow come near white without burning out under AgX.
 pub const EV100: f32 = 12.9;
 
+/// AgX trades saturation for highlights; by day this gives grass and sky theirs back.
+pub const SATURATION: f32 = 1.3;
+
 /// Distances that the camera sees, metres. Depth is infinite; `far` bounds culling only.
 const NEAR: f32 = 0.15;
 const FAR: f32 = 100_000.0;
@@ -89,10 +92,9 @@ fn dress_camera(
             (DepthPrepass, DeferredPrepass),
             Exposure { ev100: EV100 },
             Tonemapping::AgX,
-            // AgX trades saturation for highlights; this gives grass and sky theirs back.
             ColorGrading {
                 global: ColorGradingGlobal {
-                    post_saturation: 1.3,
+                    post_saturation: SATURATION,
                     ..default()
                 },
                 midtones: ColorGradingSection {

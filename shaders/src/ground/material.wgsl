@@ -171,6 +171,7 @@ fn ground_surface(view: GroundView, surface: Surface, anchor_height: f32) -> Sha
     out.emissive = vec3(0.0);
     out.metallic = 0.0;
     out.unlit = false;
+    out.fog = true;
     // Large-scale light and dark, and warm and cool, that no tile can have.
     let tint = mix(vec3(0.82, 0.86, 0.84), vec3(1.14, 1.1, 1.04), wide_noise) * (0.9 + 0.2 * fine_noise);
     out.base_color = clamp(blend.albedo * scale * tint, vec3(0.0), vec3(1.0));

@@ -195,6 +195,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
     }
 #endif
     let unlit = select(0u, DEFERRED_FLAGS_UNLIT_BIT, shaded.unlit);
+    let fog = select(0u, DEFERRED_FLAGS_FOG_ENABLED_BIT, shaded.fog);
     var out: GBuffer;
     out.deferred = vec4(
         // The G-buffer holds base colour with a gamma of 2.2, and the colour of what is not lit in
@@ -204,7 +205,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
         pack_unorm4x8_(vec4(shaded.reflectance, shaded.metallic, shaded.occlusion, 0.0)),
         pack_24bit_normal_and_flags(
             octahedral_encode(shaded.normal),
-            DEFERRED_FLAGS_FOG_ENABLED_BIT | DEFERRED_MESH_FLAGS_SHADOW_RECEIVER_BIT | unlit,
+            DEFERRED_MESH_FLAGS_SHADOW_RECEIVER_BIT | unlit | fog,
         ),
     );
     out.lighting_pass = 1u;

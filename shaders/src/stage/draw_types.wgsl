@@ -33,7 +33,7 @@ struct MaterialRow {
     base_color: vec4<f32>,
     // Luminance in cd/m2; w is the reflectance.
     emissive: vec4<f32>,
-    // Perceptual roughness, metallic, occlusion.
+    // Perceptual roughness, metallic, occlusion; w is 1 where no fog lies over the surface.
     surface: vec4<f32>,
 }
 
@@ -58,6 +58,7 @@ struct Shaded {
     reflectance: f32,
     occlusion: f32,
     unlit: bool,
+    fog: bool,
 }
 
 struct Materials {
@@ -70,5 +71,5 @@ struct Materials {
 // The material that the surface's row of the table describes.
 fn table_material(surface: Surface) -> Shaded {
     let row = materials.rows[min(surface.material, 15u)];
-    return Shaded(row.base_color.xyz, row.emissive.xyz, surface.normal, row.surface.x, row.surface.y, row.emissive.w, row.surface.z, row.base_color.w == 1.0);
+    return Shaded(row.base_color.xyz, row.emissive.xyz, surface.normal, row.surface.x, row.surface.y, row.emissive.w, row.surface.z, row.base_color.w == 1.0, row.surface.w == 0.0);
 }

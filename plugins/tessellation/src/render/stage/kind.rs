@@ -104,6 +104,8 @@ pub struct PatchMaterial {
     pub reflectance: f32,
     /// Whether the base colour is shown as it is, without light.
     pub unlit: bool,
+    /// Whether the camera's distance fog lies over it.
+    pub fog: bool,
 }
 
 impl Default for PatchMaterial {
@@ -115,6 +117,7 @@ impl Default for PatchMaterial {
             metallic: 0.0,
             reflectance: 0.5,
             unlit: false,
+            fog: true,
         }
     }
 }

@@ -260,7 +260,12 @@ fn material_rows(materials: &[PatchMaterial]) -> [MaterialRow; MATERIAL_ROWS] {
                 f32::from(u8::from(material.unlit)),
             ],
             emissive: [shine.red, shine.green, shine.blue, material.reflectance],
-            surface: [material.roughness, material.metallic, 1.0, 0.0],
+            surface: [
+                material.roughness,
+                material.metallic,
+                1.0,
+                f32::from(u8::from(!material.fog)),
+            ],
         };
     }
     rows

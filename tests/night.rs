@@ -1,0 +1,75 @@
+//! The night sky in the game, drawn without a window: what it needs, and that it rests.
+
+use bevy::math::UVec2;
+use bevy::prelude::*;
+use bevy::render::RenderApp;
+use dolomite::game::device;
+use dolomite::game::offscreen::Offscreen;
+use dolomite::game::scenes::{MapOptions, SceneRequest};
+use dolomite::game::settings::Settings;
+use dolomite::game::setup::Setup;
+use dolomite::game::stars::Star;
+use dolomite::tessellation::render::stage::{StageCensus, StageStats, census};
+use dolomite::tessellation::stage::Patches;
+use std::time::Duration;
+
+/// The mountain, small; `None`, after a line that says so, without Vulkan.
+fn game() -> Option<Offscreen> {
+    if let Err(error) = device::probe() {
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "CI must not skip GPU tests: {error}"
+        );
+        eprintln!("skipped: {error}");
+        return None;
+    }
+    let request = SceneRequest {
+        scene: "mountain".to_owned(),
+        map: MapOptions::default(),
+        detail: None,
+    };
+    let setup = Setup::load(Settings::default(), request, None).expect("the scene is good");
+    Some(Offscreen::new(setup, UVec2::new(128, 72)).expect("a device that was found"))
+}
+
+/// What the stage holds, and its counters.
+fn found(game: &Offscreen) -> (StageCensus, StageStats) {
+    let world = game.app.world();
+    let stats = world.get_resource::<StageStats>().cloned();
+    (
+        census(game.app.sub_app(RenderApp).world()),
+        stats.unwrap_or_default(),
+    )
+}
+
+/// In a module of this name, so that tests which open an adapter run one at a time.
+mod gpu {
+    use super::*;
+
+    #[test]
+    fn stars_and_moon_are_there_by_night_alone_and_rest_with_the_camera() {
+        let Some(mut game) = game() else { return };
+        game.settle().expect("a day");
+        let (day, counted) = found(&game);
+        let world = game.app.world_mut();
+        assert_eq!(world.query::<&Patches<Star>>().iter(world).count(), 0);
+
+        world.resource_mut::<Settings>().sun = Some((300.0, -25.0));
+        game.settle().expect("a night");
+        let (night, stats) = found(&game);
+        assert_eq!(night.kinds, day.kinds + 2, "stars and moon");
+        assert!(night.pipelines > day.pipelines, "{night:?}");
+        // Four faces of some of the stars are in view.
+        let drawn = stats.primitives - counted.primitives;
+        assert!((100..24_000).contains(&drawn), "{stats:?}");
+        for _ in 0..5 {
+            game.step(Duration::ZERO).expect("a frame");
+            assert_eq!(found(&game).1.dispatches, 0, "nothing moves");
+        }
+
+        game.app.world_mut().resource_mut::<Settings>().sun = None;
+        game.settle().expect("a day again");
+        let (again, _) = found(&game);
+        assert_eq!((again.kinds, again.views), (day.kinds, day.views));
+    }
+}
