@@ -42,12 +42,40 @@ fn rasterised(position: vec3<f32>, normal: vec3<f32>, uv: vec2<f32>, before: vec
     return out;
 }
 
-#ifdef STAGE_AMPLIFY
-#import dolomite::stage::amplify_types::StoredVertex
-#import dolomite::stage::user_amplify::amplify
+#ifdef STAGE_EVALUATED
+#import dolomite::stage::types::{TRIANGLES, UNIT}
+#import dolomite::stage::api::{load_patch, previous_stage_position, stage_normal, stage_position}
+#import dolomite::stage::coordinate::as_numbers
+#import dolomite::stage::rules::stage_rules
+#import dolomite::stage::user::evaluate
 
+fn evaluated(id: u32, place: vec2<u32>) -> Varying {
+    let input = load_patch(id);
+    let w = select(0u, UNIT - place.x - place.y, stage_rules().domain == TRIANGLES);
+    let v = evaluate(input, as_numbers(vec3(place, w)));
+    let before = previous_stage_position(input, v.previous);
+    return rasterised(stage_position(input, v.position), stage_normal(input, v.normal), v.uv, before, v.material);
+}
+#endif
+
+#ifdef STAGE_FETCH
+// Draws that fetch their vertices by themselves: amplified ones, and those of lines.
 @group(2) @binding(2) var<storage, read> pool: array<u32>;
 @group(2) @binding(3) var<storage, read> indices: array<u32>;
+
+#ifdef STAGE_EVALUATED
+@vertex
+fn vertex(@builtin(vertex_index) number: u32) -> Varying {
+    let at = 3u * indices[number];
+    var out = evaluated(pool[at], vec2(pool[at + 1u], pool[at + 2u]));
+#ifdef STAGE_LINES
+    out.barycentric = corner_weights(number);
+#endif
+    return out;
+}
+#else
+#import dolomite::stage::amplify_types::StoredVertex
+
 #ifdef STAGE_MOVES
 @group(2) @binding(4) var<storage, read> previous: array<f32>;
 #endif
@@ -63,6 +91,17 @@ fn stored(index: u32) -> StoredVertex {
     return StoredVertex(position, unpack_normal(pool[at + 3u]), uv, before, unpack_material(pool[at + 3u]));
 }
 
+fn rasterised_vertex(v: StoredVertex, number: u32) -> Varying {
+    var out = rasterised(v.position, v.normal, v.uv, v.previous, v.material);
+#ifdef STAGE_LINES
+    out.barycentric = corner_weights(number);
+#endif
+    return out;
+}
+
+#ifdef STAGE_AMPLIFY
+#import dolomite::stage::user_amplify::amplify
+
 @vertex
 fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) primitive: u32) -> Varying {
 #ifdef STAGE_ISOLINES
@@ -74,71 +113,20 @@ fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) primitive
     let b = stored(indices[3u * primitive + 1u]);
     let c = stored(indices[3u * primitive + 2u]);
 #endif
-    let v = amplify(a, b, c, number);
-    var out = rasterised(v.position, v.normal, v.uv, v.previous, v.material);
-#ifdef STAGE_LINES
-    out.barycentric = corner_weights(number);
-#endif
-    return out;
+    return rasterised_vertex(amplify(a, b, c, number), number);
 }
 #else
-#ifdef STAGE_EVALUATED
-#import dolomite::stage::types::{TRIANGLES, UNIT}
-#import dolomite::stage::api::{load_patch, previous_stage_position, stage_normal, stage_position}
-#import dolomite::stage::coordinate::as_numbers
-#import dolomite::stage::rules::stage_rules
-#import dolomite::stage::user::evaluate
-
-#ifdef STAGE_FETCH
-@group(2) @binding(2) var<storage, read> pool: array<u32>;
-@group(2) @binding(3) var<storage, read> indices: array<u32>;
-
 @vertex
 fn vertex(@builtin(vertex_index) number: u32) -> Varying {
-    let at = 3u * indices[number];
-    var out = evaluated(pool[at], vec2(pool[at + 1u], pool[at + 2u]));
-#ifdef STAGE_LINES
-    out.barycentric = corner_weights(number);
-#endif
-    return out;
+    return rasterised_vertex(stored(indices[number]), number);
 }
+#endif
+#endif
 #else
+#ifdef STAGE_EVALUATED
 @vertex
 fn vertex(@location(0) id: u32, @location(1) place: vec2<u32>) -> Varying {
     return evaluated(id, place);
-}
-#endif
-
-fn evaluated(id: u32, place: vec2<u32>) -> Varying {
-    let input = load_patch(id);
-    let w = select(0u, UNIT - place.x - place.y, stage_rules().domain == TRIANGLES);
-    let v = evaluate(input, as_numbers(vec3(place, w)));
-    let before = previous_stage_position(input, v.previous);
-    return rasterised(stage_position(input, v.position), stage_normal(input, v.normal), v.uv, before, v.material);
-}
-#else
-#ifdef STAGE_FETCH
-@group(2) @binding(2) var<storage, read> pool: array<u32>;
-@group(2) @binding(3) var<storage, read> indices: array<u32>;
-#ifdef STAGE_MOVES
-@group(2) @binding(4) var<storage, read> previous: array<f32>;
-#endif
-
-@vertex
-fn vertex(@builtin(vertex_index) number: u32) -> Varying {
-    let index = indices[number];
-    let at = index * VERTEX_WORDS;
-    let position = bitcast<vec3<f32>>(vec3(pool[at], pool[at + 1u], pool[at + 2u]));
-    var before = position;
-#ifdef STAGE_MOVES
-    before = vec3(previous[3u * index], previous[3u * index + 1u], previous[3u * index + 2u]);
-#endif
-    let uv = unpack2x16snorm(pool[at + 4u]) * stage_draw.uv_range;
-    var out = rasterised(position, unpack_normal(pool[at + 3u]), uv, before, unpack_material(pool[at + 3u]));
-#ifdef STAGE_LINES
-    out.barycentric = corner_weights(number);
-#endif
-    return out;
 }
 #else
 @vertex
@@ -155,7 +143,6 @@ fn vertex(
 #endif
     return rasterised(position, unpack_normal(packed), uv * stage_draw.uv_range, before, unpack_material(packed));
 }
-#endif
 #endif
 #endif
 

@@ -41,6 +41,7 @@ pub mod shape;
 pub mod shapes;
 pub mod tables;
 mod tessellate;
+mod topology;
 
 pub use components::{Patches, StageCamera};
 pub use level::Levels;

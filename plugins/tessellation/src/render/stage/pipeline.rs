@@ -245,6 +245,9 @@ impl KindPipelines {
             });
         let mut shadow_defs = shaders.defs.clone();
         shadow_defs.push("STAGE_SHADOW".into());
+        if kind.traits.amplified > 0 {
+            shadow_defs.push("STAGE_FETCH".into());
+        }
         let shadow = cache.queue_render_pipeline(RenderPipelineDescriptor {
             label: Some(format!("stage_shadow {}", kind.name).into()),
             layout: vec![
@@ -299,7 +302,7 @@ impl KindPipelines {
         for (on, name) in [
             // Segments are lines already.
             (key.lines && fetched, "STAGE_LINES"),
-            (fetched && kind.traits.amplified == 0, "STAGE_FETCH"),
+            (fetched, "STAGE_FETCH"),
             (key.normals, "NORMAL_PREPASS"),
             (key.motion, "MOTION_VECTORS"),
         ] {
