@@ -5,11 +5,14 @@ mod support;
 
 use std::sync::Arc;
 
+use bevy::light::CascadeShadowConfigBuilder;
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
 use dolomite::DolomitePlugins;
-use dolomite::terrain::{Fractal, GroundRect, Hill, Layer, Source, Sum, Terrain, TerrainData};
+use dolomite::terrain::{
+    Fractal, Ground, GroundRect, Hill, Layer, Source, Sum, Terrain, TerrainData,
+};
 use dolomite::tessellation::render::stage::{PatchKind, PatchPlugin, PatchShader};
 use dolomite::tessellation::stage::{PatchLayout, Patches, shapes};
 use dolomite::tessellation::{MaterialBands, TerrainMaterial, TerrainView};
@@ -37,30 +40,30 @@ fn main() {
 }
 
 fn setup(mut commands: Commands, assets: Res<AssetServer>) -> Result {
-    let ridges = Fractal {
-        sum: Sum::Ridged,
-        octaves: 9,
-        amplitude: 90.0,
-        wavelength: 260.0,
+    let relief = Fractal {
+        sum: Sum::Eroded,
+        octaves: 10,
+        amplitude: 75.0,
+        wavelength: 330.0,
         ..default()
     };
     let dome = Hill {
         centre: DVec2::ZERO,
-        radius: 420.0,
-        height: 70.0,
+        radius: 560.0,
+        height: 130.0,
     };
     let layer = |source| Layer { source, mask: None };
     let terrain = Terrain::new(TerrainData {
         extent: GroundRect::square(DVec2::ZERO, 1200.0),
-        layers: vec![layer(Source::Hill(dome)), layer(Source::Fractal(ridges))],
-        base: -75.0,
+        layers: vec![layer(Source::Hill(dome)), layer(Source::Fractal(relief))],
+        base: -60.0,
         sea_level: Some(0.0),
     })?;
     let material = TerrainMaterial {
         bands: MaterialBands {
-            tree_line: 40.0,
-            snow_line: 75.0,
-            blend: 14.0,
+            tree_line: 62.0,
+            snow_line: 92.0,
+            blend: 16.0,
             ..default()
         },
         ..TerrainMaterial::new(
@@ -68,18 +71,27 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) -> Result {
             assets.load("textures/terrain_normal_roughness.png"),
         )
     };
+    // Half of it in the ground.
+    let place = DVec2::new(60.0, 230.0);
+    let height = terrain.height(place) as f32;
     let boulder = Patches::<Boulder>::new(Arc::new(shapes::octahedron(4)));
     commands.spawn((
         boulder.with(0, Vec4::new(0.0, 0.14, 1.4, 0.0)),
-        Transform::from_xyz(0.0, 62.0, 40.0).with_scale(Vec3::splat(22.0)),
+        Transform::from_xyz(place.x as f32, height + 4.0, place.y as f32)
+            .with_scale(Vec3::splat(16.0)),
     ));
     commands.spawn((terrain, material));
-    commands.spawn(support::light(60_000.0, 3_500.0));
+    let cascades = CascadeShadowConfigBuilder {
+        first_cascade_far_bound: 120.0,
+        maximum_distance: 1200.0,
+        ..default()
+    };
+    commands.spawn((support::light(60_000.0, 2_200.0), cascades.build()));
     let circle = support::Circle {
-        centre: Vec3::new(0.0, 20.0, 0.0),
-        distance: 420.0,
-        yaw: 0.5,
-        pitch: 0.22,
+        centre: Vec3::new(0.0, 35.0, 60.0),
+        distance: 460.0,
+        yaw: 0.25,
+        pitch: 0.2,
     };
     commands.spawn((support::camera(circle, 6.0, 13.4), TerrainView::default()));
     Ok(())
