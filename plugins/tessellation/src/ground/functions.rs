@@ -1,7 +1,7 @@
 //! Control and evaluate functions of the ground in Rust: the twin of
 //! `shaders/src/ground/functions.wgsl`, for tests, tools and machines without a GPU.
 
-use bevy::math::{IVec2, UVec2, Vec2, Vec3};
+use bevy::math::{UVec2, Vec2, Vec3};
 use dolomite_terrain::{GpuTerrainUniform, GroundPoint, Terrain};
 
 use super::patches::GroundPatches;
@@ -144,7 +144,7 @@ impl GroundFunctions<'_> {
         let ([ax, _, az, _], [cx, _, cz, _]) = (self.point(patch, 0), self.point(patch, 2));
         let place = Vec2::new(ax, az) + (Vec2::new(cx, cz) - Vec2::new(ax, az)) * at;
         let origin = GroundPoint {
-            cell: IVec2::from(self.patches.origin),
+            cell: self.patches.origin,
             frac: UVec2::ZERO,
         };
         let ground = self.terrain.sample(origin.offset(place.as_dvec2()));

@@ -190,7 +190,7 @@ impl KindPipelines {
         let both = ShaderStages::VERTEX_FRAGMENT;
         let draw_layout = BindGroupLayoutDescriptor::new(
             "stage_draw",
-            &BindGroupLayoutEntries::sequential(both, (draw.clone(), materials.clone())),
+            &BindGroupLayoutEntries::sequential(both, (draw, materials)),
         );
         let fetch_layout = if kind.traits.moves {
             BindGroupLayoutDescriptor::new(
