@@ -267,9 +267,7 @@ fn pipeline(
 ) -> Result<RenderPipeline, StageError> {
     let device = gpu.device();
     let mut defs = passes.defs();
-    if main {
-        defs.push("GBUFFER");
-    }
+    defs.push(if main { "GBUFFER" } else { "STAGE_SHADOW" });
     let module = compose_with("stage/draw.wgsl", &defs, functions)?;
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("stage_draw"),
@@ -320,8 +318,8 @@ fn pipeline(
             targets: &targets,
         }),
         primitive: wgpu::PrimitiveState {
-            // As the stage's pipelines in Bevy: shadows from both sides.
-            cull_mode: main.then_some(wgpu::Face::Back),
+            // As the stage's pipelines in Bevy, those of shadow views too.
+            cull_mode: Some(wgpu::Face::Back),
             ..Default::default()
         },
         depth_stencil: Some(DepthStencilState {
