@@ -5,7 +5,7 @@
 //! technique" (2020), table 1; light scattered more than once is taken as coming evenly from
 //! everywhere. Lengths metres, radiance cd/m², directions unit vectors, +Y up.
 //!
-//! At dusk three things are added, which are nothing while the source stands above [`LOW`]: what the
+//! At dusk three things are added, which are nothing while the source stands above `LOW`: what the
 //! ozone takes of red light, the source's disc behind the horizon, and the light that the sky itself
 //! sends into the shadow of the Earth.
 

@@ -8,7 +8,7 @@ use dolomite_tessellation::stage::{PatchLayout, PatchMesh, PatchMeshError, shape
 use super::galaxy::{self, pcg};
 use super::twilight::smooth;
 
-/// Stars above [`LOWEST`].
+/// Stars above `LOWEST`.
 pub const STARS: u32 = 6000;
 
 /// Magnitude of the brightest: that of Sirius.

@@ -37,8 +37,8 @@
 //! | `render::stage` | the stage on the GPU, programmed by control and evaluate functions in WGSL (feature `render`) |
 //! | `render::ground` | the terrain's functions, textures and look (feature `render`) |
 //!
-//! Cost: per camera and kind one vertex and one index pool ([`PatchKind::pool`]
-//! (render::stage::PatchKind::pool), [`TerrainView`]); seven dispatches in a frame whose view or patches
+//! Cost: per camera and kind one vertex and one index pool (`PatchKind::pool`,
+//! [`TerrainView`]); seven dispatches in a frame whose view or patches
 //! changed, none else.
 
 pub mod ground;

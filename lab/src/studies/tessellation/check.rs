@@ -13,7 +13,7 @@ use serde::Serialize;
 pub type Patch = (Vec<[u32; 3]>, Primitives);
 
 /// Farthest that a coordinate may lie from the capture's: its own fixed point is off by up to
-/// 1.9e-4 along an edge in equal spacing. See [`reach`] for what lies inside of triangles.
+/// 1.9e-4 along an edge in equal spacing. See `reach` for what lies inside of triangles.
 pub const COORDINATE_REACH: f64 = 2e-4;
 
 /// Farthest that a vertex may lie from its partner. The captures' fixed point moves what is inside of

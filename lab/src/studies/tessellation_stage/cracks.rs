@@ -101,7 +101,7 @@ impl Tally {
     }
 }
 
-/// The tallies of one device, one for each of [`Kind::ALL`].
+/// The tallies of one device, one for each of `Kind::ALL`.
 #[derive(Debug, Clone, Default)]
 pub struct Tallies([Tally; 3]);
 

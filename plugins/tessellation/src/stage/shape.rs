@@ -16,8 +16,7 @@ pub struct Shape {
     pub outer: [Level; 4],
     /// Levels along u and v.
     pub inner: [Level; 2],
-    /// Levels of the second halves of sides that are split ([`PatchLayout::split`]
-    /// (super::PatchLayout::split)); `outer` holds those of their first halves.
+    /// Levels of the second halves of sides that are split (`PatchLayout::split`); `outer` holds those of their first halves.
     pub second: [Level; 4],
     /// Segments of the sides; isolines: lines, then segments of each.
     pub sides: [u32; 4],
