@@ -194,7 +194,7 @@ impl Offscreen {
             let stats = self.app.world().get_resource::<StageStats>().cloned();
             let at_rest = stats
                 .as_ref()
-                .is_some_and(|stats| stats.primitives > 0 && stats.dispatches == 0);
+                .is_some_and(|stats| stats.patches > 0 && stats.dispatches == 0);
             // The relief map arrives from the background when it is done.
             let relief = self.has_relief();
             if pending.is_empty() && relief && at_rest && stats == last {
