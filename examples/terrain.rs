@@ -50,13 +50,13 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) -> Result {
     let dome = Hill {
         centre: DVec2::ZERO,
         radius: 560.0,
-        height: 130.0,
+        height: 150.0,
     };
     let layer = |source| Layer { source, mask: None };
     let terrain = Terrain::new(TerrainData {
-        extent: GroundRect::square(DVec2::ZERO, 1200.0),
+        extent: GroundRect::square(DVec2::ZERO, 6000.0),
         layers: vec![layer(Source::Hill(dome)), layer(Source::Fractal(relief))],
-        base: -60.0,
+        base: -78.0,
         sea_level: Some(0.0),
     })?;
     let material = TerrainMaterial {
