@@ -217,7 +217,7 @@ fn frame(
         frame_ms: time.as_secs_f64() * 1e3,
         triangles: stats.primitives,
         vertices: stats.vertices,
-        patches_drawn: stats.patches - stats.discarded,
+        patches_drawn: stats.seen(),
         patches_culled: stats.discarded,
         dispatches: stats.dispatches,
         bytes: stats.bytes,

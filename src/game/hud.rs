@@ -139,11 +139,7 @@ fn write_figures(
     row(&mut lines, "rate", format!("{rate:.0} /s"));
     if let Some(stats) = stats {
         row(&mut lines, "triangles", thousands(stats.primitives.into()));
-        row(
-            &mut lines,
-            "patches drawn",
-            thousands((stats.patches - stats.discarded).into()),
-        );
+        row(&mut lines, "patches drawn", thousands(stats.seen().into()));
         row(
             &mut lines,
             "patches culled",

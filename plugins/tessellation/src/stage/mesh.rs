@@ -130,18 +130,13 @@ impl<'a> Asked<'a> {
         )));
         let own = self.topology.patches[patch as usize];
         for side in 0..domain.outer_levels() {
+            let split = self.middle(patch, side);
             self.corners[own[side] as usize] = true;
             let mut raise = |edge: u32, level: Level| {
                 let edge = &mut self.edges[(edge & !REVERSED) as usize];
                 *edge = (*edge).max(level);
             };
-            let Some((middle, second)) = self
-                .topology
-                .halves
-                .get(patch as usize)
-                .filter(|halves| halves[side] != WHOLE)
-                .map(|halves| (halves[side], halves[4 + side]))
-            else {
+            let Some((middle, second)) = split else {
                 raise(own[4 + side], shape.outer[side]);
                 continue;
             };

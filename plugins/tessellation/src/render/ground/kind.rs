@@ -34,6 +34,8 @@ pub struct GroundKind {
     pub(super) look: GroundLook,
     /// Least corner of the extent, which the relief map starts at, metres.
     pub(super) extent_min: DVec2,
+    /// From the lowest to the highest ground of all, metres.
+    pub(super) heights_apart: f32,
     /// Most that a view asks for.
     pub(super) pool: PatchPool,
 }

@@ -104,6 +104,8 @@ fn update_kind(
         kind.layers = buffer(bytemuck::cast_slice(&gpu.layers));
         kind.data = buffer(bytemuck::cast_slice(&gpu.data));
         kind.heights = gpu.uniform.into();
+        let bounds = terrain.bounds(&terrain.extent());
+        kind.heights_apart = (bounds.max - bounds.min).max(0.0);
         kind.extent_min = terrain.extent().min;
     }
     if std::mem::take(&mut due.look) {
@@ -139,7 +141,8 @@ fn look(
 /// Gives every view the patches of its cover, as an entity that it alone sees.
 fn place_patches(
     mut commands: Commands,
-    terrains: Query<(&Terrain, &TerrainMaterial)>,
+    terrains: Query<&TerrainMaterial, With<Terrain>>,
+    kind: Res<GroundKind>,
     ready: Res<ReadyArrays>,
     covers: Query<(Entity, Ref<TerrainCover>), With<TerrainView>>,
     mut grounds: Query<(
@@ -150,14 +153,18 @@ fn place_patches(
         &mut GlobalTransform,
     )>,
 ) {
-    let drawn = |material: &TerrainMaterial| ready.has(material);
-    let terrain = terrains.iter().next().filter(|(_, m)| drawn(m));
+    let drawn = terrains
+        .iter()
+        .next()
+        .is_some_and(|material| ready.has(material));
     for (entity, of, ..) in &grounds {
-        if terrain.is_none() || !covers.contains(of.0) {
+        if !drawn || !covers.contains(of.0) {
             commands.entity(entity).despawn();
         }
     }
-    let Some((terrain, _)) = terrain else { return };
+    if !drawn {
+        return;
+    }
     for (camera, cover) in &covers {
         let found = grounds.iter_mut().find(|(_, of, ..)| of.0 == camera);
         if found.is_some() && !cover.is_changed() {
@@ -167,10 +174,8 @@ fn place_patches(
             error!("the ground cannot be covered with patches: {fault}");
             continue;
         }
-        let bounds = terrain.bounds(&terrain.extent());
-        let relief = (bounds.max - bounds.min).max(0.0);
         let mut patches = Patches::new(cover.patches.mesh.clone());
-        patches.params[0].x = relief;
+        patches.params[0].x = kind.heights_apart;
         patches.camera = Some(camera);
         let origin = cover.patches.origin.as_vec2();
         let place = Transform::from_xyz(origin.x, 0.0, origin.y);

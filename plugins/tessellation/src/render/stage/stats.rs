@@ -31,6 +31,15 @@ pub struct StageStats {
     pub faults: Vec<StageFault>,
 }
 
+impl StageStats {
+    /// Patches that emit something. The counters of the GPU are some frames older than the number of
+    /// patches: while patches go, more may have been discarded than there are.
+    #[must_use]
+    pub const fn seen(&self) -> u32 {
+        self.patches.saturating_sub(self.discarded)
+    }
+}
+
 /// Why patches of a kind are not drawn.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
@@ -136,4 +145,20 @@ pub fn collect(mut kinds: ResMut<StageKinds>, shared: Res<StageShared>) {
         sum.faults = std::mem::take(&mut shared.newest.faults);
         shared.newest = sum;
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_of_patches_that_are_gone_do_no_harm() {
+        let stats = |patches, discarded| StageStats {
+            patches,
+            discarded,
+            ..Default::default()
+        };
+        assert_eq!(stats(10, 3).seen(), 7);
+        assert_eq!(stats(10, 300).seen(), 0);
+    }
 }
