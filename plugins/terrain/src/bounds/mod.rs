@@ -12,6 +12,7 @@
 mod fractal;
 mod interval;
 mod sum;
+mod unseen;
 
 pub(crate) use interval::{Interval, SecondOrder};
 

@@ -137,6 +137,20 @@ fn lowest(samples: &[f32], width: usize, height: usize) -> Vec<Extremes> {
 }
 
 impl HeightMap {
+    /// From the lowest to the highest height that the map gives, or a little more, metres.
+    pub(crate) fn range(&self) -> f32 {
+        let all = self.0.pyramid.query(
+            [0; 2],
+            [self.width() as usize - 1, self.height() as usize - 1],
+        );
+        let apart = all.high - all.low;
+        match self.filter() {
+            Filter::Bilinear => apart,
+            // The weights' absolute values sum to 5/4 along each axis.
+            Filter::Bicubic => 1.25 * 1.25 * apart,
+        }
+    }
+
     /// Bounds over a rectangle centred on `centre` with half sides `half`, metres.
     pub(crate) fn cell_bounds(&self, centre: DVec2, half: DVec2) -> CellBounds {
         let spacing = self.spacing();

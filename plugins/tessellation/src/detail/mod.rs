@@ -1,0 +1,45 @@
+//! Level of detail of the ground: how much geometry, where, for whom.
+//!
+//! The ground is refined by **longest edge bisection** over a quadtree of square cells. A cell is two
+//! triangles; its **centre** vertex cuts their common diagonal and makes four; the **mid** vertex of a
+//! side cuts the two triangles that meet there; with the centre and both of its mids a quarter of the
+//! cell can become a cell of its own. Every vertex stands on a fixed lattice, so that heights and errors
+//! are made once and kept.
+//!
+//! Each vertex has a **demand**: by how much the surface that is drawn without it, or without any vertex
+//! that needs it, misses the metric's tolerance (1: just reached). Demands are raised so that a vertex
+//! never asks for more than those that it needs; hence the vertices above any threshold make a mesh
+//! without gaps (as P. Lindstrom and V. Pascucci 2002 have it by nested spheres; here the maximum is
+//! taken in the picture, for this view alone). Nothing else decides: the choice depends on view, ground and
+//! settings, never on what was drawn before.
+//!
+//! A vertex whose demand is 1 or more stands on the ground. At [`APPEARS`] it lies in the triangle that
+//! it cuts; between the two it moves vertically in proportion, so that nothing pops.
+//!
+//! | part | what it does |
+//! |---|---|
+//! | [`settings`] | metrics and their knobs |
+//! | [`lattice`] | places, cells and their neighbours, in integers |
+//! | [`cell`] | heights and error bounds of a cell, from a few samples |
+//! | [`view`] | what a vertical metre is in pixels, at most |
+//! | [`select`] | which vertices a view gets |
+//! | [`mesh`] | their heights, and the triangles |
+
+pub mod cell;
+pub mod lattice;
+pub mod mesh;
+pub mod select;
+pub mod settings;
+pub mod view;
+
+pub use cell::{Cell, DetailCells};
+pub use lattice::{CellPlace, DetailLattice};
+pub use mesh::{DetailMesh, DetailVertex};
+pub use select::{Selection, select};
+pub use settings::{Detail, Metric};
+pub use view::DetailView;
+
+/// The demand at which a vertex appears, still in the plane of the triangle that it cuts; at 1 it has
+/// reached the ground. With half, a vertex whose error falls with the square of the distance of its
+/// neighbours has arrived when the next generation appears.
+pub const APPEARS: f32 = 0.5;

@@ -1,0 +1,187 @@
+//! What decides how finely the ground is drawn.
+
+use bevy::prelude::*;
+
+/// What a vertex is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Metric {
+    /// By the distance alone, and by how much the ground rises: the method of the literature, as a
+    /// baseline. A square patch of side `patch` gets as many segments along a side as
+    /// `mix(greatest, least, 0.6·d/reach + 0.4·(1 − clamp(relief/height, 0, 1)))`, `least` beyond
+    /// `reach`; d is the distance from the eye, relief the height range of the cell that a vertex
+    /// belongs to.
+    Classic {
+        /// Side of the patches that levels count for, metres.
+        patch: f32,
+        /// Segments where it is far or flat.
+        least: f32,
+        /// Segments where it is near and steep.
+        greatest: f32,
+        /// From here on `least`, metres.
+        reach: f32,
+        /// Height range that counts as steep, metres.
+        height: f32,
+    },
+    /// No edge longer than this in the picture, as if it were seen from its side.
+    EdgeLength {
+        /// Pixels, above 0.
+        pixels: f32,
+    },
+    /// The ground as drawn is nowhere farther than this from the true one, vertically, in the picture.
+    ErrorBound {
+        /// Pixels, above 0.
+        pixels: f32,
+    },
+}
+
+impl Default for Metric {
+    fn default() -> Self {
+        Self::ErrorBound { pixels: 1.0 }
+    }
+}
+
+/// Least tolerance, pixels: far below what a picture can show.
+pub const LEAST_PIXELS: f32 = 1.0 / 64.0;
+/// Greatest tolerance, pixels: more than a picture is wide.
+pub const GREATEST_PIXELS: f32 = 16_384.0;
+
+impl Metric {
+    /// The same with every number in its range: pixels from [`LEAST_PIXELS`] to [`GREATEST_PIXELS`]; what
+    /// is not a number becomes the default.
+    #[must_use]
+    pub fn clamped(self) -> Self {
+        let pixels = |value: f32, default: f32| within(value, LEAST_PIXELS, GREATEST_PIXELS, default);
+        match self {
+            Self::Classic {
+                patch,
+                least,
+                greatest,
+                reach,
+                height,
+            } => {
+                let least = within(least, 1e-3, 4096.0, 1.0);
+                Self::Classic {
+                    patch: within(patch, 1e-3, 1e6, 16.0),
+                    least,
+                    greatest: within(greatest, least, 4096.0, least.max(32.0)),
+                    reach: within(reach, 1e-3, 1e9, 400.0),
+                    height: within(height, 1e-6, 1e6, 10.0),
+                }
+            }
+            Self::EdgeLength { pixels: given } => Self::EdgeLength {
+                pixels: pixels(given, 8.0),
+            },
+            Self::ErrorBound { pixels: given } => Self::ErrorBound {
+                pixels: pixels(given, 1.0),
+            },
+        }
+    }
+
+    /// The same with its tolerance times `factor`: pixels, or segments of a patch the fewer.
+    #[must_use]
+    pub fn coarser(self, factor: f32) -> Self {
+        match self {
+            Self::Classic {
+                patch,
+                least,
+                greatest,
+                reach,
+                height,
+            } => Self::Classic {
+                patch: patch * factor,
+                least,
+                greatest,
+                reach,
+                height,
+            },
+            Self::EdgeLength { pixels } => Self::EdgeLength {
+                pixels: pixels * factor,
+            },
+            Self::ErrorBound { pixels } => Self::ErrorBound {
+                pixels: pixels * factor,
+            },
+        }
+        .clamped()
+    }
+}
+
+/// A number within its range; `default` for what is no number.
+pub(crate) fn within(value: f32, low: f32, high: f32, default: f32) -> f32 {
+    if value.is_nan() {
+        default
+    } else {
+        value.clamp(low, high)
+    }
+}
+
+/// How finely a camera sees the ground.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct Detail {
+    /// What is asked of the drawn surface.
+    pub metric: Metric,
+    /// Side of the smallest cell, metres; 2⁻¹⁰ to 1024.
+    pub finest: f32,
+    /// Most vertices of a view; where a view asks for more, the tolerance grows until it fits.
+    pub max_vertices: u32,
+    /// Share of the detail that ground gets which is seen through its shadow alone, 0 to 1.
+    pub shadow_share: f32,
+}
+
+impl Default for Detail {
+    fn default() -> Self {
+        Self {
+            metric: Metric::default(),
+            finest: 0.125,
+            max_vertices: 1 << 19,
+            shadow_share: 0.25,
+        }
+    }
+}
+
+impl Detail {
+    /// The same with every field in its range.
+    #[must_use]
+    pub fn clamped(self) -> Self {
+        Self {
+            metric: self.metric.clamped(),
+            finest: within(self.finest, 1.0 / 1024.0, 1024.0, 0.125),
+            max_vertices: self.max_vertices.clamp(1 << 10, 1 << 22),
+            shadow_share: within(self.shadow_share, 0.0, 1.0, 0.25),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hostile_tolerances_become_usable_ones() {
+        for (given, expected) in [
+            (0.0, LEAST_PIXELS),
+            (-3.0, LEAST_PIXELS),
+            (f32::NAN, 1.0),
+            (f32::INFINITY, GREATEST_PIXELS),
+            (2.0, 2.0),
+        ] {
+            let metric = Metric::ErrorBound { pixels: given }.clamped();
+            assert_eq!(metric, Metric::ErrorBound { pixels: expected }, "{given}");
+        }
+        let detail = Detail {
+            finest: f32::NAN,
+            max_vertices: 0,
+            shadow_share: -1.0,
+            ..default()
+        };
+        let clamped = detail.clamped();
+        assert_eq!(clamped.finest, 0.125);
+        assert_eq!(clamped.max_vertices, 1 << 10);
+        assert_eq!(clamped.shadow_share, 0.0);
+    }
+
+    #[test]
+    fn a_coarser_metric_asks_for_less() {
+        let metric = Metric::EdgeLength { pixels: 8.0 }.coarser(2.0);
+        assert_eq!(metric, Metric::EdgeLength { pixels: 16.0 });
+    }
+}
