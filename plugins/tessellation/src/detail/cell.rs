@@ -57,8 +57,10 @@ pub struct Cell {
     pub high: f32,
     /// Error bounds of the triangles between centre and side, and of all that are finer, metres.
     pub quarters: [f32; 4],
+    /// Error bound of every mesh that is finer still: of the quarters as cells.
+    pub finer: f32,
     /// Fills up to 96 bytes.
-    pub pad: [f32; 2],
+    pub pad: f32,
 }
 
 /// The middles of the sides among the samples (column, row).
@@ -175,7 +177,8 @@ impl Cell {
             error,
             high: high + error,
             quarters,
-            pad: [0.0; 2],
+            finer: finer + missed,
+            pad: 0.0,
         }
     }
 

@@ -1,13 +1,22 @@
 //! Which vertices a view gets.
 //!
-//! Down: from the roots, a cell whose own demand is above [`APPEARS`] is kept, and its quarters are looked
-//! at. A cell's own demand is that of its error bound, which holds for all meshes inside of it, at the
-//! place in it where the picture shows most: none of its quarters can ask for more.
+//! From the roots down, one depth after the other. A cell is looked at when its parent's centre is drawn.
+//! It has three **own** demands, of its error bounds at the place in it where the picture shows most: as
+//! two triangles, of the triangles at each side, and of everything finer. What is finer counts at most
+//! as much as what is coarser, and a cell at most as much as what is finer in its parent; so own demands
+//! fall from depth to depth.
 //!
-//! Up: from the finest cells, each vertex raises the demands of those that it needs: a centre those of
-//! the two middles at its cell's inner corner's sides, a middle those of the centres on both sides of it.
-//! Neighbours that were not kept on the way down are added here. What is above [`APPEARS`] afterwards is a
-//! mesh without gaps, whatever the errors were.
+//! The **demand** of a cell's centre is the greatest of its own, of those of the triangles beyond each
+//! side, and of what is finer in any of the eight cells around it. So a centre is drawn wherever others
+//! need it, and nothing has to be passed up: let N be a cell, P its parent, and M the cell beside P that
+//! N's corners at P's border need. If N's demand is its own, it is at most what is finer in P, which is
+//! beside M. If it comes from a cell N′ beside N, then N′ lies in M, in P, or in a cell beside both; and
+//! N′ counts at most as much as what is finer there. Either way M's demand is no less than N's; and M was
+//! looked at, by the same argument about its parent.
+//!
+//! The demand of a side's **middle** is the greatest of the triangles on both sides and of the centres of
+//! the quarters that touch it: at most that of the centres on both sides, by the above. So the vertices
+//! whose demand exceeds any number make a mesh without gaps (P. Lindstrom, V. Pascucci 2002).
 
 use bevy::math::{UVec2, Vec3};
 use bevy::platform::collections::HashMap;
@@ -26,6 +35,8 @@ pub struct ViewCell {
     pub number: u32,
     /// Demand of the centre.
     pub centre: f32,
+    /// Own demand of everything finer than the triangles at the sides.
+    pub finer: f32,
     /// Demands of the sides' middles.
     pub sides: [f32; 4],
     /// Whether its triangles are drawn: it may be seen, itself or its shadow.
@@ -80,39 +91,46 @@ impl Selection {
     }
 }
 
-/// A cell's demands by itself: as two triangles, and of its sides.
+/// A cell's own demands, at most `most` (what is finer in its parent).
 #[must_use]
-pub fn own_demand(view: &DetailView, lattice: &DetailLattice, place: CellPlace, cell: &Cell) -> Demand {
+pub fn own_demand(
+    view: &DetailView,
+    lattice: &DetailLattice,
+    place: CellPlace,
+    cell: &Cell,
+    most: f32,
+) -> Demand {
     let (low, high) = cell_box(view, lattice, place, cell);
     let sight = view.sight(low, high);
-    let sides = lattice.sides(place.half);
-    let (across, side) = (
-        (sides.x * sides.x + sides.y * sides.y).sqrt() as f32,
-        sides.max_element() as f32,
-    );
-    let factor = match view.metric {
+    let factor = sight.share * view.inverse_tolerance * match view.metric {
         0 => {
             let [least, greatest, reach, height] = view.classic;
             let relief = ((cell.high - cell.low - 2.0 * cell.error) * height).clamp(0.0, 1.0);
             let blend = (reach * sight.distance + 0.4 * (1.0 - relief)).min(1.0);
-            let near = sight.distance * reach < 0.6;
-            let level = if near { greatest + (least - greatest) * blend } else { least };
-            level * view.inverse_tolerance
+            if sight.distance * reach < 0.6 {
+                greatest + (least - greatest) * blend
+            } else {
+                least
+            }
         }
-        1 => {
-            let reach = if view.orthographic == 1.0 { 1.0 } else { sight.distance.max(view.near) };
-            view.scale / reach * view.inverse_tolerance
-        }
-        _ => sight.pixels_per_metre * view.inverse_tolerance,
-    } * sight.share;
-    let [whole, quarters] = if view.metric == 2 {
-        [[cell.error; 4], cell.quarters]
-    } else {
-        [[across; 4], [side; 4]]
+        1 if view.orthographic == 1.0 => view.scale,
+        1 => view.scale / sight.distance.max(view.near),
+        _ => sight.pixels_per_metre,
     };
+    let (whole, sides, finer) = if view.metric == 2 {
+        (cell.error, cell.quarters, cell.finer)
+    } else {
+        // Lengths of the edges that the vertices cut: the diagonal, a side, a quarter's diagonal.
+        let sides = lattice.sides(place.half);
+        let diagonal = (sides.x * sides.x + sides.y * sides.y).sqrt() as f32;
+        (diagonal, [sides.max_element() as f32; 4], diagonal * 0.5)
+    };
+    // NaN, where the ground has none, asks for nothing.
+    let whole = (whole * factor).max(0.0).min(most);
     Demand {
-        whole: whole[0] * factor,
-        sides: quarters.map(|size| size * factor),
+        whole,
+        sides: sides.map(|size| (size * factor).max(0.0).min(whole)),
+        finer: (finer * factor).max(0.0).min(whole),
         seen: sight.share > 0.0,
     }
 }
@@ -122,8 +140,10 @@ pub fn own_demand(view: &DetailView, lattice: &DetailLattice, place: CellPlace, 
 pub struct Demand {
     /// Of the centre.
     pub whole: f32,
-    /// Of the sides' middles.
+    /// Of the triangles at the sides.
     pub sides: [f32; 4],
+    /// Of everything finer.
+    pub finer: f32,
     /// Whether the cell or its shadow is in the picture.
     pub seen: bool,
 }
@@ -151,124 +171,129 @@ pub fn select(cells: &mut DetailCells, view: &DetailView, max_vertices: u32) -> 
         coarsening: 1.0,
         ..Selection::default()
     };
-    descend(cells, view, max_vertices, &mut selection);
+    let mut looked_at: Vec<(CellPlace, f32)> =
+        lattice.root_cells().map(|root| (root, f32::MAX)).collect();
+    let mut kept = 0;
+    for depth in 0..=lattice.depth as usize {
+        cells.make(looked_at.iter().map(|&(place, _)| place));
+        let level = look(cells, view, &looked_at);
+        let appears = APPEARS * selection.coarsening;
+        looked_at.clear();
+        for at in 0..level.cells.len() {
+            let cell = ViewCell {
+                centre: level.demand(at),
+                ..level.cells[at]
+            };
+            if cell.centre <= appears {
+                if depth == 0 {
+                    selection.whole_roots.push((cell.place, cell.seen));
+                }
+                continue;
+            }
+            selection
+                .places
+                .insert(cell.place.centre, selection.depths[depth].len() as u32);
+            selection.depths[depth].push(cell);
+            let children = (0..4).filter_map(|corner| cell.place.child(corner));
+            looked_at.extend(children.map(|child| (child, cell.finer)));
+        }
+        kept += selection.depths[depth].len();
+        // A cell has two vertices or three.
+        if kept * 2 > max_vertices as usize {
+            let fits = fitting(&selection, max_vertices as f32 * 0.75);
+            selection.coarsening = fits.max(selection.coarsening);
+        }
+        if depth == lattice.depth as usize {
+            let rest = level.cells.iter().map(|cell| cell.finer);
+            selection.held = rest.fold(0.0, f32::max);
+        }
+    }
     for depth in (0..=lattice.depth as usize).rev() {
-        raise(cells, view, &mut selection, depth);
+        for at in 0..selection.depths[depth].len() {
+            selection.depths[depth][at].sides = middles(&selection, &lattice, depth, at);
+        }
     }
     let most = max_vertices as f32;
     if selection.vertices_above(APPEARS * selection.coarsening) > most {
         selection.coarsening = fitting(&selection, most);
     }
     lower(&mut selection);
-    let whole: Vec<_> = lattice
-        .root_cells()
-        .filter(|&root| !selection.places.contains_key(&root.centre))
-        .map(|root| {
-            let number = cells.number(root).expect("roots are always looked at");
-            let demand = own_demand(view, &lattice, root, cells.cell(number));
-            (root, demand.seen)
-        })
-        .collect();
-    selection.whole_roots = whole;
     selection
 }
 
-/// Down the quadtree, breadth first.
-fn descend(cells: &mut DetailCells, view: &DetailView, most: u32, selection: &mut Selection) {
-    let lattice = cells.lattice;
-    let mut places: Vec<_> = lattice.root_cells().collect();
-    let mut kept = 0;
-    for depth in 0..=lattice.depth as usize {
-        cells.make(places.iter().copied());
-        let mut next = Vec::new();
-        for place in places {
-            let number = cells.number(place).expect("just made");
-            let demand = own_demand(view, &lattice, place, cells.cell(number));
-            // NaN fails the comparison: a cell without usable heights stays as it is.
-            if !(demand.whole > APPEARS * selection.coarsening) {
-                continue;
+/// The cells of one depth that are looked at, with their own demands.
+struct Level {
+    cells: Vec<ViewCell>,
+    places: HashMap<UVec2, u32>,
+}
+
+fn look(cells: &DetailCells, view: &DetailView, places: &[(CellPlace, f32)]) -> Level {
+    let mut level = Level {
+        cells: Vec::with_capacity(places.len()),
+        places: HashMap::with_capacity(places.len()),
+    };
+    for &(place, most) in places {
+        let number = cells.number(place).expect("just made");
+        let own = own_demand(view, &cells.lattice, place, cells.cell(number), most);
+        level.places.insert(place.centre, level.cells.len() as u32);
+        level.cells.push(ViewCell {
+            place,
+            number,
+            centre: own.whole,
+            finer: own.finer,
+            sides: own.sides,
+            seen: own.seen,
+        });
+    }
+    level
+}
+
+impl Level {
+    fn find(&self, place: CellPlace) -> Option<&ViewCell> {
+        self.places
+            .get(&place.centre)
+            .map(|&at| &self.cells[at as usize])
+    }
+
+    /// Demand of a cell's centre: its own, and what the cells around it need.
+    fn demand(&self, at: usize) -> f32 {
+        let cell = &self.cells[at];
+        let mut demand = cell.centre;
+        for side in 0..4 {
+            let beside = cell.place.neighbour(side);
+            if let Some(there) = self.find(beside) {
+                demand = demand.max(there.sides[(side + 2) & 3]).max(there.finer);
             }
-            if place.half == 1 {
-                let rest = demand.sides.into_iter().fold(0.0, f32::max);
-                selection.held = selection.held.max(rest);
+            if let Some(across) = self.find(beside.neighbour(side + 1)) {
+                demand = demand.max(across.finer);
             }
-            let at = selection.depths[depth].len() as u32;
-            selection.places.insert(place.centre, at);
-            selection.depths[depth].push(ViewCell {
-                place,
-                number,
-                centre: demand.whole,
-                sides: demand.sides,
-                seen: demand.seen,
-            });
-            next.extend((0..4).filter_map(|corner| place.child(corner)));
         }
-        kept += selection.depths[depth].len();
-        // A cell has at least one vertex and is balanced by as many again.
-        if kept > most as usize {
-            selection.coarsening = fitting(selection, most as f32 * 0.5).max(selection.coarsening);
-        }
-        places = next;
+        demand
     }
 }
 
-/// Up one depth: middles by their quarters and by their other side, centres by their middles, middles of
-/// the parents by the centres.
-fn raise(cells: &mut DetailCells, view: &DetailView, selection: &mut Selection, depth: usize) {
-    let lattice = cells.lattice;
-    let appears = APPEARS * selection.coarsening;
-    for at in 0..selection.depths[depth].len() {
-        let ViewCell { place, sides, .. } = selection.depths[depth][at];
-        for (side, &demand) in sides.iter().enumerate() {
-            let there = place.neighbour(side);
-            if demand > appears && lattice.holds(there) {
-                let beyond = ensure(cells, view, selection, there);
-                let raised = &mut selection.depths[depth][beyond].sides[(side + 2) & 3];
-                *raised = raised.max(demand);
-            }
+/// Demands of the middles of a cell's sides, where centre and the centre beyond are drawn.
+fn middles(selection: &Selection, lattice: &DetailLattice, depth: usize, at: usize) -> [f32; 4] {
+    let cell = &selection.depths[depth][at];
+    let touching = |place: CellPlace, side: usize| {
+        [side, (side + 3) & 3]
+            .into_iter()
+            .filter_map(|corner| selection.find(lattice, place.child(corner)?))
+            .map(|child| child.centre)
+            .fold(0.0, f32::max)
+    };
+    std::array::from_fn(|side| {
+        let own = cell.sides[side].max(touching(cell.place, side));
+        let there = cell.place.neighbour(side);
+        if !lattice.holds(there) {
+            return own;
         }
-    }
-    for at in 0..selection.depths[depth].len() {
-        let cell = &mut selection.depths[depth][at];
-        cell.centre = cell.sides.iter().fold(cell.centre, |a, &b| a.max(b));
-        let (place, demand) = (cell.place, cell.centre);
-        if depth == 0 {
-            continue;
-        }
-        let quarter = place.quarter();
-        let above = ensure(cells, view, selection, place.parent());
-        let parent = &mut selection.depths[depth - 1][above];
-        for side in [quarter, (quarter + 1) & 3] {
-            parent.sides[side] = parent.sides[side].max(demand);
-        }
-    }
-}
-
-/// The number of a cell at its depth; added where it was not kept.
-fn ensure(
-    cells: &mut DetailCells,
-    view: &DetailView,
-    selection: &mut Selection,
-    place: CellPlace,
-) -> usize {
-    if let Some(&at) = selection.places.get(&place.centre) {
-        return at as usize;
-    }
-    cells.make([place]);
-    let lattice = cells.lattice;
-    let number = cells.number(place).expect("just made");
-    let demand = own_demand(view, &lattice, place, cells.cell(number));
-    let list = &mut selection.depths[lattice.depth_of(place) as usize];
-    let at = list.len();
-    selection.places.insert(place.centre, at as u32);
-    list.push(ViewCell {
-        place,
-        number,
-        centre: 0.0,
-        sides: [0.0; 4],
-        seen: demand.seen,
-    });
-    at
+        let facing = (side + 2) & 3;
+        selection.find(lattice, there).map_or(0.0, |beyond| {
+            // Where it was visited before, this is the same maximum once more.
+            own.max(beyond.sides[facing]).max(touching(there, facing))
+        })
+    })
 }
 
 /// Steps of the histogram of demands in an octave.
