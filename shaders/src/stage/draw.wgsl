@@ -146,26 +146,11 @@ fn vertex(
 #endif
 #endif
 
-#ifdef GBUFFER
-#import bevy_pbr::rgb9e5::vec3_to_rgb9e5_
-#import bevy_pbr::utils::octahedral_encode
-#import bevy_pbr::pbr_deferred_types::{pack_unorm4x8_, pack_24bit_normal_and_flags, DEFERRED_FLAGS_FOG_ENABLED_BIT, DEFERRED_FLAGS_UNLIT_BIT, DEFERRED_MESH_FLAGS_SHADOW_RECEIVER_BIT}
+#ifndef STAGE_SHADOW
 #import dolomite::stage::user_material::material
 
-struct GBuffer {
-#ifdef NORMAL_PREPASS
-    @location(0) normal: vec4<f32>,
-#endif
-#ifdef MOTION_VECTORS
-    @location(1) motion: vec2<f32>,
-#endif
-    @location(2) deferred: vec4<u32>,
-    // Bevy's default deferred lighting pass.
-    @location(3) lighting_pass: u32,
-}
-
-@fragment
-fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
+// What the material gives, with the triangle's edges over it.
+fn shade(in: Varying, front: bool) -> Shaded {
     var shaded = material(Surface(in.position, normalize(select(-in.normal, in.normal, front)), in.uv, in.row));
 #ifdef STAGE_LINES
     // Distance to the nearest edge in pixels, from the barycentric coordinates' own slope.
@@ -181,6 +166,30 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
         shaded.base_color = mix(shaded.base_color, vec3(0.01, 0.012, 0.015), line * 0.85);
     }
 #endif
+    return shaded;
+}
+#endif
+
+#ifdef GBUFFER
+#import bevy_pbr::rgb9e5::vec3_to_rgb9e5_
+#import bevy_pbr::utils::octahedral_encode
+#import bevy_pbr::pbr_deferred_types::{pack_unorm4x8_, pack_24bit_normal_and_flags, DEFERRED_FLAGS_FOG_ENABLED_BIT, DEFERRED_FLAGS_UNLIT_BIT, DEFERRED_MESH_FLAGS_SHADOW_RECEIVER_BIT}
+
+struct GBuffer {
+#ifdef NORMAL_PREPASS
+    @location(0) normal: vec4<f32>,
+#endif
+#ifdef MOTION_VECTORS
+    @location(1) motion: vec2<f32>,
+#endif
+    @location(2) deferred: vec4<u32>,
+    // Bevy's default deferred lighting pass.
+    @location(3) lighting_pass: u32,
+}
+
+@fragment
+fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
+    let shaded = shade(in, front);
     let unlit = select(0u, DEFERRED_FLAGS_UNLIT_BIT, shaded.unlit);
     let fog = select(0u, DEFERRED_FLAGS_FOG_ENABLED_BIT, shaded.fog);
     var out: GBuffer;
@@ -206,5 +215,13 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
     out.motion = (now - before) * vec2(0.5, -0.5);
 #endif
     return out;
+}
+#endif
+
+#ifdef DIRECT
+// Into a picture without G-buffer: the base colour, without light.
+@fragment
+fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    return vec4(shade(in, front).base_color, 1.0);
 }
 #endif

@@ -117,13 +117,15 @@ fn defs<K: PatchKind>() -> Vec<ShaderDefVal> {
     defs.into_iter().map(ShaderDefVal::from).collect()
 }
 
-/// What a G-buffer pipeline is specialised by.
+/// What the pipeline of a view's draw is specialised by.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DrawKey {
     /// Whether edges are drawn.
     pub lines: bool,
     pub normals: bool,
     pub motion: bool,
+    /// Of a view without G-buffer: the format of its picture.
+    pub direct: Option<TextureFormat>,
 }
 
 /// Layouts and pipelines of a kind.
@@ -286,7 +288,7 @@ impl KindPipelines {
         }
     }
 
-    /// The G-buffer pipeline for `key`, queued on first use.
+    /// The pipeline of the draw for `key`, queued on first use.
     pub fn draw(
         &mut self,
         kind: &KindView,
@@ -297,7 +299,14 @@ impl KindPipelines {
             return *id;
         }
         let mut defs = kind.shaders.defs.clone();
-        defs.push("GBUFFER".into());
+        defs.push(
+            if key.direct.is_some() {
+                "DIRECT"
+            } else {
+                "GBUFFER"
+            }
+            .into(),
+        );
         let fetched = fetches(kind.traits, key.lines);
         for (on, name) in [
             // Segments are lines already.
@@ -318,7 +327,13 @@ impl KindPipelines {
             })
         };
         let id = cache.queue_render_pipeline(RenderPipelineDescriptor {
-            label: Some(format!("stage_gbuffer {}", kind.name).into()),
+            label: Some(
+                match key.direct {
+                    Some(_) => format!("stage_direct {}", kind.name),
+                    None => format!("stage_gbuffer {}", kind.name),
+                }
+                .into(),
+            ),
             layout: vec![
                 self.given_layout.clone(),
                 self.data_layout.clone(),
@@ -333,14 +348,17 @@ impl KindPipelines {
                 shader: kind.shaders.draw.clone(),
                 shader_defs: defs,
                 entry_point: Some("fragment".into()),
-                targets: vec![
-                    key.normals.then(|| target(NORMAL_PREPASS_FORMAT)).flatten(),
-                    key.motion
-                        .then(|| target(MOTION_VECTOR_PREPASS_FORMAT))
-                        .flatten(),
-                    target(DEFERRED_PREPASS_FORMAT),
-                    target(DEFERRED_LIGHTING_PASS_ID_FORMAT),
-                ],
+                targets: match key.direct {
+                    Some(format) => vec![target(format)],
+                    None => vec![
+                        key.normals.then(|| target(NORMAL_PREPASS_FORMAT)).flatten(),
+                        key.motion
+                            .then(|| target(MOTION_VECTOR_PREPASS_FORMAT))
+                            .flatten(),
+                        target(DEFERRED_PREPASS_FORMAT),
+                        target(DEFERRED_LIGHTING_PASS_ID_FORMAT),
+                    ],
+                },
             }),
             primitive: PrimitiveState {
                 topology: topology(kind.traits),
