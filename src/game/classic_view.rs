@@ -1,7 +1,7 @@
 //! What the classic scene looks like: patches that light themselves, straight into the picture. No
 //! G-buffer, no shadows, no sky, nothing after: it is there to time the triangles.
 
-use bevy::camera::RenderTarget;
+use bevy::camera::{CompositingSpace, RenderTarget};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
@@ -63,6 +63,8 @@ fn dress_camera(
                 }),
                 Msaa::Off,
                 Tonemapping::None,
+                // Encoded at the vertices, not at each store of a pixel.
+                CompositingSpace::Srgb,
                 StageCamera::default(),
                 // The ground under the eye, in each frame.
                 GroundProbe::default(),

@@ -49,6 +49,7 @@ impl PatchKind for ClassicKind {
     const LAYOUT: PatchLayout = CLASSIC_LAYOUT;
     const SPACING: Spacing = CLASSIC_SPACING;
     const CUSTOM_MATERIAL: bool = true;
+    const VERTEX_SHADED: bool = true;
     const SHADOWS: bool = false;
 
     fn shader() -> PatchShader {

@@ -54,6 +54,9 @@ pub trait PatchKind: AsBindGroup + Resource + Clone {
     const MOVES: bool = false;
     /// Greatest |u| or |v| of a vertex; texture coordinates are stored in 1/32767 of it.
     const UV_RANGE: f32 = 1.0;
+    /// Whether, in a view without G-buffer, `material` runs at the vertices (with normals of either
+    /// side as they are) and colours between them are interpolated: small triangles cost less then.
+    const VERTEX_SHADED: bool = false;
     /// Above 0: the shader file has a function
     /// `amplify(a, b, c: StoredVertex, number: u32) -> StoredVertex`, which gives so many vertices,
     /// three a triangle, in place of each primitive (a, b, c); for a segment c is b.

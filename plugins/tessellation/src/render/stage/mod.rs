@@ -87,6 +87,7 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
             moves: K::MOVES && !evaluated::<K>(),
             evaluated: evaluated::<K>(),
             uv_range: K::UV_RANGE,
+            vertex_shaded: K::VERTEX_SHADED,
             amplified: K::AMPLIFIED,
             double_sided: K::DOUBLE_SIDED,
             shadows: K::SHADOWS,

@@ -1,5 +1,6 @@
 //! What is recorded for each view: the compute passes of the kinds that changed, then the draws.
 
+use bevy::camera::CompositingSpace;
 use bevy::core_pipeline::prepass::ViewPrepassTextures;
 use bevy::pbr::ShadowView;
 use bevy::prelude::*;
@@ -15,7 +16,7 @@ use bevy::render::view::{ViewDepthTexture, ViewTarget};
 
 use super::StageShared;
 use super::extract::ExtractedStageCamera;
-use super::pipeline::{DrawKey, KindPipelines, KindView, fetches};
+use super::pipeline::{DrawKey, KindPipelines, KindView, Picture, fetches};
 use super::prepare::{Kind, KindTraits, StageKinds, ViewGroups, ViewKind};
 use crate::stage::layout::{
     AMPLIFIED_ARGUMENTS, DRAW_SLOT, GRID_DISPATCH_ARGUMENTS, PLAIN_ARGUMENTS, StageDraw,
@@ -170,7 +171,10 @@ pub fn draw_key(
         lines: state.shown[1],
         normals: deferred.is_some_and(|prepass| prepass.normal.is_some()),
         motion: deferred.is_some_and(|prepass| prepass.motion_vectors.is_some()),
-        direct: deferred.is_none().then(|| target.main_texture_format()),
+        direct: deferred.is_none().then(|| Picture {
+            format: target.main_texture_format(),
+            encoded: target.compositing_space == Some(CompositingSpace::Srgb),
+        }),
     }
 }
 

@@ -124,8 +124,16 @@ pub struct DrawKey {
     pub lines: bool,
     pub normals: bool,
     pub motion: bool,
-    /// Of a view without G-buffer: the format of its picture.
-    pub direct: Option<TextureFormat>,
+    /// Of a view without G-buffer.
+    pub direct: Option<Picture>,
+}
+
+/// What a view without G-buffer draws into.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Picture {
+    pub format: TextureFormat,
+    /// Whether it holds sRGB numbers that the device takes as they are.
+    pub encoded: bool,
 }
 
 /// Layouts and pipelines of a kind.
@@ -312,6 +320,14 @@ impl KindPipelines {
             // Segments are lines already.
             (key.lines && fetched, "STAGE_LINES"),
             (fetched, "STAGE_FETCH"),
+            (
+                key.direct.is_some() && kind.traits.vertex_shaded,
+                "STAGE_VERTEX_SHADED",
+            ),
+            (
+                key.direct.is_some_and(|picture| picture.encoded),
+                "STAGE_ENCODED",
+            ),
             (key.normals, "NORMAL_PREPASS"),
             (key.motion, "MOTION_VECTORS"),
         ] {
@@ -349,7 +365,7 @@ impl KindPipelines {
                 shader_defs: defs,
                 entry_point: Some("fragment".into()),
                 targets: match key.direct {
-                    Some(format) => vec![target(format)],
+                    Some(picture) => vec![target(picture.format)],
                     None => vec![
                         key.normals.then(|| target(NORMAL_PREPASS_FORMAT)).flatten(),
                         key.motion

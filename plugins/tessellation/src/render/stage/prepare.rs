@@ -49,6 +49,8 @@ pub struct KindTraits {
     /// Whether the draws evaluate the vertices.
     pub evaluated: bool,
     pub uv_range: f32,
+    /// Whether direct draws shade vertices.
+    pub vertex_shaded: bool,
     pub amplified: u32,
     pub double_sided: bool,
     pub shadows: bool,
