@@ -1,6 +1,7 @@
 //! The command `dolomite`: play, shot, bench, settings.
 
 mod command;
+mod values;
 
 use std::process::ExitCode;
 

@@ -90,7 +90,7 @@ pub enum MethodError {
     #[error("--tau is for --metric edge and --metric error; the classic levels aim at no pixels")]
     NoTau,
     /// No length on the screen.
-    #[error("--tau {0}: must be 0.1 to 1000 pixels")]
+    #[error("--tau {0}: must be 1 to 1000 pixels")]
     Tau(f32),
 }
 
@@ -103,10 +103,16 @@ impl Methods {
         if scene.classic.is_none() && *self != Self::default() {
             return Err(MethodError::OtherScene(scene.name.clone()));
         }
+        self.check_rule()
+    }
+
+    /// Checks the rule and what it aims at.
+    fn check_rule(&self) -> Result<(), MethodError> {
         match (self.metric, self.tau) {
             (Metric::Error, _) => Err(MethodError::NoErrorMetric),
             (Metric::Classic, Some(_)) => Err(MethodError::NoTau),
-            (_, Some(tau)) if !(0.1..=1000.0).contains(&tau) => Err(MethodError::Tau(tau)),
+            // NaN is in no range.
+            (_, Some(tau)) if !(1.0..=1000.0).contains(&tau) => Err(MethodError::Tau(tau)),
             _ => Ok(()),
         }
     }
@@ -142,6 +148,35 @@ mod tests {
                 metric.to_possible_value().unwrap().get_name(),
                 metric.name()
             );
+        }
+    }
+
+    #[test]
+    fn rules_without_sense_are_refused() {
+        let checked = |metric, tau| {
+            Methods {
+                metric,
+                tau,
+                ..default()
+            }
+            .check_rule()
+        };
+        for (metric, tau) in [
+            (Metric::Classic, None),
+            (Metric::Edge, None),
+            (Metric::Edge, Some(1.0)),
+            (Metric::Edge, Some(1000.0)),
+        ] {
+            assert_eq!(checked(metric, tau), Ok(()), "{metric:?} {tau:?}");
+        }
+        assert_eq!(checked(Metric::Classic, Some(4.0)), Err(MethodError::NoTau));
+        assert_eq!(
+            checked(Metric::Error, Some(4.0)),
+            Err(MethodError::NoErrorMetric)
+        );
+        for tau in [0.5, -3.0, 1001.0, f32::NAN] {
+            let refused = checked(Metric::Edge, Some(tau));
+            assert!(matches!(refused, Err(MethodError::Tau(_))), "{tau}");
         }
     }
 
