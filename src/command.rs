@@ -1,17 +1,19 @@
 //! The command line: what can be asked for, and how it becomes a setup.
 
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
-use bevy::math::{DVec3, UVec2};
+use bevy::math::UVec2;
 use clap::{Args, Parser, Subcommand};
 use dolomite::game::bench_path;
-use dolomite::game::camera::{PITCH_LIMIT, Pose};
+use dolomite::game::classic_view::FIELD_OF_VIEW;
 use dolomite::game::keys;
-use dolomite::game::scenes::{MapOptions, SceneRequest};
-use dolomite::game::settings::{MAX_SIDE, Settings};
+use dolomite::game::methods::{MethodError, Methods, Metric, Mode};
+use dolomite::game::scenes::{CLASSIC, MapOptions, SceneRequest};
+use dolomite::game::settings::Settings;
 use dolomite::game::setup::{GameError, Setup};
 use dolomite::terrain::RawFormat;
+
+use crate::values::{Camera, Degrees2, RawType, Size};
 
 /// A mountain to fly and walk over, refined on the GPU.
 ///
@@ -32,9 +34,11 @@ fn after_help() -> String {
          dolomite --scene jacksboro --detail 8\n  \
          dolomite --scene alps.png --spacing 25 --height-scale 0.08\n  \
          dolomite shot --scene mountain --size 1920x1080 --out mountain.png\n  \
-         dolomite bench --scene mountain --path fly --frames 600 --json fly.json\n\n\
+         dolomite bench --scene mountain --path fly --frames 600 --json fly.json\n  \
+         dolomite bench --scene classic --matrix --frames 12\n\n\
          Environment:\n  \
          DOLOMITE_ASSETS    the assets folder, where it is not found\n  \
+         DOLOMITE_SHARED    the folder of shared data, for the scene `classic`\n  \
          WGPU_ADAPTER_NAME  part of the name of the Vulkan device to use\n  \
          RUST_LOG           what is logged, for example info\n",
         indented(&keys::table())
@@ -62,9 +66,25 @@ pub enum Command {
 /// What is shown; the same for every command.
 #[derive(Args)]
 pub struct SceneArgs {
-    /// `mountain`, `jacksboro`, a scene file (.ron), or a height map (.png, .raw, .r16, .f32).
+    /// `mountain`, `jacksboro`, `classic` (to compare methods; needs the shared data), a scene file
+    /// (.ron), or a height map (.png, .raw, .r16, .f32).
     #[arg(long, default_value = "mountain")]
     scene: String,
+    /// Folder of the shared data [default: DOLOMITE_SHARED, or `shared` beside the checkout].
+    #[arg(long, value_name = "DIR", help_heading = "Classic scene")]
+    data: Option<PathBuf>,
+    /// Who makes the triangles of the classic scene, and when.
+    #[arg(long, value_enum, default_value_t, help_heading = "Classic scene")]
+    mode: Mode,
+    /// By what rule, in modes that follow the view.
+    #[arg(long, value_enum, default_value_t, help_heading = "Classic scene")]
+    metric: Metric,
+    /// What the rule aims at: length of an edge, or error [default: --pixels-per-edge].
+    #[arg(long, value_name = "PIXELS", help_heading = "Classic scene")]
+    tau: Option<f32>,
+    /// Leave out patches outside of the frustum.
+    #[arg(long, help_heading = "Classic scene")]
+    cull: bool,
     /// Height map: metres between samples.
     #[arg(
         long,
@@ -137,7 +157,8 @@ impl SceneArgs {
         let mut settings = Settings::load(self.settings.as_deref())?;
         settings.detail = self.detail.or(settings.detail);
         settings.sun = self.sun.map(|Degrees2(a, b)| (a, b)).or(settings.sun);
-        settings.fov = self.fov.unwrap_or(settings.fov);
+        let fov = (self.scene == CLASSIC).then_some(FIELD_OF_VIEW);
+        settings.fov = self.fov.or(fov).unwrap_or(settings.fov);
         settings.pixels_per_edge = self.pixels_per_edge.unwrap_or(settings.pixels_per_edge);
         settings.finest_patch = self.finest_patch.unwrap_or(settings.finest_patch);
         change(&mut settings);
@@ -152,8 +173,16 @@ impl SceneArgs {
                 offset: self.height_offset,
             },
             detail: settings.detail,
+            data: self.data.clone(),
         };
         let mut setup = Setup::load(settings, request, self.camera.map(|Camera(pose)| pose))?;
+        setup.methods = Methods {
+            mode: self.mode,
+            metric: self.metric,
+            tau: self.tau,
+            cull: self.cull,
+        };
+        setup.methods.check(&setup.scene)?;
         setup.switches.lines = self.lines;
         setup.switches.fill = !self.no_fill;
         Ok(setup)
@@ -233,127 +262,61 @@ pub struct Bench {
     #[command(flatten)]
     scene: SceneArgs,
     /// The path to fly.
-    #[arg(long, value_enum)]
-    pub path: bench_path::Path,
-    /// Size of the picture.
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1920x1080")]
-    pub size: Size,
-    /// Number of frames, a sixtieth of a second of the path each.
-    #[arg(long, default_value_t = 300)]
-    pub frames: u32,
+    #[arg(long, value_enum, required_unless_present = "matrix")]
+    path: Option<bench_path::Path>,
+    /// Size of the picture [default: 1920x1080; 1280x720 for the classic scene].
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    size: Option<Size>,
+    /// Number of frames, a sixtieth of a second of the path each [default: 300; 120 for the classic
+    /// scene].
+    #[arg(long)]
+    frames: Option<u32>,
     /// The report to write.
-    #[arg(long, value_name = "FILE")]
-    pub json: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "matrix")]
+    pub json: Option<PathBuf>,
+    /// Compare every way to make the triangles of the classic scene, filled and as lines, and print a
+    /// table.
+    #[arg(long, conflicts_with_all = ["mode", "lines", "no_fill"])]
+    pub matrix: bool,
 }
 
 impl Bench {
+    fn is_classic(&self) -> bool {
+        self.scene.scene == CLASSIC
+    }
+
+    /// The path to fly.
+    pub fn path(&self) -> bench_path::Path {
+        self.path.unwrap_or(bench_path::Path::Orbit)
+    }
+
+    /// Size of the picture, pixels.
+    pub fn size(&self) -> UVec2 {
+        let default = match self.is_classic() {
+            true => UVec2::new(1280, 720),
+            false => UVec2::new(1920, 1080),
+        };
+        self.size.map_or(default, |Size(size)| size)
+    }
+
+    /// Number of frames.
+    pub fn frames(&self) -> u32 {
+        self.frames
+            .unwrap_or(if self.is_classic() { 120 } else { 300 })
+    }
+
     /// Settings and scene.
     ///
     /// # Errors
     /// [`GameError`], naming the file and the reason.
     pub fn setup(&self) -> Result<Setup, GameError> {
         let mut setup = self.scene.setup(|settings| settings.panel = false)?;
+        if self.matrix && setup.scene.classic.is_none() {
+            return Err(MethodError::OtherScene(setup.scene.name.clone()).into());
+        }
         setup.panels = false;
         Ok(setup)
     }
-}
-
-/// The numbers of a raw height map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum RawType {
-    /// Signed 16-bit.
-    I16,
-    /// Unsigned 16-bit.
-    U16,
-    /// 32-bit float.
-    F32,
-}
-
-impl From<RawType> for RawFormat {
-    fn from(raw: RawType) -> Self {
-        match raw {
-            RawType::I16 => Self::I16,
-            RawType::U16 => Self::U16,
-            RawType::F32 => Self::F32,
-        }
-    }
-}
-
-/// Width and height in pixels, or columns and rows: `1280x720`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Size(pub UVec2);
-
-impl FromStr for Size {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || format!("write WIDTHxHEIGHT, each 1 to {MAX_SIDE}, for example 1280x720");
-        let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
-        let side = |text: &str| {
-            text.parse::<u32>()
-                .ok()
-                .filter(|side| (1..=MAX_SIDE).contains(side))
-                .ok_or_else(wrong)
-        };
-        Ok(Self(UVec2::new(side(width)?, side(height)?)))
-    }
-}
-
-/// Two angles in degrees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Degrees2(pub f32, pub f32);
-
-impl FromStr for Degrees2 {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let [azimuth, elevation] = numbers(text)?;
-        Ok(Self(azimuth as f32, elevation as f32))
-    }
-}
-
-/// Position in metres, yaw and pitch in degrees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera(pub Pose);
-
-impl FromStr for Camera {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let [x, y, z, yaw, pitch] = numbers(text)?;
-        let limit = f64::from(PITCH_LIMIT.to_degrees());
-        if pitch.abs() > limit {
-            return Err(format!(
-                "the pitch must be -{limit:.0} to {limit:.0} degrees"
-            ));
-        }
-        // What f32 view matrices can still hold to a metre.
-        if [x, y, z].iter().any(|metres| metres.abs() > 1e7) {
-            return Err("the position must be within 10000 km of the origin".to_owned());
-        }
-        Ok(Self(Pose {
-            position: DVec3::new(x, y, z),
-            yaw: (yaw as f32).to_radians(),
-            pitch: (pitch as f32).to_radians(),
-        }))
-    }
-}
-
-/// `N` finite numbers between commas.
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|part| {
-            part.trim()
-                .parse()
-                .ok()
-                .filter(|number: &f64| number.is_finite())
-        })
-        .collect::<Option<_>>()
-        .ok_or_else(|| format!("write {N} numbers with commas between them"))?;
-    numbers
-        .try_into()
-        .map_err(|numbers: Vec<f64>| format!("write {N} numbers, not {}", numbers.len()))
 }
 
 #[cfg(test)]
@@ -374,6 +337,67 @@ mod tests {
         assert!(line.play.scene.lines);
     }
 
+    fn bench_of(arguments: &str) -> Result<Bench, clap::Error> {
+        let words = ["dolomite", "bench"]
+            .into_iter()
+            .chain(arguments.split(' '));
+        match Line::try_parse_from(words)?.command {
+            Some(Command::Bench(bench)) => Ok(bench),
+            _ => panic!("`bench` is the bench"),
+        }
+    }
+
+    #[test]
+    fn the_bench_knows_the_classic_scene() {
+        let bench = bench_of(
+            "--scene classic --path orbit --metric edge --tau 3 --mode static-cpu --json f.json",
+        )
+        .unwrap();
+        assert_eq!(
+            (bench.scene.mode, bench.scene.metric),
+            (Mode::StaticCpu, Metric::Edge)
+        );
+        assert_eq!((bench.size(), bench.frames()), (UVec2::new(1280, 720), 120));
+        let other = bench_of("--path fly --json f.json").unwrap();
+        assert_eq!(
+            (other.size(), other.frames()),
+            (UVec2::new(1920, 1080), 300)
+        );
+        let matrix = bench_of("--scene classic --matrix --frames 12 --size 64x48").unwrap();
+        assert_eq!(
+            (matrix.path(), matrix.json.as_ref()),
+            (bench_path::Path::Orbit, None)
+        );
+        assert_eq!((matrix.size(), matrix.frames()), (UVec2::new(64, 48), 12));
+        for wrong in [
+            "--scene classic --path orbit",
+            "--scene classic --json f.json",
+            "--scene classic --matrix --mode cpu",
+            "--scene classic --path orbit --json f.json --metric best",
+        ] {
+            assert!(bench_of(wrong).is_err(), "{wrong} was accepted");
+        }
+    }
+
+    #[test]
+    fn methods_are_refused_with_reasons() {
+        let refused = |arguments: &str| {
+            let bench = bench_of(arguments).unwrap();
+            bench.setup().err().expect("refused").to_string()
+        };
+        for (arguments, words) in [
+            ("--path fly --json f --mode cpu", "--scene classic"),
+            ("--matrix", "--scene classic"),
+            (
+                "--scene classic --data no/such --path orbit --json f",
+                "no/such/data/classic/heights",
+            ),
+        ] {
+            let error = refused(arguments);
+            assert!(error.contains(words), "{error} does not say {words}");
+        }
+    }
+
     #[test]
     fn help_names_every_key() {
         let help = Line::command().render_long_help().to_string();
@@ -383,26 +407,6 @@ mod tests {
                 "{}",
                 key.keys
             );
-        }
-    }
-
-    #[test]
-    fn sizes_and_cameras_are_checked() {
-        assert_eq!("64x32".parse(), Ok(Size(UVec2::new(64, 32))));
-        for wrong in ["0x10", "10x0", "10", "10x", "-4x4", "99999x4", "4x4x4"] {
-            assert!(wrong.parse::<Size>().is_err(), "{wrong} was accepted");
-        }
-        let Camera(pose) = "1,2,-3,90,-45".parse().unwrap();
-        assert_eq!(pose.position, DVec3::new(1.0, 2.0, -3.0));
-        assert!((pose.yaw - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
-        for wrong in [
-            "1,2,3,4",
-            "1,2,3,4,5,6",
-            "1,2,3,4,90",
-            "1,2,x,4,5",
-            "NaN,0,0,0,0",
-        ] {
-            assert!(wrong.parse::<Camera>().is_err(), "{wrong} was accepted");
         }
     }
 }

@@ -1,12 +1,13 @@
 //! The command `dolomite`: play, shot, bench, settings.
 
 mod command;
+mod values;
 
 use std::process::ExitCode;
 
 use bevy::app::AppExit;
 use clap::Parser;
-use dolomite::game::{bench, play, settings, setup::GameError, shot};
+use dolomite::game::{bench, matrix, play, settings, setup::GameError, shot};
 
 use command::{Command, Line};
 
@@ -38,17 +39,21 @@ fn run(line: Line) -> Result<AppExit, GameError> {
             Ok(AppExit::Success)
         }
         Command::Bench(bench) => {
-            let report = bench::bench(
-                bench.setup()?,
-                bench.path,
-                bench.size.0,
-                bench.frames,
-                &bench.json,
-            )?;
+            let (setup, size) = (bench.setup()?, bench.size());
+            let (path, frames) = (bench.path(), bench.frames());
+            let file = match &bench.json {
+                Some(file) if !bench.matrix => file,
+                file => {
+                    let rows = matrix::matrix(setup, path, size, frames, file.as_deref())?;
+                    print!("{}", matrix::table(&rows));
+                    return Ok(AppExit::Success);
+                }
+            };
+            let report = bench::bench(setup, path, size, frames, file)?;
             let time = report.summary.frame_ms;
             eprintln!(
                 "dolomite: wrote {} (median {:.2} ms, p99 {:.2} ms, {})",
-                bench.json.display(),
+                file.display(),
                 time.median,
                 time.p99,
                 report.summary.device,

@@ -30,6 +30,7 @@ fn game(scene: &str) -> App {
         scene: scene.to_owned(),
         map: MapOptions::default(),
         detail: None,
+        data: None,
     };
     let loaded = scenes::load(&request, &assets()).expect("the scene is good");
     let mut app = App::new();

@@ -27,6 +27,7 @@ fn game() -> Option<Offscreen> {
         scene: "mountain".to_owned(),
         map: MapOptions::default(),
         detail: None,
+        data: None,
     };
     let setup = Setup::load(Settings::default(), request, None).expect("the scene is good");
     Some(Offscreen::new(setup, UVec2::new(128, 72)).expect("a device that was found"))

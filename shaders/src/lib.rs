@@ -41,6 +41,7 @@ macro_rules! files {
 
 /// Every file.
 pub const ALL: &[ShaderFile] = files![
+    "classic/functions.wgsl",
     "ground/functions.wgsl",
     "ground/material.wgsl",
     "ground/texturing.wgsl",

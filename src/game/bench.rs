@@ -12,6 +12,7 @@ use thiserror::Error;
 
 use super::bench_path::Path;
 use super::camera::FreeCamera;
+use super::methods::Methods;
 use super::offscreen::{Offscreen, STEP};
 use super::passes::{Clock, pass_of};
 use super::scenes::CurrentScene;
@@ -53,6 +54,8 @@ pub struct Frame {
     pub dispatches: u32,
     /// Bytes of vertices and indices.
     pub bytes: u64,
+    /// Those of them that the CPU made and uploaded.
+    pub uploaded: u64,
     /// GPU time of each pass whose measurement arrived in this frame (two or three frames after
     /// the pass ran).
     pub gpu_ms: BTreeMap<String, f64>,
@@ -80,13 +83,19 @@ pub struct PassTimes {
     pub cpu_ms: Option<Spread>,
 }
 
-/// All frames in one view. Counts are medians over the frames, `dispatches` their sum.
+/// All frames in one view. Counts are medians over the frames, `dispatches` and `uploaded` sums.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// Scene.
     pub scene: String,
     /// Path.
     pub path: String,
+    /// Who tessellates, and when.
+    pub mode: &'static str,
+    /// By what rule.
+    pub metric: &'static str,
+    /// Whether patches outside of the frustum of the classic scene are left out.
+    pub cull: bool,
     /// Width and height, pixels.
     pub size: [u32; 2],
     /// Device that drew.
@@ -107,6 +116,8 @@ pub struct Summary {
     pub bytes: u64,
     /// Compute dispatches of the tessellation in all frames together; 0 for a settled still view.
     pub dispatches: u64,
+    /// Bytes of vertices and indices that the CPU uploaded in all frames together.
+    pub uploaded: u64,
     /// Patches in the view.
     pub patches_drawn: u64,
     /// Patches outside the view.
@@ -141,7 +152,25 @@ pub fn bench(
     write(file, "{}")?;
     let scene = setup.scene.clone();
     let mut offscreen = Offscreen::new(setup, size)?;
-    put_camera(&mut offscreen.app, path, &scene, 0.0);
+    let rows = fly(&mut offscreen, path, &scene, frames)?;
+    let report = Report {
+        summary: summary(&rows, &offscreen, path, &scene, size),
+        frames: rows,
+    };
+    let text = serde_json::to_string_pretty(&report)
+        .expect("numbers, strings and maps with string keys always become JSON");
+    write(file, &text)?;
+    Ok(report)
+}
+
+/// Settles at the start of `path` and flies `frames` steps of it.
+pub(super) fn fly(
+    offscreen: &mut Offscreen,
+    path: Path,
+    scene: &CurrentScene,
+    frames: u32,
+) -> Result<Vec<Frame>, GameError> {
+    put_camera(&mut offscreen.app, path, scene, 0.0);
     offscreen.settle()?;
     let mut rows = Vec::with_capacity(frames as usize);
     let mut seen = BTreeMap::new();
@@ -150,7 +179,7 @@ pub fn bench(
         put_camera(
             &mut offscreen.app,
             path,
-            &scene,
+            scene,
             index as f32 * STEP.as_secs_f32(),
         );
         let start = Instant::now();
@@ -167,17 +196,10 @@ pub fn bench(
             );
         }
     }
-    let report = Report {
-        summary: summary(&rows, &scene.name, path, size, offscreen.device.name),
-        frames: rows,
-    };
-    let text = serde_json::to_string_pretty(&report)
-        .expect("numbers, strings and maps with string keys always become JSON");
-    write(file, &text)?;
-    Ok(report)
+    Ok(rows)
 }
 
-fn write(path: &FilePath, text: &str) -> Result<(), BenchError> {
+pub(super) fn write(path: &FilePath, text: &str) -> Result<(), BenchError> {
     std::fs::write(path, text).map_err(|source| BenchError::Write {
         path: path.to_owned(),
         source,
@@ -221,6 +243,7 @@ fn frame(
         patches_culled: stats.discarded,
         dispatches: stats.dispatches,
         bytes: stats.bytes,
+        uploaded: stats.uploaded,
         gpu_ms,
         cpu_ms,
     }
@@ -253,7 +276,27 @@ fn new_times(
     times
 }
 
-fn summary(rows: &[Frame], scene: &str, path: Path, size: UVec2, device: String) -> Summary {
+pub(super) fn summary(
+    rows: &[Frame],
+    offscreen: &Offscreen,
+    path: Path,
+    scene: &CurrentScene,
+    size: UVec2,
+) -> Summary {
+    let methods = offscreen.app.world().get_resource::<Methods>();
+    let methods = methods.copied().unwrap_or_default();
+    let device = offscreen.device.name.clone();
+    summed(rows, &scene.name, path, size, device, methods)
+}
+
+fn summed(
+    rows: &[Frame],
+    scene: &str,
+    path: Path,
+    size: UVec2,
+    device: String,
+    methods: Methods,
+) -> Summary {
     let mut passes: BTreeMap<String, PassTimes> = BTreeMap::new();
     for name in rows
         .iter()
@@ -274,6 +317,9 @@ fn summary(rows: &[Frame], scene: &str, path: Path, size: UVec2, device: String)
     Summary {
         scene: scene.to_owned(),
         path: path.name().to_owned(),
+        mode: methods.mode.name(),
+        metric: methods.metric.name(),
+        cull: methods.cull,
         size: size.to_array(),
         device,
         build: if cfg!(debug_assertions) {
@@ -291,6 +337,7 @@ fn summary(rows: &[Frame], scene: &str, path: Path, size: UVec2, device: String)
         vertices: median(|row| row.vertices.into()),
         bytes: median(|row| row.bytes),
         dispatches: rows.iter().map(|row| u64::from(row.dispatches)).sum(),
+        uploaded: rows.iter().map(|row| row.uploaded).sum(),
         patches_drawn: median(|row| row.patches_drawn.into()),
         patches_culled: median(|row| row.patches_culled.into()),
     }
@@ -324,6 +371,7 @@ mod tests {
             patches_culled: 4,
             dispatches,
             bytes: 5,
+            uploaded: 7,
             gpu_ms: gpu.map(|ms| ("sky".to_owned(), ms)).into_iter().collect(),
             cpu_ms: BTreeMap::new(),
         }
@@ -344,7 +392,16 @@ mod tests {
             row(1, 1.0, 2, Some(0.5)),
             row(2, 3.0, 3, Some(0.7)),
         ];
-        let summary = summary(&rows, "s", Path::Fly, UVec2::new(8, 9), "d".to_owned());
+        let methods = Methods::default();
+        let summary = summed(
+            &rows,
+            "s",
+            Path::Fly,
+            UVec2::new(8, 9),
+            "d".to_owned(),
+            methods,
+        );
+        assert_eq!((summary.mode, summary.uploaded), ("gpu", 21));
         assert_eq!(
             summary.frame_ms,
             Spread {

@@ -22,6 +22,19 @@ pub enum Path {
 /// Seconds of one circle of [`Path::Orbit`].
 const CIRCLE: f32 = 40.0;
 
+/// Seconds of one circle of the classic scene's path: 120 frames.
+const CLASSIC_CIRCLE: f64 = 2.0;
+
+/// The path of the classic scene: 200 m from the axis, 70 m high, looking along the circle and down
+/// by a quarter. In f64 but for the angles, rounded once.
+pub fn classic_orbit(seconds: f32) -> Pose {
+    let angle = std::f64::consts::TAU * f64::from(seconds) / CLASSIC_CIRCLE;
+    let (sin, cos) = ops::sin_cos(angle as f32);
+    let (sin, cos) = (f64::from(sin), f64::from(cos));
+    let eye = DVec3::new(200.0 * cos, 70.0, 200.0 * sin);
+    Pose::looking_at(eye, eye + DVec3::new(-sin, -0.25, cos))
+}
+
 /// Height of the eyes of the walking figure, metres.
 const EYES: f64 = 1.7;
 
@@ -41,6 +54,10 @@ impl Path {
 
     /// The camera at `seconds` after the start.
     pub fn pose(self, scene: &LoadedScene, seconds: f32) -> Pose {
+        if scene.classic.is_some() && self == Self::Orbit {
+            // As it is defined: not lifted above the ground.
+            return classic_orbit(seconds);
+        }
         let terrain = &scene.terrain;
         let surface = |place: DVec2| {
             terrain
@@ -94,5 +111,30 @@ impl Path {
             }
         }
         .above(terrain, terrain.sea_level())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_classic_path_is_as_defined() {
+        for (frame, eye, ahead) in [
+            (0, [200.0, 70.0, 0.0], [0.0, -0.25, 1.0]),
+            (30, [0.0, 70.0, 200.0], [-1.0, -0.25, 0.0]),
+            (90, [0.0, 70.0, -200.0], [1.0, -0.25, 0.0]),
+            (120, [200.0, 70.0, 0.0], [0.0, -0.25, 1.0]),
+        ] {
+            let pose = classic_orbit(frame as f32 / 60.0);
+            // Sine and cosine of f32 angles up to 2 pi: 5e-7 of 200 m.
+            assert!(
+                pose.position.distance(DVec3::from(eye)) < 2e-4,
+                "{frame}: {pose:?}"
+            );
+            let looks = pose.rotation() * bevy::math::Vec3::NEG_Z;
+            let wanted = bevy::math::Vec3::from(ahead).normalize();
+            assert!(looks.distance(wanted) < 1e-5, "{frame}: {looks}");
+        }
     }
 }

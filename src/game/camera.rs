@@ -123,8 +123,11 @@ pub fn steer(
 ) {
     for mut camera in &mut cameras {
         let next = steered(*camera, &input, &settings, time.delta_secs());
-        let pose = contained(next.pose, scene.terrain.extent())
-            .above(&scene.terrain, scene.terrain.sea_level());
+        let mut pose = contained(next.pose, scene.terrain.extent());
+        // The classic scene's path is what it is, through a hill as well.
+        if scene.classic.is_none() {
+            pose = pose.above(&scene.terrain, scene.terrain.sea_level());
+        }
         camera.set_if_neq(FreeCamera { pose, ..next });
     }
 }

@@ -8,20 +8,25 @@
 //! | [`scenes`], [`scene_file`], [`hot_reload`] | from a name or file to a terrain; taking over changes |
 //! | [`settings`], [`paths`] | what the player may set; where files lie |
 //! | [`view`], [`textures`], [`hud`] | what is drawn |
+//! | [`methods`], [`classic_view`] | the classic scene: ways to make its triangles; how it is drawn |
 //! | [`sky`], [`scattering`], [`sky_maps`], [`twilight`] | the sky by day and at dusk; exposure |
 //! | [`night`], [`galaxy`], [`stars`], [`star_catalogue`], [`moon`] | the sky by night |
 //! | [`device`], [`setup`] | is there a device; what every run needs, and all errors |
 //! | [`play`], [`shot`], [`mod@bench`] | the three ways to run it; [`offscreen`] is under the last two |
+//! | [`matrix`] | the bench over all ways to make triangles |
 
 pub mod bench;
 pub mod bench_path;
 pub mod camera;
+pub mod classic_view;
 pub mod device;
 pub mod galaxy;
 pub mod hot_reload;
 pub mod hud;
 pub mod input;
 pub mod keys;
+pub mod matrix;
+pub mod methods;
 pub mod moon;
 pub mod night;
 pub mod offscreen;

@@ -20,6 +20,7 @@ use dolomite_tessellation::render::stage::StageStats;
 use thiserror::Error;
 
 use super::device::{self, Device};
+use super::scenes::CurrentScene;
 use super::settings::MAX_SIDE;
 use super::setup::{self, Setup};
 use super::simulation::Landscape;
@@ -192,11 +193,11 @@ impl Offscreen {
             self.step(Duration::ZERO)?;
             let pending = self.pending_pipelines()?;
             let stats = self.app.world().get_resource::<StageStats>().cloned();
-            let at_rest = stats
-                .as_ref()
-                .is_some_and(|stats| stats.patches > 0 && stats.dispatches == 0);
-            // The relief map arrives from the background when it is done.
-            let relief = self.has_relief();
+            let at_rest = stats.as_ref().is_some_and(|stats| {
+                stats.patches > 0 && stats.dispatches == 0 && stats.uploaded == 0
+            });
+            // The relief map arrives from the background when it is done; the classic scene has none.
+            let relief = self.is_classic() || self.has_relief();
             if pending.is_empty() && relief && at_rest && stats == last {
                 calm += 1;
                 if calm == CALM {
@@ -216,6 +217,11 @@ impl Offscreen {
             };
         }
         Err(OffscreenError::NotSettled(waiting))
+    }
+
+    fn is_classic(&self) -> bool {
+        let scene = self.app.world().get_resource::<CurrentScene>();
+        scene.is_some_and(|scene| scene.classic.is_some())
     }
 
     fn has_relief(&mut self) -> bool {

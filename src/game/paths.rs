@@ -63,6 +63,23 @@ pub fn assets_dir() -> Result<PathBuf, AssetsError> {
     }
 }
 
+/// Environment variable that names the folder of shared data.
+pub const SHARED_VARIABLE: &str = "DOLOMITE_SHARED";
+
+/// The folder of the larger data that lie beside the project: `named`, else that of the environment
+/// variable `DOLOMITE_SHARED`, else `shared` beside the checkout that the program was built from. It
+/// need not be there.
+pub fn shared_dir(named: Option<&Path>) -> PathBuf {
+    let variable = || std::env::var_os(SHARED_VARIABLE).filter(|value| !value.is_empty());
+    match named {
+        Some(named) => named.to_owned(),
+        None => variable().map_or_else(
+            || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"),
+            PathBuf::from,
+        ),
+    }
+}
+
 fn is_assets(folder: &Path) -> bool {
     folder.join(MARKER).is_dir()
 }

@@ -5,12 +5,19 @@ use std::time::SystemTime;
 
 use bevy::math::{DVec2, DVec3};
 use dolomite_terrain::{
-    Filter, Fractal, GroundRect, HeightMapFile, Layer, MapFormat, Source, Terrain, TerrainData,
+    Filter, Fractal, GroundRect, HeightMap, HeightMapFile, Layer, MapFormat, Source, Terrain,
+    TerrainData,
 };
 
+use dolomite_tessellation::classic::ClassicHeights;
+use dolomite_tessellation::classic::heights::{SAMPLES, SCALE, SIDE};
+
+use super::bench_path::classic_orbit;
 use super::camera::{PITCH_LIMIT, Pose};
 use super::scene_file::{BandsFile, SceneFile, SourceFile, StartFile, SunFile};
-use super::scenes::{LoadedScene, MapOptions, SceneError, changed, default_start, raw_format_of};
+use super::scenes::{
+    self, LoadedScene, MapOptions, SceneError, changed, default_start, raw_format_of,
+};
 
 /// Metres for one unit of a 16-bit PNG sample when `--height-scale` is left out.
 const PNG_SCALE: f32 = 0.1;
@@ -84,6 +91,54 @@ pub(super) fn from_file(
         figure,
         facing,
         files,
+        classic: None,
+    })
+}
+
+/// The classic scene from its samples; the ground that answers questions is the same bilinear map, in
+/// f64.
+///
+/// # Errors
+/// [`SceneError::Classic`], naming the file.
+pub(super) fn classic(path: &Path) -> Result<LoadedScene, SceneError> {
+    let heights = ClassicHeights::load(path)?;
+    let metres = heights.samples().iter().map(|s| SCALE * s).collect();
+    let map = HeightMap::new(
+        SAMPLES,
+        SAMPLES,
+        metres,
+        DVec2::splat(f64::from(0.5 - SIDE * 0.5)),
+        DVec2::ONE,
+        Filter::Bilinear,
+    )
+    .map_err(|source| SceneError::Map {
+        scene: None,
+        source,
+    })?;
+    let terrain = Terrain::new(TerrainData {
+        extent: GroundRect::square(DVec2::ZERO, f64::from(SIDE)),
+        layers: vec![Layer {
+            source: Source::Map(map),
+            mask: None,
+        }],
+        base: 0.0,
+        sea_level: None,
+    })
+    .map_err(|source| SceneError::Terrain {
+        path: path.to_owned(),
+        source: Box::new(source),
+    })?;
+    Ok(LoadedScene {
+        name: scenes::CLASSIC.to_owned(),
+        about: "one surface and one path, to compare methods".to_owned(),
+        terrain,
+        bands: BandsFile::default(),
+        sun: SunFile::default(),
+        camera: classic_orbit(0.0),
+        figure: DVec2::ZERO,
+        facing: 0.0,
+        files: vec![(path.to_owned(), changed(path))],
+        classic: Some(heights),
     })
 }
 
@@ -140,6 +195,7 @@ pub(super) fn from_map(path: &Path, options: &MapOptions) -> Result<LoadedScene,
         figure,
         facing,
         files: vec![(path.to_owned(), changed(path))],
+        classic: None,
     })
 }
 

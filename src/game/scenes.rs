@@ -6,9 +6,11 @@ use std::time::SystemTime;
 use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 use dolomite_terrain::{Ground, HeightMapError, RawFormat, Terrain, TerrainError};
+use dolomite_tessellation::classic::{ClassicHeights, ClassicHeightsError, heights};
 use thiserror::Error;
 
 use super::camera::Pose;
+use super::paths;
 use super::scene_build;
 use super::scene_file::{BandsFile, SceneFile, SunFile};
 use super::settings::ron_options;
@@ -22,6 +24,9 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ),
 ];
 
+/// The scene to compare methods on; its heights lie among the shared data.
+pub const CLASSIC: &str = "classic";
+
 /// What the player asked for.
 #[derive(Resource, Clone, Debug, PartialEq)]
 pub struct SceneRequest {
@@ -31,6 +36,8 @@ pub struct SceneRequest {
     pub map: MapOptions,
     /// Amplitude of the detail below the sample spacing, metres; `None`: the scene's own.
     pub detail: Option<f32>,
+    /// The folder of shared data, for the scene [`CLASSIC`]; `None`: where [`paths::shared_dir`] looks.
+    pub data: Option<PathBuf>,
 }
 
 /// How a height map that is named on the command line is read.
@@ -82,6 +89,8 @@ pub struct LoadedScene {
     pub facing: f32,
     /// The files it was read from, with their times of change, for hot reload.
     pub files: Vec<(PathBuf, Option<SystemTime>)>,
+    /// The samples, where it is the scene [`CLASSIC`].
+    pub classic: Option<ClassicHeights>,
 }
 
 /// The scene that is being played. Simulation and view read it; hot reload replaces it.
@@ -139,6 +148,9 @@ pub enum SceneError {
         /// The map's file, the reason, and what to do.
         source: HeightMapError,
     },
+    /// The heights of the scene [`CLASSIC`] were refused.
+    #[error(transparent)]
+    Classic(#[from] ClassicHeightsError),
     /// The layers make no ground.
     #[error("scene file {}: {source}", .path.display())]
     Terrain {
@@ -164,6 +176,10 @@ pub fn load(request: &SceneRequest, assets: &Path) -> Result<LoadedScene, SceneE
         } else {
             load_text(text, &path, name, request)
         };
+    }
+    if request.scene == CLASSIC {
+        let folder = paths::shared_dir(request.data.as_deref());
+        return scene_build::classic(&folder.join(heights::FILE));
     }
     let path = Path::new(&request.scene);
     let ending = ending(path);
@@ -202,7 +218,8 @@ fn load_text(
 
 /// The names of the built-in scenes, for messages.
 fn names() -> String {
-    let names: Vec<&str> = BUILT_IN.iter().map(|(name, _)| *name).collect();
+    let built_in = BUILT_IN.iter().map(|(name, _)| *name);
+    let names: Vec<&str> = built_in.chain([CLASSIC]).collect();
     names.join(", ")
 }
 
@@ -258,6 +275,7 @@ mod tests {
             scene: scene.to_owned(),
             map: MapOptions::default(),
             detail: None,
+            data: None,
         }
     }
 
@@ -332,6 +350,7 @@ mod tests {
     fn a_wrong_scene_is_an_error_that_names_it() {
         for (scene, words) in [
             ("nowhere", ["nowhere", "mountain"]),
+            ("classical", ["classical", "classic)"]),
             ("no/such.ron", ["no/such.ron", "scene file"]),
             ("no/such.png", ["no/such.png", "check"]),
             ("no/such.raw", ["no/such.raw", "--size-of-raw"]),
@@ -340,6 +359,18 @@ mod tests {
             for word in words {
                 assert!(error.contains(word), "{error} does not say {word}");
             }
+        }
+    }
+
+    #[test]
+    fn missing_shared_data_are_named() {
+        let request = SceneRequest {
+            data: Some(PathBuf::from("no/such/folder")),
+            ..request(CLASSIC)
+        };
+        let error = load(&request, &assets()).err().unwrap().to_string();
+        for word in ["no/such/folder/data/classic", "shared", "--data"] {
+            assert!(error.contains(word), "{error} does not say {word}");
         }
     }
 

@@ -9,9 +9,11 @@ use thiserror::Error;
 
 use super::bench::BenchError;
 use super::camera::Pose;
+use super::classic_view::ClassicViewPlugin;
 use super::device::DeviceError;
 use super::hot_reload::AssetsDir;
 use super::hud::HudPlugin;
+use super::methods::{MethodError, Methods};
 use super::offscreen::OffscreenError;
 use super::paths::{self, AssetsError};
 use super::player::Figure;
@@ -20,7 +22,7 @@ use super::settings::{Settings, SettingsError};
 use super::simulation::{SimulationPlugin, Switches};
 use super::textures::{self, Content, TextureError};
 use super::view::{GroundTextures, ViewPlugin};
-use crate::DolomitePlugins;
+use crate::{DolomiteMinimalPlugins, DolomitePlugins};
 
 /// Everything that can go wrong in the game, with file, reason, and what to do.
 #[derive(Debug, Error)]
@@ -46,6 +48,9 @@ pub enum GameError {
     /// The bench failed.
     #[error(transparent)]
     Bench(#[from] BenchError),
+    /// A way to make triangles was refused.
+    #[error(transparent)]
+    Method(#[from] MethodError),
 }
 
 impl From<SceneError> for GameError {
@@ -67,6 +72,8 @@ pub struct Setup {
     pub scene: CurrentScene,
     /// Lines and fill at the start.
     pub switches: Switches,
+    /// How the triangles of the classic scene are made.
+    pub methods: Methods,
     /// Shows panels.
     pub panels: bool,
 }
@@ -93,6 +100,7 @@ impl Setup {
             request,
             scene,
             switches: Switches::default(),
+            methods: Methods::default(),
             panels: true,
         })
     }
@@ -109,6 +117,24 @@ impl Setup {
     /// # Errors
     /// [`GameError::Texture`] when the ground's textures are missing or wrong.
     pub fn add_to(self, app: &mut App) -> Result<(), GameError> {
+        if let Some(heights) = self.scene.classic.clone() {
+            app.insert_resource(self.settings)
+                .insert_resource(AssetsDir(self.assets))
+                .insert_resource(self.request)
+                .insert_resource(self.scene)
+                .insert_resource(self.switches)
+                .insert_resource(self.methods)
+                .add_plugins((
+                    DolomiteMinimalPlugins,
+                    SimulationPlugin,
+                    ClassicViewPlugin { heights },
+                    RenderDiagnosticsPlugin,
+                ));
+            if self.panels {
+                app.add_plugins(HudPlugin);
+            }
+            return Ok(());
+        }
         let folder = self.assets.join("textures");
         let read = |name, content| textures::read_array(&folder.join(name), content);
         let albedo_height = read("terrain_albedo_height.png", Content::Colour)?;

@@ -74,7 +74,11 @@ fn spawn(mut commands: Commands, scene: Res<CurrentScene>, settings: Res<Setting
 /// A camera at rest at `pose`, or above the ground there.
 pub fn start_camera(pose: Pose, scene: &CurrentScene, settings: &Settings) -> FreeCamera {
     FreeCamera {
-        pose: pose.above(&scene.terrain, scene.terrain.sea_level()),
+        pose: if scene.classic.is_some() {
+            pose
+        } else {
+            pose.above(&scene.terrain, scene.terrain.sea_level())
+        },
         velocity: Vec3::ZERO,
         fov: settings.fov,
     }

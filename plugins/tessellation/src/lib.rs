@@ -34,14 +34,17 @@
 //! |---|---|
 //! | [`stage`] | the tessellation stage for any patches, in Rust; patch meshes, components |
 //! | [`ground`] | the terrain as patches of the stage: a balanced quadtree around the focus |
+//! | [`classic`] | a scene to compare methods on |
 //! | `render::stage` | the stage on the GPU, programmed by control and evaluate functions in WGSL (feature `render`) |
 //! | `render::ground` | the terrain's functions, textures and look (feature `render`) |
+//! | `render::classic` | the classic scene's kind of patches (feature `render`) |
 //!
 //! Cost: per camera and kind one vertex and one index pool (`PatchKind::pool`,
 //! [`TerrainView`]); seven dispatches in a frame whose view or patches
 //! changed, none else.
 
 pub mod detail;
+pub mod classic;
 pub mod ground;
 #[cfg(feature = "render")]
 pub mod render;

@@ -5,10 +5,15 @@
 
 struct Varying {
     @builtin(position) clip: vec4<f32>,
+#ifdef STAGE_VERTEX_SHADED
+    // As the picture holds it.
+    @location(0) colour: vec3<f32>,
+#else
     @location(0) position: vec3<f32>,
     @location(1) normal: vec3<f32>,
     @location(2) uv: vec2<f32>,
     @location(3) @interpolate(flat) row: u32,
+#endif
 #ifdef MOTION_VECTORS
     @location(4) clip_now: vec4<f32>,
     @location(5) clip_before: vec4<f32>,
@@ -17,6 +22,20 @@ struct Varying {
     @location(6) barycentric: vec3<f32>,
 #endif
 }
+
+#ifndef STAGE_SHADOW
+#import dolomite::stage::user_material::material
+
+// A linear colour as a picture without G-buffer holds it: as it is, or encoded (IEC 61966-2-1).
+fn pictured(colour: vec3<f32>) -> vec3<f32> {
+#ifdef STAGE_ENCODED
+    let curve = 1.055 * pow(max(colour, vec3(0.0031308)), vec3(1.0 / 2.4)) - 0.055;
+    return select(curve, 12.92 * colour, colour <= vec3(0.0031308));
+#else
+    return colour;
+#endif
+}
+#endif
 
 // Of the corner of a triangle.
 fn corner_weights(number: u32) -> vec3<f32> {
@@ -31,10 +50,14 @@ fn rasterised(position: vec3<f32>, normal: vec3<f32>, uv: vec2<f32>, before: vec
     // What stands between the light and its near plane casts a shadow too: parallel light has w = 1.
     out.clip.z = select(out.clip.z, min(out.clip.z, 1.0), out.clip.w == 1.0);
 #endif
+#ifdef STAGE_VERTEX_SHADED
+    out.colour = pictured(material(Surface(position, normal, uv, row)).base_color);
+#else
     out.position = position;
     out.normal = normal;
     out.uv = uv;
     out.row = row;
+#endif
 #ifdef MOTION_VECTORS
     out.clip_now = out.clip;
     out.clip_before = stage_draw.previous_clip_from_stage * vec4(before, 1.0);
@@ -146,11 +169,45 @@ fn vertex(
 #endif
 #endif
 
+#ifndef STAGE_SHADOW
+// The colour of a line, where those of the vertices are as the picture holds them.
+fn drawn_over(colour: vec3<f32>) -> vec3<f32> {
+#ifdef STAGE_VERTEX_SHADED
+    return pictured(colour);
+#else
+    return colour;
+#endif
+}
+
+// What the material gives, with the triangle's edges over it.
+fn shade(in: Varying, front: bool) -> Shaded {
+#ifdef STAGE_VERTEX_SHADED
+    var shaded = Shaded(in.colour, vec3(0.0), vec3(0.0, 1.0, 0.0), 1.0, 0.0, 0.0, 1.0, true, false);
+#else
+    var shaded = material(Surface(in.position, normalize(select(-in.normal, in.normal, front)), in.uv, in.row));
+#endif
+#ifdef STAGE_LINES
+    // Distance to the nearest edge in pixels, from the barycentric coordinates' own slope.
+    let away = in.barycentric / max(fwidth(in.barycentric), vec3(1e-6));
+    let line = 1.0 - smoothstep(0.6, 1.4, min(away.x, min(away.y, away.z)));
+    if (stage_draw.flags & FILL) == 0u {
+        if line < 0.5 {
+            discard;
+        }
+        shaded.base_color = drawn_over(vec3(0.75, 0.85, 0.6));
+        shaded.roughness = 1.0;
+    } else {
+        shaded.base_color = mix(shaded.base_color, drawn_over(vec3(0.01, 0.012, 0.015)), line * 0.85);
+    }
+#endif
+    return shaded;
+}
+#endif
+
 #ifdef GBUFFER
 #import bevy_pbr::rgb9e5::vec3_to_rgb9e5_
 #import bevy_pbr::utils::octahedral_encode
 #import bevy_pbr::pbr_deferred_types::{pack_unorm4x8_, pack_24bit_normal_and_flags, DEFERRED_FLAGS_FOG_ENABLED_BIT, DEFERRED_FLAGS_UNLIT_BIT, DEFERRED_MESH_FLAGS_SHADOW_RECEIVER_BIT}
-#import dolomite::stage::user_material::material
 
 struct GBuffer {
 #ifdef NORMAL_PREPASS
@@ -166,21 +223,7 @@ struct GBuffer {
 
 @fragment
 fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
-    var shaded = material(Surface(in.position, normalize(select(-in.normal, in.normal, front)), in.uv, in.row));
-#ifdef STAGE_LINES
-    // Distance to the nearest edge in pixels, from the barycentric coordinates' own slope.
-    let away = in.barycentric / max(fwidth(in.barycentric), vec3(1e-6));
-    let line = 1.0 - smoothstep(0.6, 1.4, min(away.x, min(away.y, away.z)));
-    if (stage_draw.flags & FILL) == 0u {
-        if line < 0.5 {
-            discard;
-        }
-        shaded.base_color = vec3(0.75, 0.85, 0.6);
-        shaded.roughness = 1.0;
-    } else {
-        shaded.base_color = mix(shaded.base_color, vec3(0.01, 0.012, 0.015), line * 0.85);
-    }
-#endif
+    let shaded = shade(in, front);
     let unlit = select(0u, DEFERRED_FLAGS_UNLIT_BIT, shaded.unlit);
     let fog = select(0u, DEFERRED_FLAGS_FOG_ENABLED_BIT, shaded.fog);
     var out: GBuffer;
@@ -206,5 +249,17 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
     out.motion = (now - before) * vec2(0.5, -0.5);
 #endif
     return out;
+}
+#endif
+
+#ifdef DIRECT
+// Into a picture without G-buffer: the base colour, without light.
+@fragment
+fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+#ifdef STAGE_VERTEX_SHADED
+    return vec4(shade(in, front).base_color, 1.0);
+#else
+    return vec4(pictured(shade(in, front).base_color), 1.0);
+#endif
 }
 #endif

@@ -1,4 +1,6 @@
-//! The GPU half: the programmable tessellation [`stage`], and the [`ground`] as one of its kinds.
+//! The GPU half: the programmable tessellation [`stage`], the [`ground`] as one of its kinds, and the
+//! [`classic`] scene as another.
 
+pub mod classic;
 pub mod ground;
 pub mod stage;

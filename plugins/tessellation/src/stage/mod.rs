@@ -26,11 +26,14 @@
 //! | [`coordinate`] | where an inner vertex lies |
 //! | [`patches`] | patches with control points; which corners and edges they share |
 //! | [`tables`], [`layout`] | what the passes on the GPU read and write |
+//! | [`vertex`] | the words of a stored vertex |
+//! | [`HostFunctions`] | functions of a kind in Rust: the stage without dispatches |
 //! | [`half_edge`] | whether triangles form a manifold with the border that they should have |
 
 mod components;
 pub mod coordinate;
 pub mod half_edge;
+mod host;
 pub mod layout;
 pub mod level;
 mod mesh;
@@ -42,8 +45,10 @@ pub mod shapes;
 pub mod tables;
 mod tessellate;
 mod topology;
+pub mod vertex;
 
 pub use components::{Patches, StageCamera};
+pub use host::{HostFunctions, HostPatch, HostTessellation, HostVertex, tessellate_host};
 pub use level::Levels;
 pub use mesh::{MeshTessellation, MeshVertex};
 pub use patches::{PatchLayout, PatchMesh, PatchMeshError};

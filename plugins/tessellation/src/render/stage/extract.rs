@@ -98,6 +98,9 @@ pub fn kind<K: PatchKind>(
         && (settings.is_changed() || kind.version == 0)
     {
         kind.pool = settings.pool();
+        kind.still = settings.still();
+        let stored = !K::MOVES && !super::evaluated::<K>() && K::AMPLIFIED == 0;
+        kind.host = settings.host().filter(|_| stored);
         kind.materials = settings.materials();
         kind.materials_changed = true;
         kind.version += 1;

@@ -1,12 +1,13 @@
 //! What a user implements to tessellate a kind of patches, and the plugin that takes it.
 
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
 
 use super::view::Viewpoint;
-use crate::stage::{Drawing, Mode, PatchLayout, Spacing, Winding};
+use crate::stage::{Drawing, HostFunctions, Mode, PatchLayout, Spacing, Winding};
 
 /// Where the functions of a kind stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +54,9 @@ pub trait PatchKind: AsBindGroup + Resource + Clone {
     const MOVES: bool = false;
     /// Greatest |u| or |v| of a vertex; texture coordinates are stored in 1/32767 of it.
     const UV_RANGE: f32 = 1.0;
+    /// Whether, in a view without G-buffer, `material` runs at the vertices (with normals of either
+    /// side as they are) and colours between them are interpolated: small triangles cost less then.
+    const VERTEX_SHADED: bool = false;
     /// Above 0: the shader file has a function
     /// `amplify(a, b, c: StoredVertex, number: u32) -> StoredVertex`, which gives so many vertices,
     /// three a triangle, in place of each primitive (a, b, c); for a segment c is b.
@@ -81,6 +85,20 @@ pub trait PatchKind: AsBindGroup + Resource + Clone {
     /// each frame, in f64 where it matters.
     fn view_numbers(&self, _view: &Viewpoint) -> [Vec4; 4] {
         [Vec4::ZERO; 4]
+    }
+
+    /// Control and evaluate functions in Rust that take the place of those in WGSL: the kind is then
+    /// tessellated on the CPU, vertices and indices are uploaded, and nothing is dispatched. Not used
+    /// by kinds with an amplify function, with `MOVES`, or whose draws evaluate.
+    fn host(&self) -> Option<Arc<dyn HostFunctions>> {
+        None
+    }
+
+    /// Whether levels and vertices are the same in every view: the kind is then tessellated once, not
+    /// again as the camera moves (but where that is 4 km from where it was, so that positions stay
+    /// exact to a quarter of a millimetre).
+    fn still(&self) -> bool {
+        false
     }
 
     /// Most that one view keeps of this kind.

@@ -6,12 +6,18 @@
 //! control → measure → plan → place → emit (only after a change), the G-buffer draw and the shadow
 //! draws; after the submit the counters are fetched.
 //!
+//! A camera without `DeferredPrepass` draws patches straight into its picture instead, in the base
+//! colour that their material gives and without light: for kinds that need none, or whose material
+//! function computes it. (`StageCamera` requires the prepasses; remove them from the entity.)
+//!
 //! Each view tessellates for itself: levels depend on it. Shadow views draw what their camera
 //! tessellated. Nothing exists on the GPU until a [`StageCamera`](crate::stage::StageCamera) and
 //! [`Patches`](crate::stage::Patches) of a kind are in the world.
 
 mod camera;
+mod direct;
 mod extract;
+mod host;
 mod kind;
 mod library;
 mod pass;
@@ -26,6 +32,7 @@ use std::any::TypeId;
 use std::marker::PhantomData;
 
 use bevy::asset::LoadState;
+use bevy::core_pipeline::core_3d::main_opaque_pass_3d;
 use bevy::core_pipeline::prepass::node::early_prepass;
 use bevy::core_pipeline::{Core3d, Core3dSystems};
 use bevy::pbr::{EARLY_SHADOW_PASS, per_view_shadow_pass};
@@ -36,7 +43,7 @@ pub use kind::{PatchKind, PatchMaterial, PatchPlugin, PatchPool, PatchShader};
 pub use prepare::StageKinds;
 use stats::StageShared;
 
-use crate::stage::Drawing;
+use crate::stage::{Drawing, Tessellator};
 pub use stats::{StageFault, StageStats};
 pub use view::Viewpoint;
 
@@ -70,10 +77,17 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
         name,
         traits: prepare::KindTraits {
             layout: K::LAYOUT,
+            tessellator: Tessellator {
+                domain: K::LAYOUT.domain,
+                spacing: K::SPACING,
+                winding: K::WINDING,
+                mode: K::MODE,
+            },
             animated: K::ANIMATED,
             moves: K::MOVES && !evaluated::<K>(),
             evaluated: evaluated::<K>(),
             uv_range: K::UV_RANGE,
+            vertex_shaded: K::VERTEX_SHADED,
             amplified: K::AMPLIFIED,
             double_sided: K::DOUBLE_SIDED,
             shadows: K::SHADOWS,
@@ -81,6 +95,8 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
         },
         shaders,
         pool: PatchPool::default(),
+        host: None,
+        still: false,
         materials: Vec::new(),
         materials_changed: true,
         instances: Vec::new(),
@@ -143,7 +159,7 @@ fn build(app: &mut App) {
         .add_systems(
             Render,
             (
-                (prepare::buffers, prepare::views)
+                (prepare::buffers, prepare::views, host::tessellate)
                     .chain()
                     .in_set(RenderSystems::PrepareResources),
                 pass::bind_groups.in_set(RenderSystems::PrepareBindGroups),
@@ -157,6 +173,9 @@ fn build(app: &mut App) {
                     .chain()
                     .in_set(Core3dSystems::Prepass)
                     .before(early_prepass),
+                direct::draw
+                    .in_set(Core3dSystems::MainPass)
+                    .before(main_opaque_pass_3d),
                 pass::draw_shadows
                     .after(pass::tessellate)
                     .before(per_view_shadow_pass::<EARLY_SHADOW_PASS>),

@@ -1,5 +1,6 @@
 //! What is recorded for each view: the compute passes of the kinds that changed, then the draws.
 
+use bevy::camera::CompositingSpace;
 use bevy::core_pipeline::prepass::ViewPrepassTextures;
 use bevy::pbr::ShadowView;
 use bevy::prelude::*;
@@ -7,14 +8,15 @@ use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::render::render_phase::TrackedRenderPass;
 use bevy::render::render_resource::{
     BindGroupEntries, BindingResource, BufferBinding, ComputePass, ComputePassDescriptor,
-    ComputePipeline, IndexFormat, PipelineCache, RenderPassDescriptor, StoreOp,
+    ComputePipeline, IndexFormat, PipelineCache, PreparedBindGroup, RenderPassDescriptor,
+    RenderPipeline, StoreOp,
 };
 use bevy::render::renderer::{RenderContext, RenderDevice, ViewQuery};
-use bevy::render::view::ViewDepthTexture;
+use bevy::render::view::{ViewDepthTexture, ViewTarget};
 
 use super::StageShared;
 use super::extract::ExtractedStageCamera;
-use super::pipeline::{DrawKey, KindPipelines, KindView, fetches};
+use super::pipeline::{DrawKey, KindPipelines, KindView, Picture, fetches};
 use super::prepare::{Kind, KindTraits, StageKinds, ViewGroups, ViewKind};
 use crate::stage::layout::{
     AMPLIFIED_ARGUMENTS, DRAW_SLOT, GRID_DISPATCH_ARGUMENTS, PLAIN_ARGUMENTS, StageDraw,
@@ -27,7 +29,7 @@ const COLUMNS: u32 = 32_768;
 /// Pipelines and bind groups that are missing.
 pub fn bind_groups(
     mut kinds: ResMut<StageKinds>,
-    views: Query<&ViewPrepassTextures>,
+    views: Query<(Option<&ViewPrepassTextures>, &ViewTarget)>,
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
     shared: Res<StageShared>,
@@ -63,13 +65,13 @@ pub fn bind_groups(
             shared.clear(name);
         }
         for (entity, state) in states.iter_mut() {
-            if let Ok(prepass) = views.get(*entity) {
+            if let Ok((prepass, target)) = views.get(*entity) {
                 let of = KindView {
                     name,
                     shaders,
                     traits,
                 };
-                pipelines.draw(&of, &cache, draw_key(prepass, state));
+                pipelines.draw(&of, &cache, draw_key(prepass, target, state));
             }
             if let (Some(ranges), Some((layout, _))) = (&mut state.ranges, &pipelines.ranges) {
                 ranges.bind(
@@ -158,11 +160,21 @@ pub fn bind_groups(
     }
 }
 
-fn draw_key(prepass: &ViewPrepassTextures, state: &ViewKind) -> DrawKey {
+/// Where the view's draw goes: into its G-buffer, or into its picture if it has none.
+pub fn draw_key(
+    prepass: Option<&ViewPrepassTextures>,
+    target: &ViewTarget,
+    state: &ViewKind,
+) -> DrawKey {
+    let deferred = prepass.filter(|prepass| prepass.deferred.is_some());
     DrawKey {
         lines: state.shown[1],
-        normals: prepass.normal.is_some(),
-        motion: prepass.motion_vectors.is_some(),
+        normals: deferred.is_some_and(|prepass| prepass.normal.is_some()),
+        motion: deferred.is_some_and(|prepass| prepass.motion_vectors.is_some()),
+        direct: deferred.is_none().then(|| Picture {
+            format: target.main_texture_format(),
+            encoded: target.compositing_space == Some(CompositingSpace::Srgb),
+        }),
     }
 }
 
@@ -267,18 +279,33 @@ fn dispatch(pass: &mut ComputePass, pipeline: &ComputePipeline, groups: u32) {
     pass.dispatch_workgroups(groups.min(COLUMNS), groups.div_ceil(COLUMNS), 1);
 }
 
-/// The primitives of every kind into the G-buffer and the depth buffer.
-pub fn draw_gbuffer(
-    view: ViewQuery<(Entity, &ViewPrepassTextures, &ViewDepthTexture), With<ExtractedStageCamera>>,
-    mut kinds: ResMut<StageKinds>,
-    cache: Res<PipelineCache>,
-    mut ctx: RenderContext,
-) {
-    let (entity, prepass, depth) = view.into_inner();
-    let (Some(deferred), Some(pass_id)) = (&prepass.deferred, &prepass.deferred_lighting_pass_id)
-    else {
-        return;
-    };
+/// A kind that can be drawn in a view.
+pub struct Ready<'a> {
+    pipeline: &'a RenderPipeline,
+    groups: &'a ViewGroups,
+    data: &'a PreparedBindGroup,
+    state: &'a ViewKind,
+    traits: &'a KindTraits,
+}
+
+impl<'a> Ready<'a> {
+    /// Records the draw.
+    pub fn draw(&self, pass: &mut TrackedRenderPass<'a>) {
+        pass.set_render_pipeline(self.pipeline);
+        pass.set_bind_group(0, &self.groups.given, &[]);
+        pass.set_bind_group(1, &self.data.bind_group, &[]);
+        let lines = self.state.shown[1];
+        draw(pass, self.state, self.groups, self.traits, lines, 0);
+    }
+}
+
+/// The kinds that have something to show in a view, and whose pipelines are there.
+pub fn ready<'a>(
+    kinds: &'a mut StageKinds,
+    view: Entity,
+    cache: &'a PipelineCache,
+    key: impl Fn(&ViewKind) -> DrawKey,
+) -> Vec<Ready<'a>> {
     let mut drawn = Vec::new();
     for kind in kinds.0.values_mut() {
         let Kind {
@@ -299,14 +326,41 @@ pub fn draw_gbuffer(
             traits,
         };
         let shown = |state: &&ViewKind| state.filled && state.shown != [false; 2];
-        let Some(state) = views.get(&entity).filter(shown) else {
+        let Some(state) = views.get(&view).filter(shown) else {
             continue;
         };
-        let id = pipelines.draw(&of, &cache, draw_key(prepass, state));
+        let id = pipelines.draw(&of, cache, key(state));
         if let (Some(pipeline), Some(groups)) = (cache.get_render_pipeline(id), &state.groups) {
-            drawn.push((pipeline, groups, data, state, &kind.traits));
+            drawn.push(Ready {
+                pipeline,
+                groups,
+                data,
+                state,
+                traits,
+            });
         }
     }
+    drawn
+}
+
+/// The primitives of every kind into the G-buffer and the depth buffer.
+pub fn draw_gbuffer(
+    view: ViewQuery<
+        (Entity, &ViewPrepassTextures, &ViewTarget, &ViewDepthTexture),
+        With<ExtractedStageCamera>,
+    >,
+    mut kinds: ResMut<StageKinds>,
+    cache: Res<PipelineCache>,
+    mut ctx: RenderContext,
+) {
+    let (entity, prepass, target, depth) = view.into_inner();
+    let (Some(deferred), Some(pass_id)) = (&prepass.deferred, &prepass.deferred_lighting_pass_id)
+    else {
+        return;
+    };
+    let drawn = ready(&mut kinds, entity, &cache, |state| {
+        draw_key(Some(prepass), target, state)
+    });
     if drawn.is_empty() {
         return;
     }
@@ -333,11 +387,8 @@ pub fn draw_gbuffer(
         multiview_mask: None,
     });
     let span = recorder.pass_span(&mut pass, "stage_gbuffer");
-    for (pipeline, groups, data, state, traits) in drawn {
-        pass.set_render_pipeline(pipeline);
-        pass.set_bind_group(0, &groups.given, &[]);
-        pass.set_bind_group(1, &data.bind_group, &[]);
-        draw(&mut pass, state, groups, traits, state.shown[1], 0);
+    for kind in &drawn {
+        kind.draw(&mut pass);
     }
     span.end(&mut pass);
 }

@@ -117,13 +117,23 @@ fn defs<K: PatchKind>() -> Vec<ShaderDefVal> {
     defs.into_iter().map(ShaderDefVal::from).collect()
 }
 
-/// What a G-buffer pipeline is specialised by.
+/// What the pipeline of a view's draw is specialised by.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DrawKey {
     /// Whether edges are drawn.
     pub lines: bool,
     pub normals: bool,
     pub motion: bool,
+    /// Of a view without G-buffer.
+    pub direct: Option<Picture>,
+}
+
+/// What a view without G-buffer draws into.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Picture {
+    pub format: TextureFormat,
+    /// Whether it holds sRGB numbers that the device takes as they are.
+    pub encoded: bool,
 }
 
 /// Layouts and pipelines of a kind.
@@ -286,7 +296,7 @@ impl KindPipelines {
         }
     }
 
-    /// The G-buffer pipeline for `key`, queued on first use.
+    /// The pipeline of the draw for `key`, queued on first use.
     pub fn draw(
         &mut self,
         kind: &KindView,
@@ -297,12 +307,27 @@ impl KindPipelines {
             return *id;
         }
         let mut defs = kind.shaders.defs.clone();
-        defs.push("GBUFFER".into());
+        defs.push(
+            if key.direct.is_some() {
+                "DIRECT"
+            } else {
+                "GBUFFER"
+            }
+            .into(),
+        );
         let fetched = fetches(kind.traits, key.lines);
         for (on, name) in [
             // Segments are lines already.
             (key.lines && fetched, "STAGE_LINES"),
             (fetched, "STAGE_FETCH"),
+            (
+                key.direct.is_some() && kind.traits.vertex_shaded,
+                "STAGE_VERTEX_SHADED",
+            ),
+            (
+                key.direct.is_some_and(|picture| picture.encoded),
+                "STAGE_ENCODED",
+            ),
             (key.normals, "NORMAL_PREPASS"),
             (key.motion, "MOTION_VECTORS"),
         ] {
@@ -318,7 +343,13 @@ impl KindPipelines {
             })
         };
         let id = cache.queue_render_pipeline(RenderPipelineDescriptor {
-            label: Some(format!("stage_gbuffer {}", kind.name).into()),
+            label: Some(
+                match key.direct {
+                    Some(_) => format!("stage_direct {}", kind.name),
+                    None => format!("stage_gbuffer {}", kind.name),
+                }
+                .into(),
+            ),
             layout: vec![
                 self.given_layout.clone(),
                 self.data_layout.clone(),
@@ -333,14 +364,17 @@ impl KindPipelines {
                 shader: kind.shaders.draw.clone(),
                 shader_defs: defs,
                 entry_point: Some("fragment".into()),
-                targets: vec![
-                    key.normals.then(|| target(NORMAL_PREPASS_FORMAT)).flatten(),
-                    key.motion
-                        .then(|| target(MOTION_VECTOR_PREPASS_FORMAT))
-                        .flatten(),
-                    target(DEFERRED_PREPASS_FORMAT),
-                    target(DEFERRED_LIGHTING_PASS_ID_FORMAT),
-                ],
+                targets: match key.direct {
+                    Some(picture) => vec![target(picture.format)],
+                    None => vec![
+                        key.normals.then(|| target(NORMAL_PREPASS_FORMAT)).flatten(),
+                        key.motion
+                            .then(|| target(MOTION_VECTOR_PREPASS_FORMAT))
+                            .flatten(),
+                        target(DEFERRED_PREPASS_FORMAT),
+                        target(DEFERRED_LIGHTING_PASS_ID_FORMAT),
+                    ],
+                },
             }),
             primitive: PrimitiveState {
                 topology: topology(kind.traits),

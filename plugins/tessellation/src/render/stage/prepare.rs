@@ -26,24 +26,31 @@ use super::readback::Counters;
 use super::view::{StageSpace, Viewpoint, stage_view};
 use crate::stage::layout::{
     DRAW_SLOT, EVALUATED_BYTES, FILL, LINES, MATERIAL_ROWS, MaterialRow, StageDraw, StageParams,
-    VERTEX_BYTES, WorkHead,
+    StageView, VERTEX_BYTES, WorkHead,
 };
 use crate::stage::patches::BINDING_LIMIT;
 use crate::stage::tables::{Instance, Tables};
-use crate::stage::{Domain, PatchLayout, PatchMesh};
+use crate::stage::{Domain, HostFunctions, PatchLayout, PatchMesh, Tessellator};
 
 /// Shadow views that a view draws into at most.
 pub const SHADOW_SLOTS: u64 = 16;
+
+/// How far the camera may go from the anchor of a kind that nothing moves, metres: an f32 still has
+/// a quarter of a millimetre there.
+const STILL_REACH: f64 = 4096.0;
 
 /// What is the same for all entities and views of a kind.
 #[derive(Clone, Copy, Debug)]
 pub struct KindTraits {
     pub layout: PatchLayout,
+    pub tessellator: Tessellator,
     pub animated: bool,
     pub moves: bool,
     /// Whether the draws evaluate the vertices.
     pub evaluated: bool,
     pub uv_range: f32,
+    /// Whether direct draws shade vertices.
+    pub vertex_shaded: bool,
     pub amplified: u32,
     pub double_sided: bool,
     pub shadows: bool,
@@ -72,6 +79,10 @@ pub struct Kind {
     pub traits: KindTraits,
     pub shaders: KindShaders,
     pub pool: PatchPool,
+    /// What tessellates in place of the passes.
+    pub host: Option<Arc<dyn HostFunctions>>,
+    /// Whether nothing depends on the view.
+    pub still: bool,
     pub materials: Vec<PatchMaterial>,
     pub materials_changed: bool,
     pub instances: Vec<(Arc<PatchMesh>, Instance)>,
@@ -111,7 +122,9 @@ pub struct KindBuffers {
 
 /// One kind in one view.
 pub struct ViewKind {
-    params: StageParams,
+    pub params: StageParams,
+    /// What the positions in the pool are relative to.
+    anchor: DVec3,
     version: u64,
     /// False when this frame has to dispatch.
     pub settled: bool,
@@ -374,7 +387,12 @@ pub fn views(
         };
         for (entity, view, camera, lights, jitter) in &views {
             let matrices = Camera::new(view, jitter);
-            let space = StageSpace::new(matrices.position);
+            let kept = kind.views.get(&entity).map(|state| state.anchor);
+            let near = |anchor: &DVec3| anchor.distance(matrices.position) < STILL_REACH;
+            let space = match kept.filter(near) {
+                Some(anchor) if kind.still => StageSpace { anchor },
+                _ => StageSpace::new(matrices.position),
+            };
             let mut params = buffers.params;
             let time = if kind.traits.animated {
                 scene.time
@@ -394,7 +412,9 @@ pub fn views(
                 *state = ViewKind::new(&device, &params, &kind.traits);
             }
             state.fit(&device, &params, &kind.traits, buffers.generation);
-            state.update(&queue, &params, kind.version, kind.traits.evaluated);
+            state.anchor = space.anchor;
+            let timeless = kind.traits.evaluated;
+            state.update(&queue, &params, kind.version, [timeless, kind.still]);
             let mut main = StageDraw {
                 clip_from_stage: space.clip_from_stage(matrices.clip_from_world),
                 previous_clip_from_stage: space
@@ -477,6 +497,7 @@ impl ViewKind {
                 max_primitives: params.max_primitives,
                 ..Zeroable::zeroed()
             },
+            anchor: DVec3::ZERO,
             version: 0,
             settled: false,
             filled: false,
@@ -556,16 +577,29 @@ impl ViewKind {
     }
 
     /// Takes over this frame's inputs; unsettles the view if any of them changed. Where the draws
-    /// evaluate, the time is theirs alone.
-    fn update(&mut self, queue: &RenderQueue, params: &StageParams, version: u64, evaluated: bool) {
-        let timeless = |params: &StageParams| {
+    /// evaluate, the time is theirs alone; of a view that nothing depends on, the anchor counts.
+    fn update(
+        &mut self,
+        queue: &RenderQueue,
+        params: &StageParams,
+        version: u64,
+        [evaluated, still]: [bool; 2],
+    ) {
+        let what_counts = |params: &StageParams| {
             let mut params = *params;
             if evaluated {
                 [params.view.time, params.view.previous_time] = [0.0; 2];
             }
+            if still {
+                params.view = StageView {
+                    anchor: params.view.anchor,
+                    camera: params.view.camera,
+                    ..Zeroable::zeroed()
+                };
+            }
             params
         };
-        if timeless(&self.params) != timeless(params) || self.version != version {
+        if what_counts(&self.params) != what_counts(params) || self.version != version {
             self.settled = false;
             self.version = version;
         }

@@ -40,6 +40,12 @@ impl<T: Pod> Counters<T> {
         }
     }
 
+    /// Takes counters that are known already.
+    pub fn set(&mut self, newest: T) {
+        self.newest = newest;
+        self.wanted = false;
+    }
+
     /// Asks for a copy of the counters as soon as the staging buffer is free.
     pub fn want(&mut self) {
         self.wanted = true;

@@ -23,10 +23,12 @@ pub struct StageStats {
     pub lowered: u32,
     /// Primitives that would be emitted without lowering.
     pub wanted_primitives: u32,
-    /// Dispatches of the last frame: 5 for each kind and view whose inputs changed.
+    /// Dispatches of the last frame: 7 for each kind and view whose inputs changed.
     pub dispatches: u32,
     /// Vertices and indices, bytes.
     pub bytes: u64,
+    /// Those of them that the CPU made and uploaded in the last frame, bytes.
+    pub uploaded: u64,
     /// Kinds whose functions cannot be used; they are not drawn until their file is corrected.
     pub faults: Vec<StageFault>,
 }
@@ -60,6 +62,7 @@ pub struct StageShared(Arc<Mutex<Shared>>);
 struct Shared {
     newest: StageStats,
     dispatches: u32,
+    uploaded: u64,
 }
 
 impl StageShared {
@@ -71,6 +74,11 @@ impl StageShared {
     /// Adds to this frame's dispatches.
     pub fn count_dispatches(&self, count: u32) {
         self.with(|shared| shared.dispatches += count);
+    }
+
+    /// Adds to this frame's uploads.
+    pub fn count_upload(&self, bytes: u64) {
+        self.with(|shared| shared.uploaded += bytes);
     }
 
     /// Keeps a fault of a kind.
@@ -142,6 +150,7 @@ pub fn collect(mut kinds: ResMut<StageKinds>, shared: Res<StageShared>) {
     }
     shared.with(|shared| {
         sum.dispatches = std::mem::take(&mut shared.dispatches);
+        sum.uploaded = std::mem::take(&mut shared.uploaded);
         sum.faults = std::mem::take(&mut shared.newest.faults);
         shared.newest = sum;
     });

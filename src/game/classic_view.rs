@@ -1,0 +1,99 @@
+//! What the classic scene looks like: patches that light themselves, straight into the picture. No
+//! G-buffer, no shadows, no sky, nothing after: it is there to time the triangles.
+
+use bevy::camera::{CompositingSpace, RenderTarget};
+use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::prelude::*;
+use dolomite_terrain::GroundProbe;
+use dolomite_tessellation::classic::ClassicHeights;
+use dolomite_tessellation::render::classic::{ClassicPlugin, ClassicSettings};
+use dolomite_tessellation::stage::StageCamera;
+
+use super::camera::{CameraSystems, FreeCamera};
+use super::hud::UiCamera;
+use super::methods::Methods;
+use super::settings::Settings;
+use super::simulation::Switches;
+use super::view::OffscreenTarget;
+
+/// Vertical field of view of the scene's definition, degrees.
+pub const FIELD_OF_VIEW: f32 = 60.0;
+
+/// Distances that the camera sees, metres; `far` bounds culling only.
+const NEAR: f32 = 0.1;
+const FAR: f32 = 10_000.0;
+
+/// Draws the classic scene. Expects the resource [`Methods`], and [`OffscreenTarget`] where there is
+/// no window.
+pub struct ClassicViewPlugin {
+    /// The surface.
+    pub heights: ClassicHeights,
+}
+
+impl Plugin for ClassicViewPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Methods>();
+        let settings = app.world().resource::<Methods>().settings();
+        app.insert_resource(ClearColor(Color::srgb(0.62, 0.74, 0.86)))
+            .add_plugins(ClassicPlugin {
+                heights: self.heights.clone(),
+                settings,
+            })
+            .add_systems(Startup, dress_camera)
+            .add_systems(Update, follow.after(CameraSystems));
+    }
+}
+
+fn dress_camera(
+    mut commands: Commands,
+    target: Option<Res<OffscreenTarget>>,
+    cameras: Query<(Entity, &FreeCamera)>,
+) {
+    for (entity, camera) in &cameras {
+        let mut entity = commands.entity(entity);
+        entity
+            .insert((
+                Camera3d::default(),
+                Projection::Perspective(PerspectiveProjection {
+                    fov: camera.fov.to_radians(),
+                    near: NEAR,
+                    far: FAR,
+                    ..default()
+                }),
+                Msaa::Off,
+                Tonemapping::None,
+                // Encoded at the vertices, not at each store of a pixel.
+                CompositingSpace::Srgb,
+                StageCamera::default(),
+                // The ground under the eye, in each frame.
+                GroundProbe::default(),
+                UiCamera,
+            ))
+            // Without a G-buffer patches are drawn into the picture.
+            .remove::<(DepthPrepass, DeferredPrepass)>();
+        if let Some(target) = &target {
+            entity.insert(RenderTarget::Image(target.0.clone().into()));
+        }
+    }
+}
+
+/// Hands switches, settings and methods to the tessellation, written only where they differ.
+fn follow(
+    switches: Res<Switches>,
+    settings: Res<Settings>,
+    methods: Res<Methods>,
+    mut classic: ResMut<ClassicSettings>,
+    mut cameras: Query<&mut StageCamera>,
+) {
+    classic.set_if_neq(methods.settings());
+    for mut camera in &mut cameras {
+        let next = StageCamera {
+            pixels_per_edge: methods.tau.unwrap_or(settings.pixels_per_edge),
+            fill: switches.fill,
+            lines: switches.lines,
+            ..camera.clone()
+        };
+        camera.set_if_neq(next);
+    }
+}
