@@ -55,7 +55,7 @@ struct Decided {
 
 /// Holds a measured time at a budget by the error tolerance; see the [module](super).
 ///
-/// A call costs about a microsecond and allocates nothing.
+/// A call costs some 2 µs with a demand curve, 1 µs without, and allocates nothing.
 #[derive(Clone, Debug)]
 pub struct BudgetController {
     budget: Budget,
@@ -74,9 +74,9 @@ pub struct BudgetController {
 
 impl BudgetController {
     /// τ stands while the time that is provided for is so near to the budget, as a part of it.
-    pub const REST: f32 = 0.015;
+    pub const REST: f32 = 0.02;
     /// Once τ moves, it goes on until the time is so near.
-    const ARRIVED: f32 = 0.003;
+    const ARRIVED: f32 = 0.005;
     /// Largest relative change of τ in a frame while the time is at rest. It is what a still view may
     /// show by noise alone: half a percent of an error of one pixel is below a hundredth of a pixel.
     pub const SLOWEST: f32 = 0.005;

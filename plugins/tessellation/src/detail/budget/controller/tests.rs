@@ -116,9 +116,9 @@ fn at_rest_tau_stands_and_the_time_keeps_to_the_budget() {
                 .windows(2)
                 .map(|pair| (pair[1].0 / pair[0].0 - 1.0).abs())
                 .fold(0.0, f32::max);
-            // The slowest step grows by 1/500 for each percent beyond the rest: the estimate's own
-            // noise, 0.6 %, reaches 1 % beyond it at most.
-            assert!(largest <= 0.013, "a step of {largest}, seed {seed}");
+            // Just beyond the rest it is SLOWEST; the estimate's own noise (0.6 %) takes the time up to
+            // 1 % further, and the step grows by 0.9 % for each percent.
+            assert!(largest <= 0.014, "a step of {largest}, seed {seed}");
             let turns = turns(rest);
             assert!(turns < 60, "{turns} turns in a minute, seed {seed}");
             let mut measured = flight.measured[120..].to_vec();
