@@ -47,7 +47,7 @@ pub fn fly(
     let whole = f64::from(budget.milliseconds);
     let mut arrived = 0;
     let mut seen = Vec::new();
-    for frame in 0..frames {
+    for (frame, demand) in demands.iter().enumerate().take(frames) {
         seen.clear();
         // Never out of order; the odd bits of a hash say whether it takes three frames.
         let late = 2 + (frame.wrapping_mul(0x9e37_79b9) >> 13) % 2;
@@ -62,7 +62,7 @@ pub fn fly(
         }
         let next = NextFrame {
             number: frame as u64,
-            demand: Some(&demands[frame]),
+            demand: Some(demand),
             cut: plant.event(frame) == Some(Event::Teleport),
         };
         let begun = Instant::now();

@@ -270,7 +270,9 @@ mod tests {
             assert!(number(OURS, "recovery_load_worst") <= 6.0);
             assert!(number(OURS, "turns_a_second_calm") < 1.0);
             assert!(number("PID", "turns_a_second_calm") > 1.0);
-            assert!(number("proportional, calm", "recovery_teleport_worst") > 20.0);
+            // As calm as ours, it takes more than twice as long.
+            let ours = number(OURS, "recovery_teleport_worst");
+            assert!(number("proportional, calm", "recovery_teleport_worst") > 2.0 * ours);
             assert!(number("best fixed (offline)", "outside") > 0.2);
             assert_eq!(all[OURS]["trace"]["tau"].as_array().unwrap().len(), 600);
         }

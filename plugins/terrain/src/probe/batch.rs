@@ -63,7 +63,8 @@ pub(super) struct Slot {
 #[derive(Resource, Debug)]
 pub struct ProbeBatch {
     /// Most true answers that are found in one frame; the rest waits its turn, so that a crowd never
-    /// holds up a frame. Default 65 536. At least 1 (clamped).
+    /// holds up a frame. Default 16 384; at least 1 (clamped). Of ground with eight octaves, two cores find
+    /// 65 536 in 34 to 64 ms without optimisation for speed (the profile `dev`).
     pub per_frame: usize,
     frame: u32,
     pub(super) slots: Vec<Slot>,
@@ -79,7 +80,7 @@ pub struct ProbeBatch {
 impl Default for ProbeBatch {
     fn default() -> Self {
         Self {
-            per_frame: 1 << 16,
+            per_frame: 1 << 14,
             frame: 0,
             slots: Vec::new(),
             places: Arc::default(),
