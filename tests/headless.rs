@@ -16,7 +16,7 @@ use dolomite::game::player::{EDGE, Figure, WADING_DEPTH, depth};
 use dolomite::game::scenes::{self, CurrentScene, MapOptions, SceneRequest};
 use dolomite::game::settings::Settings;
 use dolomite::game::simulation::{DetailFocus, Landscape, SimulationPlugin, Switches};
-use dolomite::terrain::{Ground, Terrain};
+use dolomite::terrain::{Ground, ProbeAnswer, ProbeBatch, Terrain};
 
 /// Greatest distance of the drawn feet from the f64 ground, metres.
 const FEET: f64 = 1e-3;
@@ -386,4 +386,40 @@ fn settings_shape_the_speed() {
         (2.0..4.0).contains(&(quick / slow)),
         "{slow} m, then {quick} m"
     );
+}
+
+/// The renderer's answers, made up: the drawn ground lies 5 cm above the true one.
+#[test]
+fn feet_stand_on_the_drawn_ground_while_it_is_known() {
+    let mut app = game("mountain");
+    app.update();
+    let (_, at_rest) = figure(&mut app);
+    let answered = |app: &mut App, lifted: f64, bound: f32| {
+        let terrain = terrain(app);
+        let mut batch = app.world_mut().resource_mut::<ProbeBatch>();
+        let question = batch.question();
+        let answers = question.places.iter().map(|place| {
+            let truth = terrain.sample_f64(place.to_dvec2());
+            ProbeAnswer {
+                height: (truth.height + lifted) as f32,
+                gradient: [truth.gradient.x as f32, truth.gradient.y as f32],
+                bound,
+            }
+        });
+        let answers = answers.collect();
+        batch.fill(question, answers).expect("one answer a place");
+        // Taken in by the first, seen by the second.
+        app.update();
+        app.update();
+        f64::from(figure(app).1.translation.y - at_rest.translation.y)
+    };
+    let lifted = answered(&mut app, 0.05, 0.1);
+    assert!((lifted - 0.05).abs() < FEET, "{lifted}");
+    for _ in 0..3 {
+        app.update();
+    }
+    let after = figure(&mut app).1.translation.y - at_rest.translation.y;
+    assert_eq!(after, 0.0, "the answer is too old");
+    let too_far = answered(&mut app, 0.05, 0.04);
+    assert_eq!(too_far, 0.0, "farther from the truth than it may be");
 }

@@ -1,8 +1,9 @@
-//! Charts as SVG text: curves over two logarithmic axes.
+//! Charts as SVG text: curves over two axes, logarithmic or linear.
 //!
 //! Drawn by `plotters` with its SVG backend alone, so that no font of the machine goes into the file
 //! and the same numbers make the same bytes everywhere.
 
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 use std::ops::Range;
 use thiserror::Error;
@@ -18,7 +19,16 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
 }
 
-/// A chart, both axes logarithmic.
+/// How numbers lie along both axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axes {
+    /// By their logarithm, in whole decades; every point has a ring.
+    Logarithmic,
+    /// By themselves, from the smallest to the largest; lines alone.
+    Linear,
+}
+
+/// A chart.
 #[derive(Debug, Clone)]
 pub struct Chart {
     /// Above it.
@@ -27,8 +37,10 @@ pub struct Chart {
     pub x_label: String,
     /// With the unit.
     pub y_label: String,
-    /// Points at or below 0, or not finite, have no place on a logarithmic axis and are not drawn;
-    /// a curve without points keeps its line in the legend, with a word that says so.
+    /// How numbers lie along both of them.
+    pub axes: Axes,
+    /// Points that are not finite, and on logarithmic axes those at or below 0, have no place and are
+    /// not drawn; a curve without points keeps its line in the legend, with a word that says so.
     pub curves: Vec<Curve>,
 }
 
@@ -36,7 +48,9 @@ pub struct Chart {
 #[derive(Debug, Error)]
 pub enum PlotError {
     /// No point of any curve can be drawn.
-    #[error("chart `{title}` has no point with both coordinates above 0 and finite")]
+    #[error(
+        "chart `{title}` has no point with both coordinates finite (and above 0 on logarithmic axes)"
+    )]
     Empty {
         /// The chart's title.
         title: String,
@@ -69,9 +83,17 @@ const COLOURS: [RGBColor; 10] = [
     RGBColor(170, 60, 60),
 ];
 
-fn drawable(point: &(f64, f64)) -> bool {
-    let fits = |x: f64| x.is_finite() && x > 0.0;
+fn drawable(axes: Axes, point: &(f64, f64)) -> bool {
+    let fits = |x: f64| x.is_finite() && (x > 0.0 || axes == Axes::Linear);
     fits(point.0) && fits(point.1)
+}
+
+/// From the smallest number to the largest; some width in any case.
+fn whole(numbers: impl Iterator<Item = f64>) -> Range<f64> {
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    let (least, most) = numbers.fold(ends, |(a, b), x| (a.min(x), b.max(x)));
+    let width = (most - least).max(least.abs().max(1.0) * 1e-9);
+    least..least + width
 }
 
 /// From the power of ten at or below the smallest number to the one at or above the largest, at
@@ -103,7 +125,7 @@ pub fn to_svg(chart: &Chart) -> Result<String, PlotError> {
             .curves
             .iter()
             .flat_map(|c| c.points.iter())
-            .filter(|p| drawable(p))
+            .filter(|p| drawable(chart.axes, p))
     };
     if points().next().is_none() {
         return Err(PlotError::Empty {
@@ -111,25 +133,37 @@ pub fn to_svg(chart: &Chart) -> Result<String, PlotError> {
         });
     }
     let mut text = String::new();
-    draw(
-        chart,
-        decades(points().map(|p| p.0)),
-        decades(points().map(|p| p.1)),
-        &mut text,
-    )
-    .map_err(|error| PlotError::Drawing {
+    let (xs, ys) = (points().map(|p| p.0), points().map(|p| p.1));
+    let drawn = match chart.axes {
+        Axes::Logarithmic => draw(
+            chart,
+            decades(xs).log_scale(),
+            decades(ys).log_scale(),
+            &|v| format!("{v:.0e}"),
+            &mut text,
+        ),
+        Axes::Linear => draw(chart, whole(xs), whole(ys), &|v| format!("{v}"), &mut text),
+    };
+    drawn.map_err(|error| PlotError::Drawing {
         title: chart.title.clone(),
         reason: error.to_string(),
     })?;
     Ok(text)
 }
 
-fn draw(
+fn draw<X, Y>(
     chart: &Chart,
-    x: Range<f64>,
-    y: Range<f64>,
+    x: X,
+    y: Y,
+    label: &dyn Fn(&f64) -> String,
     text: &mut String,
-) -> Result<(), Box<dyn std::error::Error>> {
+) -> Result<(), Box<dyn std::error::Error>>
+where
+    X: AsRangedCoord<Value = f64>,
+    Y: AsRangedCoord<Value = f64>,
+    X::CoordDescType: ValueFormatter<f64>,
+    Y::CoordDescType: ValueFormatter<f64>,
+{
     let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
     root.fill(&WHITE)?;
     // The legend has a column of its own: it never hides a curve.
@@ -139,28 +173,31 @@ fn draw(
         .margin(12)
         .x_label_area_size(48)
         .y_label_area_size(90)
-        .build_cartesian_2d(x.log_scale(), y.log_scale())?;
+        .build_cartesian_2d(x, y)?;
     area.configure_mesh()
         .x_desc(&chart.x_label)
         .y_desc(&chart.y_label)
-        .x_label_formatter(&|v| format!("{v:.0e}"))
-        .y_label_formatter(&|v| format!("{v:.0e}"))
+        .x_label_formatter(label)
+        .y_label_formatter(label)
         .light_line_style(RGBColor(240, 240, 240))
         .draw()?;
     for (i, curve) in chart.curves.iter().enumerate() {
         let colour = COLOURS[curve.colour % COLOURS.len()];
         // Rings of different sizes: where curves lie on each other, each still shows.
         let ring = 3 + 2 * (i as i32 % 4);
-        let points: Vec<(f64, f64)> = curve.points.iter().copied().filter(drawable).collect();
+        let fits = |point: &(f64, f64)| drawable(chart.axes, point);
+        let points: Vec<(f64, f64)> = curve.points.iter().copied().filter(fits).collect();
         area.draw_series(LineSeries::new(
             points.iter().copied(),
             colour.stroke_width(2),
         ))?;
-        area.draw_series(
-            points
-                .iter()
-                .map(|p| Circle::new(*p, ring, colour.stroke_width(2))),
-        )?;
+        if chart.axes == Axes::Logarithmic {
+            area.draw_series(
+                points
+                    .iter()
+                    .map(|p| Circle::new(*p, ring, colour.stroke_width(2))),
+            )?;
+        }
         let line = 60 + 22 * i as i32;
         legend.draw(&PathElement::new(
             [(4, line), (28, line)],
@@ -185,6 +222,7 @@ mod tests {
             title: "time against error".into(),
             x_label: "error (m)".into(),
             y_label: "time (ns)".into(),
+            axes: Axes::Logarithmic,
             curves: vec![Curve {
                 name: "ours & <theirs>".into(),
                 colour: 0,
@@ -216,6 +254,16 @@ mod tests {
     fn a_chart_without_points_is_refused() {
         let refusal = to_svg(&chart(vec![(0.0, 1.0), (f64::NAN, 1.0)])).unwrap_err();
         assert!(matches!(refusal, PlotError::Empty { .. }));
+    }
+
+    #[test]
+    fn a_linear_chart_has_lines_alone_and_takes_zero() {
+        let mut chart = chart(vec![(0.0, -1.0), (1.0, 2.0), (f64::NAN, 1.0)]);
+        chart.axes = Axes::Linear;
+        let svg = to_svg(&chart).unwrap();
+        assert!(!svg.contains("<circle") && svg.contains("<polyline"));
+        assert_eq!(whole([3.0, -1.0].into_iter()), -1.0..3.0);
+        assert!(!whole([5.0].into_iter()).is_empty());
     }
 
     #[test]

@@ -167,7 +167,7 @@ fn write_file(folder: &Path, name: &str, text: &str) -> Result<PathBuf, LabError
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::Curve;
+    use crate::plot::{Axes, Curve};
 
     fn report() -> Report {
         Report {
@@ -180,6 +180,7 @@ mod tests {
                     title: "t".into(),
                     x_label: "x".into(),
                     y_label: "y".into(),
+                    axes: Axes::Logarithmic,
                     curves: vec![Curve {
                         name: "a".into(),
                         colour: 0,

@@ -2,12 +2,14 @@
 //!
 //! It walks in fixed steps and is drawn between the last two. Its place on the ground is f64;
 //! the drawn feet are put on the ground under the drawn (f32) place, so rounding moves them along
-//! the ground and never off it.
+//! the ground and never off it. Where the renderer has answered lately which triangle lies there, they
+//! stand on the triangle; the walk itself knows the true ground alone, so that it is the same with and
+//! without a renderer.
 
 use bevy::math::{DVec2, ops};
 use bevy::prelude::*;
 
-use dolomite_terrain::{Ground, GroundSample, Terrain};
+use dolomite_terrain::{Ground, GroundProbe, GroundSample, ProbeBatch, Terrain};
 
 use super::camera::FreeCamera;
 use super::input::PlayerInput;
@@ -29,9 +31,12 @@ const LEAN_TIME: f32 = 0.18;
 /// Time in which the facing goes 63 % of the way to the walked direction, seconds.
 const TURN_TIME: f32 = 0.10;
 
+/// Oldest answer of the renderer that the feet stand on, frames.
+const OLDEST_DRAWN: u32 = 3;
+
 /// The figure. Its `Transform` is at its feet.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[require(Transform, Visibility)]
+#[require(Transform, Visibility, GroundProbe)]
 pub struct Figure {
     /// State after the last fixed step.
     pub now: Stance,
@@ -237,19 +242,30 @@ fn leaning(ground: &GroundSample) -> Vec3 {
 fn place_between_steps(
     time: Res<Time<Fixed>>,
     scene: Res<CurrentScene>,
-    mut figures: Query<(&Figure, &mut Transform)>,
+    probes: Option<Res<ProbeBatch>>,
+    mut figures: Query<(&Figure, &GroundProbe, &mut Transform)>,
 ) {
-    for (figure, mut transform) in &mut figures {
-        let drawn = drawn(figure, time.overstep_fraction(), &scene.terrain);
+    // The frame that is being made; without the plugin that answers there is nothing to be fresh.
+    let frame = probes.map_or(0, |probes| probes.frame().wrapping_add(1));
+    for (figure, probe, mut transform) in &mut figures {
+        let ground = |place: DVec2| {
+            let truth = scene.terrain.sample_f64(place);
+            probe
+                .answer(place, truth, frame, OLDEST_DRAWN)
+                .sample
+                .height
+        };
+        let drawn = drawn(figure, time.overstep_fraction(), ground);
         transform.set_if_neq(drawn);
     }
 }
 
-/// The transform of the feet, `overstep` (0 to 1) of the way from the step before to the last.
-fn drawn(figure: &Figure, overstep: f32, terrain: &Terrain) -> Transform {
+/// The transform of the feet, `overstep` (0 to 1) of the way from the step before to the last, on the
+/// height that `ground` has at a place.
+fn drawn(figure: &Figure, overstep: f32, ground: impl Fn(DVec2) -> f64) -> Transform {
     let Figure { now, before } = figure;
     let place = before.place.lerp(now.place, f64::from(overstep)).as_vec2();
-    let height = terrain.height(place.as_dvec2()) as f32;
+    let height = ground(place.as_dvec2()) as f32;
     // Equal ends would still be rounded differently for each overstep: a standing figure stands.
     let up = if before.up == now.up {
         now.up

@@ -1,5 +1,6 @@
 //! Every study, one folder each.
 
+pub mod budget;
 pub mod noise;
 pub mod tessellation;
 pub mod tessellation_speed;
@@ -9,6 +10,7 @@ use crate::study::Study;
 
 /// All of them, in the order in which `all` runs them.
 pub const STUDIES: &[Study] = &[
+    budget::STUDY,
     noise::STUDY,
     tessellation::STUDY,
     tessellation_speed::STUDY,

@@ -28,6 +28,7 @@ mod height_map;
 mod hill;
 pub mod noise;
 mod plugin;
+mod probe;
 mod terrain;
 
 pub use batch::{BatchError, HeightTile, Planes};
@@ -39,5 +40,9 @@ pub use height_map::{
 };
 pub use hill::Hill;
 pub use noise::{Classic, Fractal, NoiseError, Sum, Warp};
-pub use plugin::{GroundProbe, TerrainPlugin};
+pub use plugin::TerrainPlugin;
+pub use probe::{
+    AnswerSource, DrawnAnswer, GroundAnswer, GroundProbe, GroundProbeSystems, ProbeAnswer,
+    ProbeBatch, ProbeError, ProbeQuestion,
+};
 pub use terrain::{Layer, Mask, Source, Terrain, TerrainData, TerrainError};

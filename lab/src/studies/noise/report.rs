@@ -4,7 +4,7 @@ use super::OCTAVES;
 use super::measure::{GRADIENT_UNIT, VALUE_UNIT};
 use super::ours;
 use crate::csv::Row;
-use crate::plot::{Chart, Curve};
+use crate::plot::{Axes, Chart, Curve};
 use crate::study::{Figure, Report};
 use serde_json::{Map, Value, json};
 
@@ -91,6 +91,7 @@ fn figures(rows: &[Row]) -> Vec<Figure> {
                 title: format!("Error of the {quantity} against distance"),
                 x_label: "distance from the origin (m)".into(),
                 y_label: error_label.clone(),
+                axes: Axes::Logarithmic,
                 curves: curves(rows, "distance", quantity, |row| {
                     Some((row.parameter_value, row.error?.max))
                 }),
@@ -107,6 +108,7 @@ fn figures(rows: &[Row]) -> Vec<Figure> {
                     title: format!("Time against error of the {quantity}, {layout} points"),
                     x_label: error_label.clone(),
                     y_label: "time of a sample (ns)".into(),
+                    axes: Axes::Logarithmic,
                     curves: curves(rows, &format!("octaves, {layout}"), quantity, |row| {
                         Some((row.error?.max, row.time_ns?))
                     }),
@@ -125,6 +127,7 @@ fn figures(rows: &[Row]) -> Vec<Figure> {
                 title: format!("Time against octaves, {layout} points, value alone"),
                 x_label: "octaves".into(),
                 y_label: "time of a sample (ns)".into(),
+                axes: Axes::Logarithmic,
                 curves: curves(rows, &format!("octaves, {layout}"), "value", |row| {
                     Some((row.parameter_value, row.time_ns?))
                 }),

@@ -5,7 +5,7 @@ use super::rational::{D3D_REACH, D3D_RING_REACH, EXACT_REACH};
 use super::rules::{ASKED, RULES, Verdicts};
 use super::study::Sweep;
 use crate::csv::{ErrorNumbers, Row};
-use crate::plot::{Chart, Curve};
+use crate::plot::{Axes, Chart, Curve};
 use crate::study::{Figure, Report};
 use dolomite_tessellation::stage::{Domain, Mode, Spacing};
 use serde_json::{Map, Value, json};
@@ -313,6 +313,7 @@ fn figure(sweep: &[Sweep]) -> Figure {
             title: "Error of coordinates against number of segments".into(),
             x_label: "segments of an edge".into(),
             y_label: "largest error (of the domain's side)".into(),
+            axes: Axes::Logarithmic,
             curves,
         },
     }

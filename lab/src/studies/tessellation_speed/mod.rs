@@ -5,7 +5,7 @@ use crate::csv::Row;
 use crate::draw::Draw;
 use crate::gpu::Gpu;
 use crate::metrics::median;
-use crate::plot::{Chart, Curve};
+use crate::plot::{Axes, Chart, Curve};
 use crate::stage::{StageError, StagePasses, StageRun};
 use crate::study::{Figure, Options, Report, Study};
 use dolomite_tessellation::stage::tables::Instance;
@@ -172,6 +172,7 @@ fn run(options: &Options) -> Report {
             title: "Tessellation: time over level".into(),
             x_label: "level of every edge".into(),
             y_label: "ms a million primitives".into(),
+            axes: Axes::Logarithmic,
             curves,
         },
     });

@@ -1,7 +1,7 @@
 //! What a number comes to: a section of the JSON object, rows of the table, figures.
 
 use crate::csv::{ErrorNumbers, Row};
-use crate::plot::{Chart, Curve};
+use crate::plot::{Axes, Chart, Curve};
 use crate::study::{Figure, Report};
 use dolomite_tessellation::stage::{Domain, Mode, Spacing};
 use serde_json::{Map, Value, json};
@@ -124,6 +124,7 @@ pub fn figure(
             title: title.to_owned(),
             x_label: x_label.to_owned(),
             y_label: y_label.to_owned(),
+            axes: Axes::Logarithmic,
             curves: curves
                 .into_iter()
                 .enumerate()

@@ -18,6 +18,7 @@
 //!
 //! | part | what it does |
 //! |---|---|
+//! | [`budget`] | a controller that moves the tolerance so that a time is held |
 //! | [`settings`] | metrics and their knobs |
 //! | [`lattice`] | places, cells and their neighbours, in integers |
 //! | [`cell`] | heights and error bounds of a cell, from a few samples |
@@ -25,6 +26,7 @@
 //! | [`select`] | which vertices a view gets |
 //! | [`mesh`] | their heights, and the triangles |
 
+pub mod budget;
 pub mod cell;
 pub mod lattice;
 pub mod mesh;
