@@ -1,5 +1,6 @@
 //! Every study, one folder each.
 
+pub mod lod;
 pub mod noise;
 pub mod tessellation;
 pub mod tessellation_speed;
