@@ -97,6 +97,7 @@ struct Relief {
     low: f64,
     high: f64,
     levels: Vec<Level>,
+    footprint: (Vec<DVec2>, DVec2),
 }
 
 struct Level {
@@ -154,13 +155,16 @@ impl Relief {
             }
         });
         let (low, high) = truth.bounds(&extent);
-        Self {
+        let mut relief = Self {
             extent,
             sea: truth.sea(),
             low: low.max(truth.sea()),
             high: high.max(truth.sea()),
             levels,
-        }
+            footprint: (Vec::new(), DVec2::ZERO),
+        };
+        relief.footprint = relief.footprint(view);
+        relief
     }
 
     /// Bilinear, in the finest level that holds the place; nothing outside of the terrain.
@@ -237,13 +241,16 @@ impl Relief {
     /// to find.
     fn scattered(&self, view: &View, count: usize, random: &mut Random) -> Vec<DVec2> {
         let mut places = Vec::with_capacity(count);
-        let rect = self.footprint(view);
-        for _ in 0..count * 256 {
+        let (cells, size) = &self.footprint;
+        if cells.is_empty() {
+            return places;
+        }
+        for _ in 0..count * 64 {
             if places.len() == count {
                 break;
             }
-            let share = DVec2::new(random.unit(), random.unit());
-            let xz = rect.0 + (rect.1 - rect.0) * share;
+            let cell = cells[(random.unit() * cells.len() as f64) as usize];
+            let xz = cell + *size * DVec2::new(random.unit(), random.unit());
             if let Some(height) = self.height(xz)
                 && view.sees(DVec3::new(xz.x, height, xz.y))
             {
@@ -253,27 +260,36 @@ impl Relief {
         places
     }
 
-    /// A rectangle that holds all ground of the frustum: of a lattice over the extent, the cells that
-    /// may be seen between the least and the greatest height.
-    fn footprint(&self, view: &View) -> (DVec2, DVec2) {
-        let cells = 64;
-        let size = self.extent.size() / f64::from(cells);
-        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        for k in 0..cells * cells {
-            let min =
-                self.extent.min + size * DVec2::new(f64::from(k % cells), f64::from(k / cells));
-            let max = min + size;
-            let box_low = DVec3::new(min.x, self.low, min.y);
-            let box_high = DVec3::new(max.x, self.high, max.y);
-            if view.may_see_box(box_low, box_high) {
-                low = low.min(min);
-                high = high.max(max);
-            }
+    /// Cells of the ground, all of one size, that the view may see: quartered until there are a
+    /// thousand. Nine heights of a cell and a slope of 1 between them are taken for all of it, which
+    /// serves to spread places, not to prove anything.
+    fn footprint(&self, view: &View) -> (Vec<DVec2>, DVec2) {
+        let mut cells = vec![self.extent.min];
+        let mut size = self.extent.size();
+        while cells.len() < 1000 && size.max_element() > FINEST {
+            size /= 2.0;
+            let quarters = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
+            cells = cells
+                .iter()
+                .flat_map(|&min| quarters.map(|q| min + q * size))
+                .filter(|&min| {
+                    let nine = (0..9).filter_map(|k| {
+                        let share = DVec2::new(f64::from(k % 3), f64::from(k / 3)) / 2.0;
+                        self.height((min + size * share).min(self.extent.max))
+                    });
+                    let (low, high) = nine.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), y| {
+                        (l.min(y), h.max(y))
+                    });
+                    let margin = size.max_element();
+                    let max = min + size;
+                    view.may_see_box(
+                        DVec3::new(min.x, low - margin, min.y),
+                        DVec3::new(max.x, high + margin, max.y),
+                    )
+                })
+                .collect();
         }
-        if low.x > high.x {
-            return (self.extent.min, self.extent.max);
-        }
-        (low, high)
+        (cells, size)
     }
 }
 
@@ -312,12 +328,26 @@ mod tests {
                 on_screen.len(),
                 places.xz.len()
             );
-            // From left to right ground is seen everywhere.
+            // Ground is seen from left to right; the whole terrain, from above, in the middle.
             let mut strips = [0; 8];
             for at in &on_screen {
                 strips[((at.x / view.half.x + 1.0) * 3.999) as usize] += 1;
             }
-            assert!(strips.iter().all(|&n| n > 20), "{kind:?}: {strips:?}");
+            let part = if kind == cameras::Kind::Above {
+                2..6
+            } else {
+                0..8
+            };
+            // The near plane hides most of the ground on one side.
+            let least = if kind == cameras::Kind::NearPlane {
+                0
+            } else {
+                20
+            };
+            assert!(
+                strips[part].iter().all(|&n| n > least),
+                "{kind:?}: {strips:?}"
+            );
         }
     }
 }
