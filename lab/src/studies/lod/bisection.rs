@@ -243,7 +243,7 @@ mod tests {
                 let leaves = mesh.leaves();
                 let smallest = leaves.iter().min_by_key(|t| area(t).abs()).unwrap();
                 let pick = leaves[random.next_u32() as usize % leaves.len()];
-                let chosen = if random.next_u32() % 3 == 0 {
+                let chosen = if random.next_u32().is_multiple_of(3) {
                     pick
                 } else {
                     *smallest

@@ -147,6 +147,44 @@ pub fn camera(terrain: &Terrain, kind: Kind, seed: u32) -> Camera {
     }
 }
 
+/// Three ordinary cameras, the same for every run, 1920 × 1080 and 60 degrees: standing on the ground
+/// a third of the way from the middle to the border, flying 150 m above it, and high above the
+/// terrain, a quarter of its size up, looking down at 34 degrees.
+#[must_use]
+pub fn ordinary(terrain: &Terrain) -> [Camera; 3] {
+    let extent = terrain.extent();
+    let sea = terrain.sea_level().map_or(f64::NEG_INFINITY, f64::from);
+    let at = |x: f64, z: f64| extent.centre() + extent.size() * DVec2::new(x, z);
+    let xz = at(-0.091_552_734_375, 0.195_312_5);
+    let ground = terrain.sample_f64(xz).height.max(sea);
+    let standing = Camera {
+        eye: DVec3::new(xz.x, ground + 1.7, xz.y),
+        yaw: (-38.0_f64).to_radians(),
+        pitch: 0.0,
+        roll: 0.0,
+        fov_y: 60.0_f64.to_radians(),
+        size: UVec2::new(1920, 1080),
+        near: 0.1,
+        orthographic: None,
+    };
+    let south = at(0.0, 0.366_210_937_5);
+    let height = extent.size().max_element() * 0.244_140_625;
+    [
+        standing,
+        Camera {
+            eye: standing.eye + DVec3::Y * 150.0,
+            pitch: -0.2,
+            ..standing
+        },
+        Camera {
+            eye: DVec3::new(south.x, height, south.y),
+            yaw: 0.0,
+            pitch: -0.6,
+            ..standing
+        },
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::terrains;
