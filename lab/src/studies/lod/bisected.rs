@@ -92,8 +92,8 @@ impl Rival for Bisected {
 /// Steps along a side of a triangle on which its error is looked for.
 const STEPS: usize = 8;
 /// Triangles longer than this are bounded by the terrain's own bounds, smaller ones by the heights
-/// found on them, metres: the first cost some 0.5 ms, the second may miss a tip between samples, of
-/// which the measurement would tell.
+/// found on them, metres. The first never fail, but are wide and cost as much as many heights; the
+/// second may miss a tip between samples, of which the measurement would tell.
 const BOUNDED: f64 = 256.0;
 /// What may lie between samples: this share of their range above and below.
 const BETWEEN: f64 = 0.25;

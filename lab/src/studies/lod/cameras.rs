@@ -187,12 +187,15 @@ pub fn ordinary(terrain: &Terrain) -> [Camera; 3] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::places::Places;
     use super::super::terrains;
+    use super::super::truth::Truth;
     use super::*;
 
     #[test]
     fn every_camera_is_of_its_kind_and_sees_ground() {
         let terrain = terrains::mountain(1);
+        let truth = Truth::new(&terrain);
         for (kind, camera) in KINDS.into_iter().zip(over(&terrain, 4)) {
             let view = camera.view();
             let above = camera.eye.y
@@ -206,15 +209,11 @@ mod tests {
                 Kind::Down => assert!(view.forward.y < -0.999),
                 _ => {}
             }
-            let seen = (0..400_000).any(|k| {
-                // Rings about the eye, each 1 % wider than the last, and the middle of the screen.
-                let k = f64::from(k);
-                let away = 0.02 * 1.01_f64.powf(k / 300.0);
-                let xz = DVec2::new(camera.eye.x, camera.eye.z)
-                    + DVec2::from_angle(k * 2.399_963) * away;
-                let height = terrain.sample(dolomite_terrain::GroundPoint::new(xz)).value;
-                view.sees(DVec3::new(xz.x, f64::from(height), xz.y))
-            });
+            let places = Places::new(&truth, &view, 1000, 1);
+            let seen = places
+                .xz
+                .iter()
+                .any(|&xz| view.sees(DVec3::new(xz.x, truth.height(xz), xz.y)));
             assert!(seen, "{kind:?} sees no ground");
         }
         assert_eq!(over(&terrain, 4), over(&terrain, 4));

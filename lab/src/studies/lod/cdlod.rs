@@ -14,7 +14,7 @@ use std::sync::Mutex;
 
 /// Quads along a side of a node. Of 8, 16 and 32, the usual ones, the middle.
 const GRID: u32 = 16;
-/// Deepest level of the quadtree; no range reaches it over less than 10⁸ m at the heights of eyes.
+/// Deepest level of the quadtree: nodes of 1 mm for a terrain of 16 km.
 const DEEPEST: u32 = 24;
 /// Share of the way from the next finer range to its own end at which a grid starts to move.
 const MORPH_START: f64 = 0.66;
@@ -38,8 +38,7 @@ impl Rival for Cdlod {
             name: "range, sides of a node",
             // With r sides, a grid has to be at rest where the finer one ends: the diagonal of a node's
             // box, √(2 + rise²) sides, has to fit between r and 1.66 r. From 8 on it does for boxes up
-            // to 5 times as high as wide; those of the terrain's bounds are higher than the ground in
-            // them, up to 4 times as high as wide over plain FBM of slopes around 1.
+            // to 5 times as high as wide; those of the terrain's bounds are higher than the ground.
             coarsest: 8.0,
             finest: 512.0,
         }
@@ -127,7 +126,7 @@ impl Selection<'_> {
                     continue;
                 }
                 let nearest = self.view.distance(self.view.eye.clamp(low, high));
-                if nearest <= self.range(child.0) {
+                if nearest < self.range(child.0) {
                     level.push(child);
                 } else {
                     chosen.push((node, quarter));

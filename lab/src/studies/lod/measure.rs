@@ -53,7 +53,8 @@ struct Sample {
 /// eight. `None` if no place is seen.
 ///
 /// Heights of the truth are f32 where that is off by at most 0.1 pixels. Every error that may be the
-/// largest when that much is added is found once more in f64: the maximum is that of f64.
+/// largest when that much is added is found once more in f64: the maximum is that of f64. Only
+/// whether a place at the very border of the screen counts is decided by the height that is kept.
 #[must_use]
 pub fn measure(truth: &Truth, view: &View, drawn: &dyn Drawn, places: &Places) -> Option<Measured> {
     // Bits of the largest f64 error found so far; of numbers from 0 they are ordered like these.

@@ -29,5 +29,6 @@ pub trait Rival: Send + Sync {
     fn draw(&self, truth: &Truth, camera: &Camera, knob: f64) -> Option<Box<dyn Drawn>>;
 }
 
-/// Most triangles that a method keeps in memory: some 3 GB with the locator.
+/// Most triangles that a method keeps in memory. With its vertices, the locator and what the bisection
+/// remembers, a triangle takes some 100 to 200 bytes.
 pub const MOST_TRIANGLES: usize = 24_000_000;
