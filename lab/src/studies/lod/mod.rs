@@ -1,7 +1,7 @@
 //! Level of detail of a terrain: vertices against the largest error in pixels.
 //!
 //! Every method draws the same terrain for the same camera; its one knob is turned until the largest
-//! error over the same places is the wanted one ([`tune`]); then vertices are compared. An error is
+//! error over the same places is the wanted one ([`mod@tune`]); then vertices are compared. An error is
 //! the distance on the screen between the true surface and the drawn one at a place of the ground
 //! ([`measure`]). All of it runs on the CPU in f64.
 //!
@@ -14,7 +14,7 @@
 //! | [`rival`] | what a method offers |
 //! | [`uniform`], [`cdlod`], [`bisected`] | a static grid; CDLOD; equal edges and greedy |
 //! | [`bisection`] | the triangles of the last two |
-//! | [`tune`] | turns the knob |
+//! | [`mod@tune`] | turns the knob |
 
 #![expect(
     clippy::disallowed_methods,
