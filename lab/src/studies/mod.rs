@@ -1,6 +1,7 @@
 //! Every study, one folder each.
 
 pub mod budget;
+pub mod lod;
 pub mod noise;
 pub mod tessellation;
 pub mod tessellation_speed;

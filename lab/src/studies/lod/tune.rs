@@ -1,0 +1,193 @@
+//! Turns a method's knob until its largest error is the wanted one.
+
+use super::camera::Camera;
+use super::measure::{Measured, measure};
+use super::places::Places;
+use super::rival::{MOST_TRIANGLES, Rival};
+use super::truth::Truth;
+use std::time::{Duration, Instant};
+use thiserror::Error;
+
+/// A method at the wanted error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tuned {
+    /// Where its knob stands.
+    pub knob: f64,
+    /// Vertices of triangles that may be seen.
+    pub vertices: u64,
+    /// Triangles that may be seen.
+    pub triangles: u64,
+    /// Errors at the places that it was tuned on.
+    pub measured: Measured,
+    /// Errors at other places: by how much the first may have missed the largest.
+    pub fresh: Measured,
+    /// Time of drawing once on the CPU, in f64: to tell whether a run is worth waiting for, no more.
+    pub draw: Duration,
+    /// How often it was drawn.
+    pub draws: u32,
+}
+
+/// Why a method has no knob for an error.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum TuneError {
+    /// Nothing is seen.
+    #[error("none of the places is seen by the camera")]
+    NothingSeen,
+    /// Too much to draw.
+    #[error(
+        "at {knob} it draws more than {MOST_TRIANGLES} triangles and errs by {last_error} pixels before"
+    )]
+    TooMany {
+        /// Where the knob stood.
+        knob: f64,
+        /// The error at the finest knob that could be drawn, pixels.
+        last_error: f64,
+    },
+    /// The end of the knob.
+    #[error("at its finest it still errs by {error} pixels")]
+    Finest {
+        /// The error there, pixels.
+        error: f64,
+    },
+}
+
+/// The largest error may be this share below the wanted one.
+pub const CLOSE: f64 = 0.02;
+/// Draws after which the coarsest knob that keeps to the error is taken as it is; a maximum over
+/// samples jumps, and may have no knob within [`CLOSE`].
+const MOST_DRAWS: u32 = 28;
+
+/// Finds the knob for which the largest error at `places` is at most `wanted` pixels, and no more
+/// than 2 % below if there is such a one. From the coarsest end in steps of what the error asks for,
+/// then by false position on logarithms, kept inside the middle four fifths. `fresh` are other places.
+///
+/// # Errors
+/// [`TuneError`].
+pub fn tune(
+    rival: &dyn Rival,
+    truth: &Truth,
+    camera: &Camera,
+    (places, fresh): (&Places, &Places),
+    wanted: f64,
+) -> Result<Tuned, TuneError> {
+    let view = camera.view();
+    let knob = rival.knob();
+    // ln of the knob, from 0 at the coarsest end to `length` at the finest.
+    let length = (knob.finest / knob.coarsest).ln().abs();
+    let sign = (knob.finest / knob.coarsest).ln().signum();
+    let at = |t: f64| knob.coarsest * (sign * t).exp();
+    let mut draws = 0;
+    let mut try_at = |t: f64| {
+        draws += 1;
+        let start = Instant::now();
+        let Some(drawn) = rival.draw(truth, camera, at(t)) else {
+            return Ok(None);
+        };
+        let draw = start.elapsed();
+        let measured = measure(truth, &view, &*drawn, places).ok_or(TuneError::NothingSeen)?;
+        Ok(Some(Tuned {
+            knob: at(t),
+            vertices: drawn.vertices(),
+            triangles: drawn.triangles(),
+            measured,
+            fresh: measured,
+            draw,
+            draws,
+        }))
+    };
+    let close = |tuned: &Tuned| tuned.measured.max >= wanted * (1.0 - CLOSE);
+    // Coarser than wanted: (t, error).
+    let mut coarse = (0.0, f64::INFINITY);
+    let mut t = 0.0;
+    let (mut fine_t, mut fine) = loop {
+        let Some(tuned) = try_at(t)? else {
+            return Err(TuneError::TooMany {
+                knob: at(t),
+                last_error: coarse.1,
+            });
+        };
+        let error = tuned.measured.max;
+        if error <= wanted {
+            break (t, tuned);
+        }
+        if t >= length {
+            return Err(TuneError::Finest { error });
+        }
+        coarse = (t, error);
+        // The error falls with the knob's first power at least on rough ground: 0.7 of it.
+        let ratio = if error.is_finite() {
+            error / wanted
+        } else {
+            1.6
+        };
+        t = (t + 0.7 * ratio.ln().clamp(0.2, 3.0)).min(length);
+    };
+    // At its coarsest it may be better than wanted; there is nothing to be gained then.
+    while fine_t > 0.0 && !close(&fine) && fine.draws < MOST_DRAWS {
+        let (low, high) = (coarse.0, fine_t);
+        // A quarter of the tolerance.
+        if high - low < CLOSE / 4.0 {
+            break;
+        }
+        let aim = (wanted * (1.0 - CLOSE / 2.0)).ln();
+        let (from, to) = (coarse.1.ln(), fine.measured.max.max(1e-9).ln());
+        let share = if from.is_finite() && from > to {
+            (from - aim) / (from - to)
+        } else {
+            0.5
+        };
+        let middle = low + (high - low) * share.clamp(0.1, 0.9);
+        match try_at(middle)? {
+            Some(tuned) if tuned.measured.max <= wanted => (fine_t, fine) = (middle, tuned),
+            Some(tuned) => {
+                coarse = (middle, tuned.measured.max);
+                fine.draws = tuned.draws;
+            }
+            None => coarse = (middle, f64::INFINITY),
+        }
+    }
+    if let Some(drawn) = rival.draw(truth, camera, fine.knob)
+        && let Some(fresh) = measure(truth, &view, &*drawn, fresh)
+    {
+        fine.fresh = fresh;
+    }
+    Ok(fine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::uniform::Uniform;
+    use super::super::{cameras, terrains};
+    use super::*;
+
+    #[test]
+    fn the_knob_is_found_for_a_wanted_error() {
+        let truth = Truth::new(&terrains::fbm(1));
+        let camera = cameras::camera(&truth.terrain, cameras::Kind::Above, 1);
+        let view = camera.view();
+        let places = Places::new(&truth, &view, 4000, 1);
+        let fresh = Places::new(&truth, &view, 4000, 2);
+        let tuned = |wanted| tune(&Uniform, &truth, &camera, (&places, &fresh), wanted).unwrap();
+        let (coarse, fine) = (tuned(2.0), tuned(1.0));
+        for (tuned, wanted) in [(coarse, 2.0), (fine, 1.0)] {
+            let max = tuned.measured.max;
+            assert!(max <= wanted, "{tuned:?}");
+            // Within 2 %, or the error jumps past the wanted one at the next coarser knob.
+            let coarser = Uniform.draw(&truth, &camera, tuned.knob * 1.006).unwrap();
+            let jumped = measure(&truth, &view, &*coarser, &places).unwrap().max > wanted;
+            assert!(max >= wanted * (1.0 - CLOSE) || jumped, "{tuned:?}");
+            let drawn = Uniform.draw(&truth, &camera, tuned.knob).unwrap();
+            assert_eq!(
+                measure(&truth, &view, &*drawn, &places),
+                Some(tuned.measured)
+            );
+            assert!((0.5..2.0).contains(&(tuned.fresh.max / max)));
+        }
+        assert!(fine.knob < coarse.knob && fine.vertices > coarse.vertices);
+        let nothing = Places::default();
+        let refused = tune(&Uniform, &truth, &camera, (&nothing, &fresh), 1.0);
+        assert_eq!(refused, Err(TuneError::NothingSeen));
+        let never = tune(&Uniform, &truth, &camera, (&places, &fresh), 1e-14);
+        assert!(matches!(never, Err(TuneError::Finest { .. })), "{never:?}");
+    }
+}
