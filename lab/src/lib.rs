@@ -19,6 +19,7 @@
 
 pub mod cli;
 pub mod csv;
+pub mod detail;
 pub mod draw;
 pub mod gpu;
 pub mod metrics;

@@ -44,7 +44,7 @@ pub struct GpuLayer {
     pub warp_octaves: u32,
     /// Fractal: index of the warp's octave table for x; that for z follows it.
     pub warp_data: u32,
-    /// Fractal: strength of erosion.
+    /// Fractal: strength of erosion. Map: from its lowest to its highest height, metres.
     pub erosion: f32,
     /// Height where the mask is 0, metres.
     pub mask_low: f32,
@@ -209,6 +209,7 @@ fn map(source: &HeightMap, data: &mut Vec<u32>) -> GpuLayer {
         mantissa: lattice.frequency.map(|frequency| frequency.mantissa),
         shift: lattice.frequency.map(|frequency| frequency.shift),
         scale: source.inverse_spacing().to_array(),
+        erosion: source.range(),
         ..origin(lattice.origin)
     }
 }

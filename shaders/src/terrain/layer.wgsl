@@ -24,7 +24,7 @@ struct Layer {
     warp_octaves: u32,
     // Fractal: index of the warp's octave table for x; that for z follows it.
     warp_data: u32,
-    // Fractal: strength of erosion.
+    // Fractal: strength of erosion. Map: from its lowest to its highest height, metres.
     erosion: f32,
     // Height where the mask is 0, metres.
     mask_low: f32,

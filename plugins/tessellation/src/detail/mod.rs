@@ -25,10 +25,12 @@
 //! | [`view`] | what a vertical metre is in pixels, at most |
 //! | [`select`] | which vertices a view gets |
 //! | [`mesh`] | their heights, and the triangles |
+//! | [`layout`] | the same on the GPU: records and passes |
 
 pub mod budget;
 pub mod cell;
 pub mod lattice;
+pub mod layout;
 pub mod mesh;
 pub mod select;
 pub mod settings;

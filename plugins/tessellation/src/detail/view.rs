@@ -113,7 +113,11 @@ impl DetailView {
             let farthest = Vec3::select(normal.cmpge(Vec3::ZERO), high, low);
             let inside = normal.dot(farthest) + d;
             if inside < 0.0 {
-                share = if sweep == Vec3::ZERO { 0.0 } else { self.shadow_share };
+                share = if sweep == Vec3::ZERO {
+                    0.0
+                } else {
+                    self.shadow_share
+                };
                 if inside + normal.dot(sweep).max(0.0) < 0.0 {
                     return 0.0;
                 }

@@ -1,0 +1,66 @@
+#define_import_path dolomite::detail::bindings
+
+// What all passes of the level of detail share.
+
+#import dolomite::detail::types::{Cell, DetailParams, Link, ViewCell}
+
+struct DetailPass {
+    // Depth that the pass works on; roots have 0.
+    depth: u32,
+    pad_a: u32,
+    pad_b: u32,
+    pad_c: u32,
+}
+
+@group(0) @binding(0) var<uniform> detail: DetailParams;
+@group(0) @binding(1) var<uniform> detail_pass: DetailPass;
+// Kept from frame to frame: what does not depend on the view.
+@group(0) @binding(2) var<storage, read_write> cells: array<Cell>;
+@group(0) @binding(3) var<storage, read_write> links: array<Link>;
+// Of this view.
+@group(0) @binding(4) var<storage, read_write> seen: array<ViewCell>;
+@group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
+// First cells of blocks of four: those to look at from the front, those to make from the back.
+@group(0) @binding(6) var<storage, read_write> lists: array<u32>;
+
+// Words of `counts`. Kept: cells in use.
+const USED: u32 = 0u;
+// Of this choice, from here on: 0 before the first pass.
+// Blocks to look at, and to make, of each depth.
+const LOOK: u32 = 32u;
+const MAKE: u32 = 64u;
+// Vertices and triangles.
+const VERTICES: u32 = 1u;
+const TRIANGLES: u32 = 2u;
+// Bits of the greatest demand of a cell for whose quarters there was no room.
+const WITHOUT_ROOM: u32 = 3u;
+// Bits of what demands are divided by; 0 before it is known.
+const COARSENING: u32 = 4u;
+// Bits of the greatest demand that finest cells leave.
+const LEFT: u32 = 5u;
+// Middles and centres by demand, eight steps an octave from APPEARS on.
+const HISTOGRAM: u32 = 96u;
+const STEPS_AN_OCTAVE: f32 = 8.0;
+const BINS: u32 = 256u;
+// Threads of a pass: 256 groups of 64, each of which works for every 16384th.
+const GROUPS: u32 = 256u;
+const THREADS: u32 = 16384u;
+
+// How many blocks come before those of a depth, in a list whose counts begin at `list`.
+fn blocks_before(list: u32, depth: u32) -> u32 {
+    var sum = 0u;
+    for (var k = 0u; k < depth; k++) {
+        sum += atomicLoad(&counts[list + k]);
+    }
+    return sum;
+}
+
+// A block to look at.
+fn look_block(at: u32) -> u32 {
+    return lists[at];
+}
+
+// A block to make.
+fn make_block(at: u32) -> u32 {
+    return lists[detail.capacity / 2u - 1u - at];
+}

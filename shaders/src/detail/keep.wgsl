@@ -1,0 +1,75 @@
+// Demands of the centres of one depth; cells that are drawn have their quarters looked at next, which
+// are made where they are new. A thread a cell.
+
+#import dolomite::detail::types::{Link, APPEARS, NO_CELL}
+#import dolomite::detail::bindings::{counts, detail, detail_pass, links, lists, seen, LEFT, LOOK, MAKE, THREADS, USED, WITHOUT_ROOM, blocks_before, look_block}
+#import dolomite::detail::find::find_cell
+#import dolomite::detail::lattice::{cell_corner, cell_half, side_direction}
+
+// Its own demand, and what the cells around it need.
+fn demand_of(at: u32, centre: vec2<u32>, half: u32) -> f32 {
+    var demand = seen[at].whole;
+    for (var side = 0u; side < 4u; side++) {
+        let beside = centre + side_direction(side) * (2u * half);
+        let there = find_cell(at, beside, half);
+        if there != NO_CELL {
+            demand = max(demand, max(seen[there].sides[(side + 2u) & 3u], seen[there].finer));
+        }
+        let across = find_cell(at, beside + side_direction(side + 1u) * (2u * half), half);
+        if across != NO_CELL {
+            demand = max(demand, seen[across].finer);
+        }
+    }
+    return demand;
+}
+
+// The first of the cell's quarters; 0 where there is no room.
+fn quarters_of(at: u32, centre: vec2<u32>, half: u32) -> u32 {
+    let known = links[at].children;
+    if known != 0u {
+        return known;
+    }
+    let first = atomicAdd(&counts[USED], 4u);
+    if first + 4u > detail.capacity {
+        return 0u;
+    }
+    for (var k = 0u; k < 4u; k++) {
+        links[first + k] = Link(cell_corner(centre, half / 2u, k), at, 0u);
+    }
+    links[at].children = first;
+    let before = blocks_before(MAKE, detail_pass.depth + 1u);
+    let place = before + atomicAdd(&counts[MAKE + detail_pass.depth + 1u], 1u);
+    lists[detail.capacity / 2u - 1u - place] = first;
+    return first;
+}
+
+@compute @workgroup_size(64)
+fn keep_cells(@builtin(global_invocation_id) id: vec3<u32>) {
+    let depth = detail_pass.depth;
+    let first = blocks_before(LOOK, depth);
+    let blocks = atomicLoad(&counts[LOOK + depth]);
+    let next = first + blocks;
+    for (var k = id.x; k < 4u * blocks; k += THREADS) {
+        let at = look_block(first + k / 4u) + (k & 3u);
+        let centre = links[at].centre;
+        if centre.x == 0u {
+            continue;
+        }
+        let half = cell_half(centre);
+        let demand = demand_of(at, centre, half);
+        if demand <= APPEARS {
+            continue;
+        }
+        seen[at].centre = demand;
+        if half == 1u {
+            atomicMax(&counts[LEFT], bitcast<u32>(seen[at].finer));
+            continue;
+        }
+        let children = quarters_of(at, centre, half);
+        if children == 0u {
+            atomicMax(&counts[WITHOUT_ROOM], bitcast<u32>(demand));
+            continue;
+        }
+        lists[next + atomicAdd(&counts[LOOK + depth + 1u], 1u)] = children;
+    }
+}
