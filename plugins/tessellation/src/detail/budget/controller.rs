@@ -12,6 +12,12 @@ const ONE_IN_HUNDRED: f64 = 2.326;
 const MOST_SPARED: f64 = 0.2;
 /// Work that changes by more than this factor between two frames, with the same tolerance, is a cut.
 const CUT_WORK: f32 = 1.5;
+/// While a view or a load is new, a step from a measured tolerance changes ln τ by at most so many times
+/// what the time is off by, in logarithms: time is taken to follow τ by an exponent of at least 1 over it.
+/// The split of the time is a guess then, and a step too far costs three frames to learn of.
+const REACH: f32 = 2.0;
+/// Measurements after which neither is new.
+const SETTLED: u32 = 8;
 /// Range of counted over foretold work that is believed.
 const BELIEVED: [f64; 2] = [1.0 / 16.0, 16.0];
 /// Frames whose work is remembered; measurements come back two or three frames late.
@@ -65,6 +71,10 @@ pub struct BudgetController {
     counted: Option<f64>,
     view: u64,
     decided: [Option<Decided>; REMEMBERED],
+    /// The last measurement of the present view and load: τ, and time over the budget.
+    measured: Option<(f32, f32)>,
+    /// How many there have been.
+    measurements: u32,
     /// Whether tau is on its way.
     moving: bool,
     /// Whether the last measurement said that the load has changed.
@@ -99,6 +109,8 @@ impl BudgetController {
             counted: None,
             view: 0,
             decided: [None; REMEMBERED],
+            measured: None,
+            measurements: 0,
             moving: false,
             leap: false,
             report: BudgetReport::default(),
@@ -163,10 +175,13 @@ impl BudgetController {
                 Learnt::LoadChanged => {
                     self.report.load_changes += 1;
                     self.leap = true;
+                    self.measurements = 0;
                 }
             },
             _ => self.model = Some(CostModel::new(kind, amount, milliseconds)),
         }
+        self.measured = Some((tau, sample.milliseconds / self.budget.milliseconds));
+        self.measurements = self.measurements.saturating_add(1);
     }
 
     /// Corrects what is foretold by what was counted. Counts are exact: half of the way each time,
@@ -206,6 +221,7 @@ impl BudgetController {
         let kind = kind_of(next.demand);
         if cut {
             self.view += 1;
+            (self.measured, self.measurements) = (None, 0);
             if let Some(model) = &mut self.model {
                 model.cut(f64::from(milliseconds));
             }
@@ -221,7 +237,7 @@ impl BudgetController {
             let distance = (now - 1.0).abs();
             let known_cut = cut && kind == Work::Known;
             if self.leap || known_cut || distance > Self::FAR {
-                tau = goal;
+                tau = self.within_reach(goal, &model).clamp(least, greatest);
                 self.moving = false;
             } else {
                 let near = if self.moving {
@@ -247,6 +263,21 @@ impl BudgetController {
         self.report.frame = next.number;
         self.tell(model, next.demand);
         tau
+    }
+
+    /// `goal`, or what lies on the way to it and can be trusted.
+    fn within_reach(&self, goal: f32, model: &CostModel) -> f32 {
+        let Some((tau, time)) = self.measured else {
+            return goal;
+        };
+        if self.measurements > SETTLED {
+            return goal;
+        }
+        // What the time is off by, the noise that it may hide included.
+        let noise = model.noise() as f32;
+        let off = ops::ln(time * (1.0 + ONE_IN_HUNDRED as f32 * noise)).abs() + noise;
+        let factor = ops::exp(REACH * off);
+        goal.clamp(tau / factor, tau * factor)
     }
 
     /// Largest relative change of τ, `distance` from the budget.

@@ -14,6 +14,9 @@ const MOST_UNKNOWN: f64 = 0.3;
 const CUT_EACH: f64 = 0.08;
 /// How much a change of load is expected to change all of the time, as a part of it.
 const LOAD: f64 = 0.5;
+/// How much either number may change by itself where something has changed that was not foreseen, as a
+/// part of the time: it need not be a load, and the next frame with other work tells.
+const SPLIT: f64 = 0.15;
 /// Range of what the fixed time may change by at a cut, and the first guess, as parts of the time.
 const CUT_FIXED: [f64; 2] = [0.02, 0.25];
 const FIRST_CUT_FIXED: f64 = 0.08;
@@ -185,6 +188,9 @@ impl CostModel {
             if self.sums[0].max(self.sums[1]) > THRESHOLD {
                 self.sums = [0.0; 2];
                 self.scale_unknown();
+                let split = (SPLIT * time) * (SPLIT * time);
+                self.cov[0] += split;
+                self.cov[2] += split;
                 self.update(off, noise);
                 return Learnt::LoadChanged;
             }
