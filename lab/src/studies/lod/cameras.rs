@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn every_camera_is_of_its_kind_and_sees_ground() {
-        let terrain = terrains::mountain(1);
+        let terrain = terrains::fbm(1);
         let truth = Truth::new(&terrain);
         for (kind, camera) in KINDS.into_iter().zip(over(&terrain, 4)) {
             let view = camera.view();
