@@ -140,6 +140,10 @@ pub struct SceneArgs {
     /// Side of the smallest patch.
     #[arg(long, value_name = "METRES", help_heading = "Settings")]
     finest_patch: Option<f32>,
+    /// How far the drawn ground may be from the true one in the picture, in place of patches with
+    /// edges of a wanted length.
+    #[arg(long, value_name = "PIXELS", help_heading = "Settings")]
+    max_error: Option<f32>,
     /// Start at this camera: metres, and degrees. Yaw 0 looks north and grows to the left, pitch
     /// grows upwards. [default: that of the scene; for play, behind the figure]
     #[arg(long, value_name = "X,Y,Z,YAW,PITCH", allow_hyphen_values = true)]
@@ -161,6 +165,7 @@ impl SceneArgs {
         settings.fov = self.fov.or(fov).unwrap_or(settings.fov);
         settings.pixels_per_edge = self.pixels_per_edge.unwrap_or(settings.pixels_per_edge);
         settings.finest_patch = self.finest_patch.unwrap_or(settings.finest_patch);
+        settings.max_error = self.max_error.or(settings.max_error);
         change(&mut settings);
         settings.check(Path::new("command line"))?;
         let request = SceneRequest {

@@ -222,7 +222,7 @@ fn gpu_the_mesh_is_closed_and_the_same_after_looking_away() {
         all.sort_unstable();
         all
     };
-    let mut look = |stage: &mut DetailStage, yaw| {
+    let look = |stage: &mut DetailStage, yaw| {
         let view = view(&terrain, yaw, 3.0, metric);
         sorted(&stage.run(params(&cells, view)).expect("runs"))
     };

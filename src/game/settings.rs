@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
+use dolomite_tessellation::detail::settings::LEAST_PIXELS;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -42,6 +43,9 @@ pub struct Settings {
     pub pixels_per_edge: f32,
     /// Side of the smallest patch, metres; 1 to 4096.
     pub finest_patch: f32,
+    /// How far the drawn ground may be from the true one in the picture, pixels; 1/64 to 1024. In
+    /// place of patches with edges of a wanted length, which is what is drawn without.
+    pub max_error: Option<f32>,
     /// Sun as (azimuth, elevation) in degrees instead of the scene's own: azimuth clockwise from
     /// north, elevation above the horizon, −90 to 90.
     pub sun: Option<(f32, f32)>,
@@ -65,6 +69,7 @@ impl Default for Settings {
             fast_factor: 8.0,
             pixels_per_edge: 8.0,
             finest_patch: 16.0,
+            max_error: None,
             sun: None,
             detail: None,
             panel: true,
@@ -189,6 +194,13 @@ impl Settings {
             ("fast_factor", self.fast_factor, 1.0, true, 1000.0),
             ("pixels_per_edge", self.pixels_per_edge, 1.0, true, 256.0),
             ("finest_patch", self.finest_patch, 1.0, true, 4096.0),
+            (
+                "max_error",
+                self.max_error.unwrap_or(1.0),
+                LEAST_PIXELS,
+                true,
+                1024.0,
+            ),
             ("detail", self.detail.unwrap_or(0.0), 0.0, true, 1000.0),
             (
                 "sun azimuth",

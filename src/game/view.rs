@@ -10,6 +10,7 @@ use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 use dolomite_terrain::Ground;
 use dolomite_tessellation::stage::StageCamera;
+use dolomite_tessellation::detail::{Detail, Metric};
 use dolomite_tessellation::{MaterialBands, TerrainMaterial, TerrainView};
 
 use super::camera::{CameraSystems, FreeCamera};
@@ -193,7 +194,8 @@ fn follow_switches(
     settings: Res<Settings>,
     scene: Res<CurrentScene>,
     figures: Query<&Figure>,
-    mut views: Query<(&mut TerrainView, &mut StageCamera)>,
+    mut views: Query<(Entity, &mut TerrainView, &mut StageCamera, Option<&mut Detail>)>,
+    mut commands: Commands,
 ) {
     let focus = match switches.focus {
         DetailFocus::Camera => None,
@@ -202,7 +204,23 @@ fn follow_switches(
             bevy::math::DVec3::new(place.x, scene.terrain.height(place), place.y)
         }),
     };
-    for (mut view, mut camera) in &mut views {
+    for (entity, mut view, mut camera, detail) in &mut views {
+        let wanted = settings.max_error.map(|pixels| Detail {
+            metric: Metric::ErrorBound { pixels },
+            ..default()
+        });
+        match (detail, wanted) {
+            (Some(mut detail), Some(wanted)) => {
+                detail.set_if_neq(wanted);
+            }
+            (None, Some(wanted)) => {
+                commands.entity(entity).insert(wanted);
+            }
+            (Some(_), None) => {
+                commands.entity(entity).remove::<Detail>();
+            }
+            (None, None) => {}
+        }
         let next = TerrainView {
             finest_patch: settings.finest_patch,
             ..view.clone()

@@ -7,6 +7,8 @@ use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPool};
 use dolomite_terrain::{Ground, GroundPoint, Planes, Terrain};
 
+use crate::detail::Detail;
+
 use super::lattice::{Lattice, Node, clamped, selection_height};
 use super::patches::GroundPatches;
 use super::settings::TerrainView;
@@ -119,11 +121,12 @@ fn update_covers(
         Ref<StageCamera>,
         Ref<GlobalTransform>,
         &mut TerrainCover,
+        Has<Detail>,
     )>,
     mut cache: ResMut<PatchBounds>,
 ) {
     let Some(terrain) = terrain.iter().next() else {
-        for (.., mut cover) in &mut views {
+        for (.., mut cover, _) in &mut views {
             if !cover.leaves.is_empty() {
                 *cover = TerrainCover::default();
             }
@@ -133,7 +136,11 @@ fn update_covers(
     if terrain.is_changed() {
         cache.lattice = None;
     }
-    for (view, camera, transform, mut cover) in &mut views {
+    for (view, camera, transform, mut cover, detailed) in &mut views {
+        // The level of detail chooses for itself.
+        if detailed {
+            continue;
+        }
         let changed = view.is_changed() || camera.is_changed() || transform.is_changed();
         if !(terrain.is_changed() || changed) {
             continue;

@@ -123,6 +123,12 @@ pub struct WorkHead {
     pub grid_dispatch: [u32; 3],
     /// Arguments of the draw that fetches indices by itself, for lines.
     pub plain: [u32; 4],
+    /// Of the level of detail: bits of what all demands were divided by so that they fit.
+    pub coarsening: u32,
+    /// Of the level of detail: bits of the greatest demand that the finest cells leave.
+    pub left: u32,
+    /// Of the level of detail: cells that are kept.
+    pub kept_cells: u32,
 }
 
 /// What the draws know; see the WGSL file for units and meanings.

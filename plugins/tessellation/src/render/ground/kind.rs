@@ -36,6 +36,8 @@ pub struct GroundKind {
     pub(super) extent_min: DVec2,
     /// From the lowest to the highest ground of all, metres.
     pub(super) heights_apart: f32,
+    /// Whether its triangles come from the level of detail instead of patches.
+    pub(super) given: bool,
     /// Most that a view asks for.
     pub(super) pool: PatchPool,
 }
@@ -105,6 +107,10 @@ impl PatchKind for GroundKind {
             Vec4::ZERO,
             Vec4::ZERO,
         ]
+    }
+
+    fn given(&self) -> bool {
+        self.given
     }
 
     fn pool(&self) -> PatchPool {

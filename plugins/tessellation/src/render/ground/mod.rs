@@ -4,9 +4,12 @@
 //! Nothing exists on the GPU until the world has a terrain with its material, its textures have
 //! arrived, and a camera has a [`TerrainView`].
 
+mod detail;
 mod kind;
 pub mod relief;
 pub mod texture;
+
+use std::sync::Arc;
 
 use bevy::asset::RenderAssetUsages;
 use bevy::prelude::*;
@@ -17,10 +20,13 @@ use dolomite_terrain::{GpuTerrainUniform, Terrain};
 pub use kind::{GroundKind, GroundLook};
 pub use relief::TerrainRelief;
 
+use crate::detail::Detail;
 use crate::ground::lattice::clamped;
-use crate::ground::{TerrainCover, TerrainCoverSystems, TerrainMaterial, TerrainView};
+use crate::ground::{
+    GROUND_LAYOUT, TerrainCover, TerrainCoverSystems, TerrainMaterial, TerrainView,
+};
 use crate::render::stage::{PatchPlugin, PatchPool};
-use crate::stage::Patches;
+use crate::stage::{PatchMesh, Patches};
 use relief::RELIEF_SIDE;
 use texture::ReadyArrays;
 
@@ -29,7 +35,9 @@ pub(crate) fn build(app: &mut App) {
     if app.get_sub_app(RenderApp).is_none() {
         return;
     }
-    app.add_plugins(PatchPlugin(GroundKind::default()))
+    app.add_plugins(PatchPlugin(GroundKind::default()));
+    detail::build(app);
+    app
         .init_resource::<ReadyArrays>()
         .add_systems(
             Update,
@@ -68,6 +76,7 @@ fn update_kind(
     mut buffers: ResMut<Assets<ShaderBuffer>>,
     terrains: Query<GroundQuery>,
     views: Query<&TerrainView>,
+    details: Query<(), (With<TerrainView>, With<Detail>)>,
     mut due: Local<Due>,
 ) {
     let Some((terrain, material, relief)) = terrains.iter().next() else {
@@ -80,6 +89,10 @@ fn update_kind(
     due.look |= terrain.is_changed() || material.is_changed() || relief_changed;
     if views.is_empty() {
         return;
+    }
+    let given = !details.is_empty();
+    if kind.given != given {
+        kind.given = given;
     }
     let pool = views
         .iter()
@@ -138,11 +151,21 @@ fn look(
     }
 }
 
+/// A patch that nobody looks at.
+fn one_quad() -> Arc<PatchMesh> {
+    let points = vec![[0.0; 4]; GROUND_LAYOUT.points as usize];
+    let indices = (0..GROUND_LAYOUT.points as u32).collect();
+    let whole = [[crate::stage::patches::WHOLE; 4]];
+    let mesh = PatchMesh::with_middles(GROUND_LAYOUT, points, indices, &whole);
+    Arc::new(mesh.expect("one patch of the layout's own size"))
+}
+
 /// Gives every view the patches of its cover, as an entity that it alone sees.
 fn place_patches(
     mut commands: Commands,
     terrains: Query<&TerrainMaterial, With<Terrain>>,
     kind: Res<GroundKind>,
+    mut any: Local<Option<Arc<PatchMesh>>>,
     ready: Res<ReadyArrays>,
     covers: Query<(Entity, Ref<TerrainCover>), With<TerrainView>>,
     mut grounds: Query<(
@@ -167,14 +190,21 @@ fn place_patches(
     }
     for (camera, cover) in &covers {
         let found = grounds.iter_mut().find(|(_, of, ..)| of.0 == camera);
-        if found.is_some() && !cover.is_changed() {
+        // The level of detail needs an entity that the stage draws for, and no patches.
+        let mesh = if kind.given {
+            any.get_or_insert_with(one_quad)
+        } else {
+            &cover.patches.mesh
+        };
+        let other = |patches: &Patches<GroundKind>| !Arc::ptr_eq(&patches.mesh, mesh);
+        if found.as_ref().is_some_and(|(_, _, patches, ..)| !other(patches)) {
             continue;
         }
         if let Some(fault) = &cover.fault {
             error!("the ground cannot be covered with patches: {fault}");
             continue;
         }
-        let mut patches = Patches::new(cover.patches.mesh.clone());
+        let mut patches = Patches::new(mesh.clone());
         patches.params[0].x = kind.heights_apart;
         patches.camera = Some(camera);
         let origin = cover.patches.origin.as_vec2();

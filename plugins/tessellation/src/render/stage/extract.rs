@@ -99,6 +99,7 @@ pub fn kind<K: PatchKind>(
     {
         kind.pool = settings.pool();
         kind.still = settings.still();
+        kind.given = settings.given();
         let stored = !K::MOVES && !super::evaluated::<K>() && K::AMPLIFIED == 0;
         kind.host = settings.host().filter(|_| stored);
         kind.materials = settings.materials();

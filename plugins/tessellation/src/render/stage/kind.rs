@@ -101,6 +101,13 @@ pub trait PatchKind: AsBindGroup + Resource + Clone {
         false
     }
 
+    /// Whether another plugin writes the vertices and indices of each view, in place of the stage's
+    /// passes; the stage then draws them, and knows nothing of the patches.
+    #[doc(hidden)]
+    fn given(&self) -> bool {
+        false
+    }
+
     /// Most that one view keeps of this kind.
     fn pool(&self) -> PatchPool {
         PatchPool::default()

@@ -14,18 +14,18 @@
 //! tessellated. Nothing exists on the GPU until a [`StageCamera`](crate::stage::StageCamera) and
 //! [`Patches`](crate::stage::Patches) of a kind are in the world.
 
-mod camera;
+pub(crate) mod camera;
 mod direct;
-mod extract;
+pub(crate) mod extract;
 mod host;
 mod kind;
-mod library;
-mod pass;
+pub(crate) mod library;
+pub(crate) mod pass;
 mod pipeline;
-mod prepare;
+pub(crate) mod prepare;
 mod ranges;
 mod readback;
-mod stats;
+pub(crate) mod stats;
 mod view;
 
 use std::any::TypeId;
@@ -97,6 +97,7 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
         pool: PatchPool::default(),
         host: None,
         still: false,
+        given: false,
         materials: Vec::new(),
         materials_changed: true,
         instances: Vec::new(),

@@ -194,6 +194,7 @@ pub fn tessellate(
             continue;
         };
         if !state.settled
+            && !kind.given
             && let Some(groups) = &state.groups
         {
             let found = pipelines.compute.map(|id| cache.get_compute_pipeline(id));

@@ -83,6 +83,8 @@ pub struct Kind {
     pub host: Option<Arc<dyn HostFunctions>>,
     /// Whether nothing depends on the view.
     pub still: bool,
+    /// Whether another plugin writes what the stage would emit.
+    pub given: bool,
     pub materials: Vec<PatchMaterial>,
     pub materials_changed: bool,
     pub instances: Vec<(Arc<PatchMesh>, Instance)>,
@@ -400,18 +402,30 @@ pub fn views(
                 [0.0; 2]
             };
             params.view = stage_view(view, &matrices, &space, camera, scene.sun, time);
+            let greatest = if kind.given {
+                [u64::MAX; 2]
+            } else {
+                buffers.greatest
+            };
             let [vertices, primitives] =
-                pool_sizes(kind.pool, buffers.greatest, kind.traits.vertex_bytes());
+                pool_sizes(kind.pool, greatest, kind.traits.vertex_bytes());
+            // The ranges of shadow views are those of patches.
+            let traits = &KindTraits {
+                bounded: kind.traits.bounded && !kind.given,
+                ..kind.traits
+            };
             params.max_vertices = vertices;
             params.max_primitives = primitives;
             let state = kind
                 .views
                 .entry(entity)
-                .or_insert_with(|| ViewKind::new(&device, &params, &kind.traits));
-            if [state.params.max_vertices, state.params.max_primitives] != [vertices, primitives] {
-                *state = ViewKind::new(&device, &params, &kind.traits);
+                .or_insert_with(|| ViewKind::new(&device, &params, traits));
+            if [state.params.max_vertices, state.params.max_primitives] != [vertices, primitives]
+                || state.ranges.is_some() != traits.bounded
+            {
+                *state = ViewKind::new(&device, &params, traits);
             }
-            state.fit(&device, &params, &kind.traits, buffers.generation);
+            state.fit(&device, &params, traits, buffers.generation);
             state.anchor = space.anchor;
             let timeless = kind.traits.evaluated;
             state.update(&queue, &params, kind.version, [timeless, kind.still]);
@@ -475,6 +489,11 @@ fn pool_sizes(pool: PatchPool, greatest: [u64; 2], vertex_bytes: u64) -> [u32; 2
 }
 
 impl ViewKind {
+    /// What the stage's passes are told.
+    pub const fn params(&self) -> &StageParams {
+        &self.params
+    }
+
     /// Patches of all entities.
     pub const fn patches(&self) -> u32 {
         self.params.patches
