@@ -43,8 +43,8 @@
 //! [`TerrainView`]); seven dispatches in a frame whose view or patches
 //! changed, none else.
 
-pub mod detail;
 pub mod classic;
+pub mod detail;
 pub mod ground;
 #[cfg(feature = "render")]
 pub mod render;

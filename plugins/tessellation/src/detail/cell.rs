@@ -101,14 +101,22 @@ fn square_errors(samples: &[Sample], (i, j): (usize, usize), n: usize, outer: us
             let (u, v) = (x as f32 / size, z as f32 / size);
             let halves = if outer.is_multiple_of(2) {
                 // Diagonal from corner 0 to corner 2.
-                let (bend, first) = if u > v { (corners[1], u) } else { (corners[3], v) };
+                let (bend, first) = if u > v {
+                    (corners[1], u)
+                } else {
+                    (corners[3], v)
+                };
                 let second = if u > v { v } else { u };
                 corners[0] + (bend - corners[0]) * first + (corners[2] - bend) * second
             } else {
                 // From corner 1 to corner 3, by corner 0 or corner 2.
                 let bend = if u + v < 1.0 { corners[0] } else { corners[2] };
                 let (west, south) = (1.0 - u, v);
-                let (first, second) = if u + v < 1.0 { (west, south) } else { (south, west) };
+                let (first, second) = if u + v < 1.0 {
+                    (west, south)
+                } else {
+                    (south, west)
+                };
                 corners[1] + (bend - corners[1]) * first + (corners[3] - bend) * second
             };
             errors.halves = errors.halves.max(residual(sample, halves));
@@ -165,7 +173,10 @@ impl Cell {
         });
         let missed = TAIL * finest + unseen + ROUNDING * low.abs().max(high.abs());
         let quarters = whole.quarters.map(|own| own.max(finer) + missed);
-        let error = whole.halves.max(quarters.into_iter().fold(0.0, f32::max) - missed) + missed;
+        let error = whole
+            .halves
+            .max(quarters.into_iter().fold(0.0, f32::max) - missed)
+            + missed;
         let corner = |at: usize| {
             let h = heights[at];
             [h.value, h.gradient.x, h.gradient.y]
@@ -315,9 +326,7 @@ impl DetailCells {
         const PART: usize = 64;
         self.cells.resize(first + made.len(), Cell::default());
         let (lattice, terrain) = (&self.lattice, &self.terrain);
-        let sea = terrain
-            .sea_level()
-            .unwrap_or(GpuTerrainUniform::NO_SEA);
+        let sea = terrain.sea_level().unwrap_or(GpuTerrainUniform::NO_SEA);
         let fresh = &mut self.cells[first..];
         if made.len() <= PART {
             make_cells(lattice, terrain, sea, &made, fresh);
@@ -417,13 +426,7 @@ mod tests {
         // ½(u² + v²): the diagonal of length √2 leaves (√2)²/8 in its middle, whichever it is; then the
         // quarters 1/8 at the middles of the sides.
         for outer in 0..4 {
-            let cell = Cell::new(
-                &grid(|u, v| 0.5 * (u * u + v * v)),
-                -1e30,
-                12.0,
-                outer,
-                0.0,
-            );
+            let cell = Cell::new(&grid(|u, v| 0.5 * (u * u + v * v)), -1e30, 12.0, outer, 0.0);
             let tail = TAIL * 0.125 * 4.0 / (STEPS * STEPS) as f32;
             assert!((cell.error - 0.25 - tail).abs() < 1e-5, "{outer}: {cell:?}");
             for quarter in cell.quarters {

@@ -125,7 +125,10 @@ pub fn ends(vertex: UVec2) -> [UVec2; 2] {
     }
     let half = 1_u32 << tx.min(tz);
     let along = if tx < tz { IVec2::X } else { IVec2::Y };
-    [moved(vertex, along, half.wrapping_neg()), moved(vertex, along, half)]
+    [
+        moved(vertex, along, half.wrapping_neg()),
+        moved(vertex, along, half),
+    ]
 }
 
 /// The two cells that share a side's middle, and which of their sides it is: first the one with the
@@ -330,6 +333,9 @@ mod tests {
         assert_eq!(lattice.depth, MAX_DEPTH);
         let last = lattice.root_cells().last().expect("a root");
         assert!(lattice.holds(last) && !lattice.holds(last.neighbour(2)));
-        assert!(!lattice.holds(last.neighbour(0).neighbour(0)), "wraps to the far end");
+        assert!(
+            !lattice.holds(last.neighbour(0).neighbour(0)),
+            "wraps to the far end"
+        );
     }
 }

@@ -102,21 +102,23 @@ pub fn own_demand(
 ) -> Demand {
     let (low, high) = cell_box(view, lattice, place, cell);
     let sight = view.sight(low, high);
-    let factor = sight.share * view.inverse_tolerance * match view.metric {
-        0 => {
-            let [least, greatest, reach, height] = view.classic;
-            let relief = ((cell.high - cell.low - 2.0 * cell.error) * height).clamp(0.0, 1.0);
-            let blend = (reach * sight.distance + 0.4 * (1.0 - relief)).min(1.0);
-            if sight.distance * reach < 0.6 {
-                greatest + (least - greatest) * blend
-            } else {
-                least
+    let factor = sight.share
+        * view.inverse_tolerance
+        * match view.metric {
+            0 => {
+                let [least, greatest, reach, height] = view.classic;
+                let relief = ((cell.high - cell.low - 2.0 * cell.error) * height).clamp(0.0, 1.0);
+                let blend = (reach * sight.distance + 0.4 * (1.0 - relief)).min(1.0);
+                if sight.distance * reach < 0.6 {
+                    greatest + (least - greatest) * blend
+                } else {
+                    least
+                }
             }
-        }
-        1 if view.orthographic == 1.0 => view.scale,
-        1 => view.scale / sight.distance.max(view.near),
-        _ => sight.pixels_per_metre,
-    };
+            1 if view.orthographic == 1.0 => view.scale,
+            1 => view.scale / sight.distance.max(view.near),
+            _ => sight.pixels_per_metre,
+        };
     let (whole, sides, finer) = if view.metric == 2 {
         (cell.error, cell.quarters, cell.finer)
     } else {
@@ -149,7 +151,12 @@ pub struct Demand {
 }
 
 /// The box of a cell, relative to the view's anchor.
-fn cell_box(view: &DetailView, lattice: &DetailLattice, place: CellPlace, cell: &Cell) -> (Vec3, Vec3) {
+fn cell_box(
+    view: &DetailView,
+    lattice: &DetailLattice,
+    place: CellPlace,
+    cell: &Cell,
+) -> (Vec3, Vec3) {
     let anchor = dolomite_terrain::GroundPoint {
         cell: view.anchor(),
         frac: UVec2::ZERO,
@@ -302,7 +309,8 @@ const STEPS: f32 = 8.0;
 /// The least of the steps 2^(k/8) by which the tolerance grows so that at most `most` vertices appear.
 fn fitting(selection: &Selection, most: f32) -> f32 {
     let mut counts = [0.0_f32; 512];
-    let step = |demand: f32| (bevy::math::ops::log2(demand / APPEARS) * STEPS).clamp(0.0, 511.0) as usize;
+    let step =
+        |demand: f32| (bevy::math::ops::log2(demand / APPEARS) * STEPS).clamp(0.0, 511.0) as usize;
     for demand in selection.demands().filter(|&demand| demand > APPEARS) {
         counts[step(demand)] += 0.75;
     }

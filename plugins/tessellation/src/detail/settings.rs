@@ -50,7 +50,8 @@ impl Metric {
     /// is not a number becomes the default.
     #[must_use]
     pub fn clamped(self) -> Self {
-        let pixels = |value: f32, default: f32| within(value, LEAST_PIXELS, GREATEST_PIXELS, default);
+        let pixels =
+            |value: f32, default: f32| within(value, LEAST_PIXELS, GREATEST_PIXELS, default);
         match self {
             Self::Classic {
                 patch,
