@@ -47,7 +47,8 @@ pub struct Arguments {
         value_parser = camera_count
     )]
     pub cameras: usize,
-    /// Least error that the methods of `lod` are tuned to, pixels, from 0.5 to 64; at 1 it takes hours
+    /// Least error that the methods of `lod` are tuned to, pixels, from 1 to 64 (64, 16, 4, 1);
+    /// at 1 it takes hours
     #[arg(long, default_value_t = Options::default().error, value_parser = wanted_error)]
     pub error: f64,
     /// Of `tessellation` alone: compare the captured patches of this file, one JSON object a line,
@@ -115,8 +116,8 @@ fn camera_count(text: &str) -> Result<usize, String> {
 
 fn wanted_error(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(pixels) if (0.5..=64.0).contains(&pixels) => Ok(pixels),
-        _ => Err("a number of pixels from 0.5 to 64 is needed".into()),
+        Ok(pixels) if (1.0..=64.0).contains(&pixels) => Ok(pixels),
+        _ => Err("a number of pixels from 1 to 64 is needed".into()),
     }
 }
 
@@ -258,7 +259,7 @@ mod tests {
     #[test]
     fn cameras_and_errors_have_ranges() {
         assert_eq!(parse("lod --cameras 7").unwrap().cameras, 7);
-        assert_eq!(parse("lod --error 0.5").unwrap().error, 0.5);
+        assert_eq!(parse("lod --error 1").unwrap().error, 1.0);
         for wrong in [
             "--cameras=0",
             "--cameras=many",

@@ -34,7 +34,7 @@ impl Default for Options {
             repeats: 9,
             triangles: 1_000_000,
             frames: 1000,
-            cameras: 500,
+            cameras: 200,
             error: 4.0,
         }
     }

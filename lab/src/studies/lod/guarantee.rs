@@ -175,11 +175,7 @@ pub fn view(
     let drawn = mesh::mesh(cells, &selection);
     let mut known = Vec::with_capacity(samples + samples / 8);
     places(&drawn, &own, samples, random, |xz, height| {
-        known.push((xz, Some(height)))
-    });
-    let rest = mesh::mesh(cells, &unseen(selection));
-    places(&rest, &own, samples / UNDRAWN, random, |xz, _| {
-        known.push((xz, None))
+        known.push((xz, height))
     });
     let best = AtomicU64::new(0);
     for part in known.chunks(1 << 13) {
@@ -187,8 +183,20 @@ pub fn view(
         // Of the bound: so much may the percentile be off, the maximum and the count are of f64.
         let heights = truth.heights(&scaled, &xz, 0.1);
         let with = part.iter().zip(heights);
-        let with = with.map(|(&(xz, drawn), truth)| Sample { xz, truth, drawn });
+        let with = with.map(|(&(xz, drawn), truth)| Sample {
+            xz,
+            truth,
+            drawn: Some(drawn),
+        });
         tally.add(truth, &scaled, with.collect(), &best);
+    }
+    let rest = mesh::mesh(cells, &unseen(selection));
+    known.clear();
+    places(&rest, &own, samples / UNDRAWN, random, |xz, _| {
+        known.push((xz, 0.0))
+    });
+    for (xz, _) in known {
+        tally.hole(&own, DVec3::new(xz.x, truth.height(xz), xz.y));
     }
     Count {
         tau,

@@ -215,6 +215,16 @@ impl Tally {
         }
     }
 
+    /// A place of the ground where nothing is drawn: a hole if the view sees it.
+    pub(super) fn hole(&mut self, view: &View, place: DVec3) {
+        self.samples += 1;
+        if view.sees(place) {
+            self.holes += 1;
+            self.above += 1;
+            (self.max, self.worst) = (f64::INFINITY, DVec2::new(place.x, place.z));
+        }
+    }
+
     /// Takes in what another part has found.
     pub(super) fn merge(&mut self, other: &Self) {
         if other.max > self.max {

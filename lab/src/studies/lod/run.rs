@@ -57,7 +57,7 @@ impl Plan {
             edges: 1_000_000,
             frames: options.frames / 50,
             picture: UVec2::new(960, 540),
-            wanted: [64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.0, 0.5]
+            wanted: [64.0, 16.0, 4.0, 1.0]
                 .into_iter()
                 .filter(|&wanted| wanted >= options.error)
                 .collect(),

@@ -134,7 +134,7 @@ pub fn dem(seed: u32) -> Terrain {
     })
 }
 
-/// Ground that can be moved: the same elevation about `centre`, and two hundred hills on it, some higher
+/// Ground that can be moved: the same elevation about `centre`, and as many hills on it as a terrain may have, some higher
 /// than wide. (Noise cannot: it is another one elsewhere.)
 #[must_use]
 pub fn movable(seed: u32, centre: DVec2) -> Terrain {
@@ -143,9 +143,9 @@ pub fn movable(seed: u32, centre: DVec2) -> Terrain {
     let mut random = Random::new(seed);
     // Multiples of 1/16 m, exact wherever the centre is.
     let mut along = |size: f64| ((random.unit() - 0.5) * size * 16.0).round() / 16.0;
-    let hills = (0..200).map(|k| {
+    let hills = (1..Terrain::MAX_LAYERS).map(|k| {
         let centre = centre + DVec2::new(along(extent.size().x), along(extent.size().y));
-        let radius = 5.0 * 1.03_f32.powf(k as f32);
+        let radius = 5.0 * 1.1_f32.powf(k as f32);
         let height = radius * (0.5 + along(1.0) as f32);
         Layer {
             source: Source::Hill(Hill {
