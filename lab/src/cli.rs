@@ -39,6 +39,18 @@ pub struct Arguments {
     /// Frames in which background pixels behind closed surfaces are counted
     #[arg(long, default_value_t = Options::default().frames, value_parser = frame_count)]
     pub frames: usize,
+    /// Cameras over which `lod` looks for errors above the tolerance, at four tolerances and `--samples`
+    /// places each
+    #[arg(
+        long,
+        default_value_t = Options::default().cameras,
+        value_parser = camera_count
+    )]
+    pub cameras: usize,
+    /// Least error that the methods of `lod` are tuned to, pixels, from 1 to 64 (64, 16, 4, 1);
+    /// at 1 it takes hours
+    #[arg(long, default_value_t = Options::default().error, value_parser = wanted_error)]
+    pub error: f64,
     /// Of `tessellation` alone: compare the captured patches of this file, one JSON object a line,
     /// in place of the study; prints one JSON object and writes no files
     #[arg(long, value_name = "FILE.jsonl")]
@@ -95,6 +107,20 @@ fn frame_count(text: &str) -> Result<usize, String> {
     in_range(text, &FRAMES)
 }
 
+/// Most cameras: a day's run.
+const CAMERAS: std::ops::RangeInclusive<usize> = 1..=1_000_000;
+
+fn camera_count(text: &str) -> Result<usize, String> {
+    in_range(text, &CAMERAS)
+}
+
+fn wanted_error(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(pixels) if (1.0..=64.0).contains(&pixels) => Ok(pixels),
+        _ => Err("a number of pixels from 1 to 64 is needed".into()),
+    }
+}
+
 fn in_range(text: &str, range: &std::ops::RangeInclusive<usize>) -> Result<usize, String> {
     match text.parse() {
         Ok(count) if range.contains(&count) => Ok(count),
@@ -137,6 +163,8 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
         repeats: arguments.repeats,
         triangles: arguments.triangles,
         frames: arguments.frames,
+        cameras: arguments.cameras,
+        error: arguments.error,
     };
     let all = arguments.study == "all";
     let chosen = |study: &&Study| all || study.name == arguments.study;
@@ -225,6 +253,21 @@ mod tests {
                 parse(&format!("noise --frames={wrong}")).is_err(),
                 "{wrong}"
             );
+        }
+    }
+
+    #[test]
+    fn cameras_and_errors_have_ranges() {
+        assert_eq!(parse("lod --cameras 7").unwrap().cameras, 7);
+        assert_eq!(parse("lod --error 1").unwrap().error, 1.0);
+        for wrong in [
+            "--cameras=0",
+            "--cameras=many",
+            "--error=0",
+            "--error=NaN",
+            "--error=65",
+        ] {
+            assert!(parse(&format!("lod {wrong}")).is_err(), "{wrong}");
         }
     }
 

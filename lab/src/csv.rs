@@ -25,6 +25,8 @@ pub struct Row {
     pub time_ns: Option<f64>,
     /// Bytes that the method keeps: tables and parameters, without its input and output.
     pub bytes: Option<usize>,
+    /// Vertices that are drawn.
+    pub vertices: Option<u64>,
     /// FNV-1a over the bits of the results.
     pub hash: Option<u64>,
     /// What it ran on.
@@ -52,7 +54,7 @@ impl From<ErrorStats> for ErrorNumbers {
     }
 }
 
-const HEADER: &str = "sweep,method,parameter,quantity,error_max,error_rms,error_p99,error_unit,time_ns,bytes,hash,device";
+const HEADER: &str = "sweep,method,parameter,quantity,error_max,error_rms,error_p99,error_unit,time_ns,bytes,vertices,hash,device";
 
 /// The whole file: a header and a line for each row (RFC 4180; `\n` ends a line).
 pub fn to_csv(rows: &[Row]) -> String {
@@ -71,6 +73,7 @@ pub fn to_csv(rows: &[Row]) -> String {
             quoted(&row.error_unit),
             number(row.time_ns),
             row.bytes.map_or(String::new(), |b| b.to_string()),
+            row.vertices.map_or(String::new(), |v| v.to_string()),
             row.hash.map_or(String::new(), |h| format!("{h:016x}")),
             quoted(&row.device),
         ];
@@ -107,12 +110,13 @@ mod tests {
             error_unit: "amplitude".into(),
             time_ns: Some(12.5),
             bytes: Some(64),
+            vertices: Some(12),
             hash: Some(0xab),
             device: "CPU".into(),
         };
         let text = to_csv(std::slice::from_ref(&row));
         let line = text.lines().nth(1).unwrap();
-        let expected = "octaves,\"a, \"\"b\"\"\",octaves=8,value,1e-1,2.5e-1,1e-7,amplitude,1.25e1,64,00000000000000ab,CPU";
+        let expected = "octaves,\"a, \"\"b\"\"\",octaves=8,value,1e-1,2.5e-1,1e-7,amplitude,1.25e1,64,12,00000000000000ab,CPU";
         assert_eq!(line, expected);
         row.method = "a".into();
         row.error = None;
@@ -121,7 +125,7 @@ mod tests {
         let line = text.lines().nth(1).unwrap();
         assert_eq!(
             line,
-            "octaves,a,octaves=8,value,,,,amplitude,,64,00000000000000ab,CPU"
+            "octaves,a,octaves=8,value,,,,amplitude,,64,12,00000000000000ab,CPU"
         );
         assert_eq!(line.split(',').count(), HEADER.split(',').count());
     }

@@ -20,6 +20,10 @@ pub struct Options {
     pub triangles: u32,
     /// Frames in which background pixels are counted.
     pub frames: usize,
+    /// Cameras of `lod`.
+    pub cameras: usize,
+    /// The least error that methods of `lod` are tuned to, pixels.
+    pub error: f64,
 }
 
 impl Default for Options {
@@ -30,6 +34,8 @@ impl Default for Options {
             repeats: 9,
             triangles: 1_000_000,
             frames: 1000,
+            cameras: 200,
+            error: 4.0,
         }
     }
 }

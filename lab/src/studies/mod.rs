@@ -12,6 +12,7 @@ use crate::study::Study;
 /// All of them, in the order in which `all` runs them.
 pub const STUDIES: &[Study] = &[
     budget::STUDY,
+    lod::STUDY,
     noise::STUDY,
     tessellation::STUDY,
     tessellation_speed::STUDY,

@@ -165,6 +165,7 @@ fn row(milliseconds: f32, method: &str, trace: &Trace, verdict: &Verdict) -> Row
         error_unit: "budget".into(),
         time_ns: Some(trace.nanoseconds),
         bytes: None,
+        vertices: None,
         hash: Some(verdict.hash),
         device: "CPU".into(),
     }

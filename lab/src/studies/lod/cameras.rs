@@ -58,27 +58,50 @@ pub fn over(terrain: &Terrain, seed: u32) -> Vec<Camera> {
 #[must_use]
 pub fn camera(terrain: &Terrain, kind: Kind, seed: u32) -> Camera {
     let mut random = Random::new(seed.wrapping_mul(31).wrapping_add(kind as u32));
+    let xz = on_land(terrain, &mut random);
+    camera_at(terrain, kind, xz, &mut random)
+}
+
+/// `count` cameras at one place: as many of each kind, all different but for [`Kind::Above`], which
+/// stands over the middle. What is known of the ground here serves all of them.
+#[must_use]
+pub fn around(terrain: &Terrain, count: usize, seed: u32) -> Vec<(Kind, Camera)> {
+    let mut random = Random::new(seed);
+    let xz = on_land(terrain, &mut random);
+    let kinds = KINDS.into_iter().cycle().take(count);
+    kinds
+        .map(|kind| (kind, camera_at(terrain, kind, xz, &mut random)))
+        .collect()
+}
+
+/// A place on land, if some is found; the sea is flat and asks for nothing.
+fn on_land(terrain: &Terrain, random: &mut Random) -> DVec2 {
     let extent = terrain.extent();
     let sea = terrain.sea_level().map_or(f64::NEG_INFINITY, f64::from);
     let place = |random: &mut Random| {
         let share = DVec2::new(random.unit(), random.unit()) * 0.8 + 0.1;
         extent.min + extent.size() * share
     };
-    // On land, if some is found; the sea is flat and asks for nothing.
-    let mut xz = place(&mut random);
+    let mut xz = place(random);
     for _ in 0..64 {
         if terrain.sample_f64(xz).height > sea + 1.0 {
             break;
         }
-        xz = place(&mut random);
+        xz = place(random);
     }
+    xz
+}
+
+fn camera_at(terrain: &Terrain, kind: Kind, xz: DVec2, random: &mut Random) -> Camera {
+    let extent = terrain.extent();
+    let sea = terrain.sea_level().map_or(f64::NEG_INFINITY, f64::from);
     let ground = terrain.sample_f64(xz).height.max(sea);
     let degrees = f64::to_radians;
     let between = |random: &mut Random, low: f64, high: f64| low + (high - low) * random.unit();
     let standing = Camera {
         eye: DVec3::new(xz.x, ground + 1.7, xz.y),
-        yaw: between(&mut random, -PI, PI),
-        pitch: degrees(between(&mut random, -15.0, 5.0)),
+        yaw: between(random, -PI, PI),
+        pitch: degrees(between(random, -15.0, 5.0)),
         roll: 0.0,
         fov_y: degrees(60.0),
         size: UVec2::new(1920, 1080),
@@ -89,13 +112,13 @@ pub fn camera(terrain: &Terrain, kind: Kind, seed: u32) -> Camera {
     match kind {
         Kind::Standing => standing,
         Kind::Flying => Camera {
-            eye: up(between(&mut random, 30.0, 300.0)),
-            pitch: degrees(between(&mut random, -30.0, 0.0)),
+            eye: up(between(random, 30.0, 300.0)),
+            pitch: degrees(between(random, -30.0, 0.0)),
             ..standing
         },
         Kind::Grazing => Camera {
-            eye: up(between(&mut random, 0.02, 0.08)),
-            pitch: degrees(between(&mut random, -1.0, 1.0)),
+            eye: up(between(random, 0.02, 0.08)),
+            pitch: degrees(between(random, -1.0, 1.0)),
             near: 0.01,
             ..standing
         },
@@ -105,20 +128,20 @@ pub fn camera(terrain: &Terrain, kind: Kind, seed: u32) -> Camera {
             Camera {
                 // High enough that the terrain fits into the screen.
                 eye: DVec3::new(centre.x, top + extent.size().max_element(), centre.y),
-                pitch: degrees(between(&mut random, -90.0, -60.0)),
+                pitch: degrees(between(random, -90.0, -60.0)),
                 ..standing
             }
         }
         Kind::NearPlane => Camera {
-            eye: up(between(&mut random, 0.3, 0.8)),
-            pitch: degrees(between(&mut random, -50.0, -20.0)),
+            eye: up(between(random, 0.3, 0.8)),
+            pitch: degrees(between(random, -50.0, -20.0)),
             near: 1.5,
             ..standing
         },
         Kind::Narrow => Camera {
-            eye: up(between(&mut random, 10.0, 100.0)),
+            eye: up(between(random, 10.0, 100.0)),
             fov_y: degrees(5.0),
-            pitch: degrees(between(&mut random, -6.0, 0.0)),
+            pitch: degrees(between(random, -6.0, 0.0)),
             ..standing
         },
         Kind::Wide => Camera {
@@ -126,7 +149,7 @@ pub fn camera(terrain: &Terrain, kind: Kind, seed: u32) -> Camera {
             ..standing
         },
         Kind::Down => Camera {
-            eye: up(between(&mut random, 2.0, 100.0)),
+            eye: up(between(random, 2.0, 100.0)),
             pitch: degrees(-90.0),
             ..standing
         },
@@ -136,11 +159,11 @@ pub fn camera(terrain: &Terrain, kind: Kind, seed: u32) -> Camera {
         },
         Kind::Orthographic => {
             // 4 km back from the place that it looks at; a slope of 1 stays in front of it.
-            let pitch = degrees(between(&mut random, -90.0, -50.0));
+            let pitch = degrees(between(random, -90.0, -50.0));
             let looking = Camera { pitch, ..standing };
             Camera {
                 eye: up(0.0) - looking.view().forward * 4000.0,
-                orthographic: Some(between(&mut random, 100.0, 1000.0)),
+                orthographic: Some(between(random, 100.0, 1000.0)),
                 ..looking
             }
         }

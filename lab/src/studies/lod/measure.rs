@@ -43,10 +43,13 @@ const CHUNK: usize = 1 << 13;
 const PROBED: usize = 8;
 
 /// A place with what is known there.
-struct Sample {
-    xz: DVec2,
-    truth: (f64, f64),
-    drawn: Option<f64>,
+pub(super) struct Sample {
+    /// Where it is, (x, z) in metres.
+    pub xz: DVec2,
+    /// Height of the true surface, and how far it may be off, metres.
+    pub truth: (f64, f64),
+    /// Height of the drawn one; `None` where nothing is drawn.
+    pub drawn: Option<f64>,
 }
 
 /// Measures at `places`, and at the centres and middles of sides of the triangles of one place in
@@ -122,18 +125,36 @@ fn error(truth: &Truth, view: &View, xz: DVec2, height: f64, drawn: Option<f64>)
 }
 
 /// Errors of a part of the places.
-struct Tally {
-    max: f64,
-    worst: DVec2,
+#[derive(Debug, Clone)]
+pub(super) struct Tally {
+    /// See [`Measured`].
+    pub max: f64,
+    /// See [`Measured`].
+    pub worst: DVec2,
     squares: f64,
-    samples: u64,
-    holes: u64,
+    /// See [`Measured`].
+    pub samples: u64,
+    /// See [`Measured`].
+    pub holes: u64,
+    /// Errors above this are counted, each found in f64; pixels.
+    limit: f64,
+    /// How many there are.
+    pub above: u64,
     bins: Vec<u64>,
 }
 
 impl Default for Tally {
     fn default() -> Self {
+        Self::counting_above(f64::INFINITY)
+    }
+}
+
+impl Tally {
+    /// Nothing yet; errors above `limit` pixels will be counted.
+    pub(super) fn counting_above(limit: f64) -> Self {
         Self {
+            limit,
+            above: 0,
             max: f64::NEG_INFINITY,
             worst: DVec2::ZERO,
             squares: 0.0,
@@ -142,10 +163,15 @@ impl Default for Tally {
             bins: vec![0; ((MOST - LEAST) * BINS) as usize + 1],
         }
     }
-}
 
-impl Tally {
-    fn add(&mut self, truth: &Truth, view: &View, samples: Vec<Sample>, best: &AtomicU64) {
+    /// Adds samples. `best` holds the bits of the largest f64 error that is known so far.
+    pub(super) fn add(
+        &mut self,
+        truth: &Truth,
+        view: &View,
+        samples: Vec<Sample>,
+        best: &AtomicU64,
+    ) {
         let mut open = Vec::new();
         for sample in &samples {
             let &Sample {
@@ -171,7 +197,7 @@ impl Tally {
         open.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (at_most, sample) in open {
             let known = f64::from_bits(best.load(Ordering::Relaxed));
-            if at_most < known {
+            if at_most < known && at_most <= self.limit {
                 break;
             }
             let height = truth.height(sample.xz);
@@ -182,25 +208,39 @@ impl Tally {
     }
 
     fn take(&mut self, error: f64, xz: DVec2, best: &AtomicU64) {
+        self.above += u64::from(error > self.limit);
         if error > self.max {
             (self.max, self.worst) = (error, xz);
             best.fetch_max(error.to_bits(), Ordering::Relaxed);
         }
     }
 
-    fn merge(&mut self, other: &Self) {
+    /// A place of the ground where nothing is drawn: a hole if the view sees it.
+    pub(super) fn hole(&mut self, view: &View, place: DVec3) {
+        self.samples += 1;
+        if view.sees(place) {
+            self.holes += 1;
+            self.above += 1;
+            (self.max, self.worst) = (f64::INFINITY, DVec2::new(place.x, place.z));
+        }
+    }
+
+    /// Takes in what another part has found.
+    pub(super) fn merge(&mut self, other: &Self) {
         if other.max > self.max {
             (self.max, self.worst) = (other.max, other.worst);
         }
         self.squares += other.squares;
         self.samples += other.samples;
         self.holes += other.holes;
+        self.above += other.above;
         for (bin, more) in self.bins.iter_mut().zip(&other.bins) {
             *bin += more;
         }
     }
 
-    fn finish(&self) -> Option<Measured> {
+    /// What it comes to; `None` without samples.
+    pub(super) fn finish(&self) -> Option<Measured> {
         if self.samples == 0 {
             return None;
         }

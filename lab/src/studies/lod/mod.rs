@@ -15,6 +15,11 @@
 //! | [`uniform`], [`cdlod`], [`bisected`] | a static grid; CDLOD; equal edges and greedy |
 //! | [`bisection`] | the triangles of the last two |
 //! | [`mod@tune`] | turns the knob |
+//! | [`ours`] | our selection, with its three metrics |
+//! | [`mod@guarantee`] | is any error above the tolerance: many cameras, many places |
+//! | [`mod@cracks`], [`mod@pops`] | gaps in meshes; movement from frame to frame |
+//! | [`precision`], [`mod@speed`] | a million metres away; times on the CPU |
+//! | [`mod@run`], [`report`] | the study, and what is told of it |
 
 #![expect(
     clippy::disallowed_methods,
@@ -26,10 +31,18 @@ pub mod bisection;
 pub mod camera;
 pub mod cameras;
 pub mod cdlod;
+pub mod cracks;
+pub mod guarantee;
 pub mod measure;
 pub mod mesh;
+pub mod ours;
 pub mod places;
+pub mod pops;
+pub mod precision;
+pub mod report;
 pub mod rival;
+pub mod run;
+pub mod speed;
 pub mod terrains;
 pub mod truth;
 pub mod tune;
@@ -41,6 +54,7 @@ use cdlod::Cdlod;
 use dolomite_terrain::Terrain;
 use places::Places;
 use rival::Rival;
+pub use run::STUDY;
 use truth::Truth;
 use tune::{TuneError, Tuned, tune};
 use uniform::Uniform;

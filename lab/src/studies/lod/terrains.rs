@@ -1,9 +1,10 @@
 //! The grounds that levels of detail are compared on: a mountain, plain FBM, and real elevation.
 
+use crate::studies::noise::points::Random;
 use bevy::math::DVec2;
 use dolomite_terrain::{
-    Filter, Fractal, GroundRect, HeightMapFile, Hill, Layer, MapFormat, Mask, RawFormat, Source,
-    Sum, Terrain, TerrainData, Warp,
+    Filter, Fractal, GroundRect, HeightMap, HeightMapFile, Hill, Layer, MapFormat, Mask, RawFormat,
+    Source, Sum, Terrain, TerrainData, Warp,
 };
 
 /// All of them: mountain, FBM, real elevation.
@@ -108,23 +109,7 @@ pub fn fbm(seed: u32) -> Terrain {
 /// samples that the game's scene adds.
 #[must_use]
 pub fn dem(seed: u32) -> Terrain {
-    let file = HeightMapFile {
-        path: "jacksboro_344x403_i16le_metres.raw".to_owned(),
-        format: MapFormat::Raw {
-            format: RawFormat::I16,
-            width: 403,
-            height: 344,
-        },
-        scale: 1.0,
-        offset: 0.0,
-        spacing: [74.574, 92.475],
-        centre: [0.0; 2],
-        filter: Filter::Bicubic,
-    };
-    let bytes = include_bytes!("../../../../assets/dem/jacksboro_344x403_i16le_metres.raw");
-    let map = file
-        .decode(&file.path, bytes)
-        .expect("the committed file has the size that is stated beside it");
+    let map = jacksboro(DVec2::ZERO);
     new(TerrainData {
         extent: map.rect(),
         base: 0.0,
@@ -147,6 +132,60 @@ pub fn dem(seed: u32) -> Terrain {
             },
         ],
     })
+}
+
+/// Ground that can be moved: the same elevation about `centre`, and as many hills on it as a terrain may have, some higher
+/// than wide. (Noise cannot: it is another one elsewhere.)
+#[must_use]
+pub fn movable(seed: u32, centre: DVec2) -> Terrain {
+    let map = jacksboro(centre);
+    let extent = map.rect();
+    let mut random = Random::new(seed);
+    // Multiples of 1/16 m, exact wherever the centre is.
+    let mut along = |size: f64| ((random.unit() - 0.5) * size * 16.0).round() / 16.0;
+    let hills = (1..Terrain::MAX_LAYERS).map(|k| {
+        let centre = centre + DVec2::new(along(extent.size().x), along(extent.size().y));
+        let radius = 5.0 * 1.1_f32.powf(k as f32);
+        let height = radius * (0.5 + along(1.0) as f32);
+        Layer {
+            source: Source::Hill(Hill {
+                centre,
+                radius,
+                height,
+            }),
+            mask: None,
+        }
+    });
+    let hills: Vec<Layer> = hills.collect();
+    let ground = Layer {
+        source: Source::Map(map),
+        mask: None,
+    };
+    new(TerrainData {
+        extent,
+        base: 0.0,
+        sea_level: None,
+        layers: [ground].into_iter().chain(hills).collect(),
+    })
+}
+
+fn jacksboro(centre: DVec2) -> HeightMap {
+    let file = HeightMapFile {
+        path: "jacksboro_344x403_i16le_metres.raw".to_owned(),
+        format: MapFormat::Raw {
+            format: RawFormat::I16,
+            width: 403,
+            height: 344,
+        },
+        scale: 1.0,
+        offset: 0.0,
+        spacing: [74.574, 92.475],
+        centre: centre.to_array(),
+        filter: Filter::Bicubic,
+    };
+    let bytes = include_bytes!("../../../../assets/dem/jacksboro_344x403_i16le_metres.raw");
+    file.decode(&file.path, bytes)
+        .expect("the committed file has the size that is stated beside it")
 }
 
 fn new(data: TerrainData) -> Terrain {

@@ -140,6 +140,7 @@ fn row(job: Job, methods: &[Box<dyn Method>], place: &Place) -> Row {
         error_unit: unit.to_owned(),
         time_ns: median(job.times),
         bytes: Some(method.bytes()),
+        vertices: None,
         hash: Some(job.errors.hash),
         device: method.device(),
     }

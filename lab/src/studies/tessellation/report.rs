@@ -232,6 +232,7 @@ fn rows(tallies: &Tallies, sweep: &[Sweep]) -> Vec<Row> {
             error_unit: unit.into(),
             time_ns: None,
             bytes: None,
+            vertices: None,
             hash: None,
             device: device.into(),
         };
@@ -275,6 +276,7 @@ fn rows(tallies: &Tallies, sweep: &[Sweep]) -> Vec<Row> {
         error_unit: "domain sides".into(),
         time_ns: None,
         bytes: None,
+        vertices: None,
         hash: None,
         device: "CPU".into(),
     }));

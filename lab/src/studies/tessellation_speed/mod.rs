@@ -196,6 +196,7 @@ fn row(name: &str, method: &str, level: f32, time: f64, measured: &Measured, dev
         // ms a million are ns each.
         time_ns: Some(time),
         bytes: Some(measured.bytes.round() as usize),
+        vertices: None,
         hash: None,
         device: device.to_owned(),
     }

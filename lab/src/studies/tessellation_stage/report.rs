@@ -104,6 +104,7 @@ pub fn row(
         error_unit: unit.to_owned(),
         time_ns: None,
         bytes: None,
+        vertices: None,
         hash: None,
         device: device.to_owned(),
     }

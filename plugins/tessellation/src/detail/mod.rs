@@ -41,7 +41,7 @@ pub use lattice::{CellPlace, DetailLattice};
 pub use mesh::{DetailMesh, DetailVertex};
 pub use select::{Selection, select};
 pub use settings::{Detail, Metric};
-pub use view::DetailView;
+pub use view::{DetailView, Lens};
 
 /// The demand at which a vertex appears, still in the plane of the triangle that it cuts; at 1 it has
 /// reached the ground. With half, a vertex whose error falls with the square of the distance of its

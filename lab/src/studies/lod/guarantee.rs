@@ -1,0 +1,327 @@
+//! Is an error ever above the tolerance that was asked for? Many cameras, hostile ones too, and many
+//! places.
+//!
+//! Every triangle that may be seen is looked at in its centre and in the middles of its sides, where the
+//! errors of smooth ground are largest, and at random places; so places are as dense as triangles are. The
+//! rest of the ground, which is not drawn, is looked at as well: a place of it that is seen is a hole.
+//!
+//! An error in pixels is the same thing in a picture of any size: with a fourth of the pixels a
+//! tolerance asks for a fourth of the angle. Most pictures are small, so that more of them fit a run; one
+//! in [`FULL`] rounds is 1920 × 1080.
+
+use super::camera::{Camera, View};
+use super::cameras::{KINDS, Kind, around};
+use super::measure::{Measured, Sample, Tally};
+use super::ours::{FINEST, bound, choose, detail_view, positions};
+use super::terrains;
+use super::truth::Truth;
+use crate::studies::noise::points::Random;
+use crate::studies::tessellation::study::on_all_cores;
+use bevy::math::{DVec2, DVec3, UVec2};
+use dolomite_terrain::Terrain;
+use dolomite_tessellation::detail::{DetailCells, DetailMesh, Selection, mesh};
+use std::sync::atomic::AtomicU64;
+
+/// Tolerances, pixels.
+pub const TAUS: [f64; 4] = [4.0, 2.0, 1.0, 0.5];
+/// Cameras at a place.
+pub const AT_A_PLACE: usize = 50;
+/// Of so many rounds of cameras, one has the full picture.
+const FULL: usize = 20;
+/// The others' pictures.
+const SMALL: UVec2 = UVec2::new(480, 270);
+/// Of this many places one is for ground that is not drawn.
+const UNDRAWN: usize = 16;
+
+/// Errors over one tolerance, and one kind of camera.
+#[derive(Debug, Clone)]
+pub struct Count {
+    /// Pixels.
+    pub tau: f64,
+    /// What the camera is there for.
+    pub kind: Kind,
+    /// Whether the finest cell was reached: the bound that holds is then the one that the selection
+    /// reports.
+    pub reached: bool,
+    /// Views that were measured.
+    pub views: u64,
+    /// Errors over the bound: 1 is the bound itself.
+    pub(super) tally: Tally,
+    /// Where the largest is.
+    pub worst: Option<(Camera, f64)>,
+}
+
+impl Count {
+    /// Errors over the bound.
+    #[must_use]
+    pub fn measured(&self) -> Option<Measured> {
+        self.tally.finish()
+    }
+
+    /// How many errors are above the bound.
+    #[must_use]
+    pub fn above(&self) -> u64 {
+        self.tally.above
+    }
+}
+
+/// Measures `cameras` cameras at every tolerance, at some `samples` places each.
+#[must_use]
+pub fn guarantee(cameras: usize, samples: usize, seed: u32) -> Vec<Count> {
+    let groups: Vec<(u32, usize)> = (0..cameras.div_ceil(AT_A_PLACE))
+        .map(|k| (k as u32, AT_A_PLACE.min(cameras - k * AT_A_PLACE)))
+        .collect();
+    let parts = on_all_cores(&groups, |&(group, cameras)| {
+        let own = seed.wrapping_mul(1000).wrapping_add(group);
+        let terrain = match group % 3 {
+            0 => terrains::mountain(own),
+            1 => terrains::fbm(own),
+            _ => terrains::dem(own),
+        };
+        let counts = at_a_place(&terrain, cameras, group as usize, samples, own);
+        for count in counts.iter().filter(|count| count.above() > 0) {
+            eprintln!("lod: guarantee: place {group}: {count:?}");
+        }
+        eprintln!("lod: guarantee: place {group} of {}", groups.len());
+        counts
+    });
+    let mut all = Vec::new();
+    for part in parts {
+        merge(&mut all, part);
+    }
+    all
+}
+
+/// The same over one terrain; `round` is the number of the first round of cameras.
+#[must_use]
+pub fn at_a_place(
+    terrain: &Terrain,
+    cameras: usize,
+    round: usize,
+    samples: usize,
+    seed: u32,
+) -> Vec<Count> {
+    let truth = Truth::new(terrain);
+    let mut cells = DetailCells::new(terrain.clone(), FINEST);
+    let mut counts = Vec::new();
+    for (number, (kind, camera)) in around(terrain, cameras, seed).into_iter().enumerate() {
+        let rounds = round * AT_A_PLACE / KINDS.len() + number / KINDS.len();
+        let camera = Camera {
+            size: if rounds % FULL == FULL - 1 {
+                camera.size
+            } else {
+                SMALL
+            },
+            ..camera
+        };
+        for tau in TAUS {
+            let mut random = Random::new(seed.wrapping_add(number as u32 * 7919));
+            let count = view(
+                &truth,
+                &mut cells,
+                (kind, camera),
+                tau,
+                samples,
+                &mut random,
+            );
+            merge(&mut counts, vec![count]);
+        }
+    }
+    counts
+}
+
+fn merge(all: &mut Vec<Count>, part: Vec<Count>) {
+    for count in part {
+        let same = all.iter_mut().find(|known| {
+            (known.tau, known.kind, known.reached) == (count.tau, count.kind, count.reached)
+        });
+        let Some(known) = same else {
+            all.push(count);
+            continue;
+        };
+        known.views += count.views;
+        if count.tally.max > known.tally.max {
+            known.worst = count.worst;
+        }
+        known.tally.merge(&count.tally);
+    }
+}
+
+/// One camera at one tolerance.
+#[must_use]
+pub fn view(
+    truth: &Truth,
+    cells: &mut DetailCells,
+    (kind, camera): (Kind, Camera),
+    tau: f64,
+    samples: usize,
+    random: &mut Random,
+) -> Count {
+    let selection = choose(cells, &detail_view(&camera, bound(tau)));
+    let reached = selection.held > 1.0;
+    let limit = if reached {
+        tau * f64::from(selection.held)
+    } else {
+        tau
+    };
+    // In units of the bound: as if a pixel were as large.
+    let own = camera.view();
+    let scaled = View {
+        scale: own.scale / limit,
+        half: own.half / limit,
+        ..own
+    };
+    let mut tally = Tally::counting_above(1.0);
+    let drawn = mesh::mesh(cells, &selection);
+    let mut known = Vec::with_capacity(samples + samples / 8);
+    places(&drawn, &own, samples, random, |xz, height| {
+        known.push((xz, height))
+    });
+    let best = AtomicU64::new(0);
+    for part in known.chunks(1 << 13) {
+        let xz: Vec<DVec2> = part.iter().map(|known| known.0).collect();
+        // Of the bound: so much may the percentile be off, the maximum and the count are of f64.
+        let heights = truth.heights(&scaled, &xz, 0.1);
+        let with = part.iter().zip(heights);
+        let with = with.map(|(&(xz, drawn), truth)| Sample {
+            xz,
+            truth,
+            drawn: Some(drawn),
+        });
+        tally.add(truth, &scaled, with.collect(), &best);
+    }
+    let rest = mesh::mesh(cells, &unseen(selection));
+    known.clear();
+    places(&rest, &own, samples / UNDRAWN, random, |xz, _| {
+        known.push((xz, 0.0))
+    });
+    for (xz, _) in known {
+        tally.hole(&own, DVec3::new(xz.x, truth.height(xz), xz.y));
+    }
+    Count {
+        tau,
+        kind,
+        reached,
+        views: 1,
+        worst: Some((camera, limit)),
+        tally,
+    }
+}
+
+/// The ground that is not drawn in place of that which is.
+fn unseen(mut selection: Selection) -> Selection {
+    for cell in selection.depths.iter_mut().flatten() {
+        cell.seen = !cell.seen;
+    }
+    for root in &mut selection.whole_roots {
+        root.1 = !root.1;
+    }
+    selection
+}
+
+/// Calls `found` with some `count` places, and the height of the mesh there, of triangles that may be seen:
+/// each as often as another, or every k-th if there are too many.
+fn places(
+    mesh: &DetailMesh,
+    view: &View,
+    count: usize,
+    random: &mut Random,
+    mut found: impl FnMut(DVec2, f64),
+) {
+    let positions = positions(mesh);
+    let mut triangles: Vec<[DVec3; 3]> = mesh
+        .triangles
+        .iter()
+        .map(|t| t.map(|k| positions[k as usize]))
+        .filter(|corners| {
+            // What is drawn may lie beside what is there: by a quarter of the triangle.
+            let [a, b, c] = *corners;
+            let lift = DVec3::Y * 0.25 * a.distance(b).max(b.distance(c)).max(c.distance(a));
+            view.may_see(&[a + lift, b + lift, c + lift, a - lift, b - lift, c - lift])
+        })
+        .collect();
+    // Four places a triangle at least.
+    let every = (4 * triangles.len()).div_ceil(count.max(4)).max(1);
+    let first = (random.unit() * every as f64) as usize;
+    triangles = triangles.into_iter().skip(first).step_by(every).collect();
+    let each = count / triangles.len().max(1);
+    for [a, b, c] in triangles {
+        let fixed = [
+            (a + b + c) / 3.0,
+            (a + b) / 2.0,
+            (b + c) / 2.0,
+            (c + a) / 2.0,
+        ];
+        for k in 0..each.max(fixed.len()) {
+            let at = fixed.get(k).copied().unwrap_or_else(|| {
+                let (mut u, mut v) = (random.unit(), random.unit());
+                if u + v > 1.0 {
+                    (u, v) = (1.0 - u, 1.0 - v);
+                }
+                a + (b - a) * u + (c - a) * v
+            });
+            found(DVec2::new(at.x, at.z), at.y);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_camera_of_each_kind_on_three_grounds_keeps_to_its_bound() {
+        for (k, terrain) in terrains::all(3).iter().enumerate() {
+            let counts = at_a_place(terrain, KINDS.len(), 0, 1500, 5 + k as u32);
+            let mut samples = 0;
+            for count in &counts {
+                let measured = count.measured();
+                assert_eq!(count.above(), 0, "{measured:?} {count:?}");
+                assert!(measured.is_none_or(|m| m.max <= 1.0 && m.holes == 0));
+                samples += count.tally.samples;
+            }
+            assert!(samples > 10_000, "{samples}");
+        }
+    }
+
+    #[test]
+    fn a_hole_and_an_error_above_the_bound_are_seen() {
+        let terrain = terrains::fbm(1);
+        let truth = Truth::new(&terrain);
+        let mut cells = DetailCells::new(terrain.clone(), FINEST);
+        let (kind, camera) = around(&terrain, 2, 1)[1];
+        let of = |cells: &mut DetailCells, tau: f64, camera: Camera| {
+            view(
+                &truth,
+                cells,
+                (kind, camera),
+                tau,
+                2000,
+                &mut Random::new(1),
+            )
+        };
+        assert_eq!(of(&mut cells, 4.0, camera).above(), 0);
+        // A mesh for 32 pixels is measured against 1.
+        let coarse = choose(&mut cells, &detail_view(&camera, bound(32.0)));
+        let drawn = mesh::mesh(&cells, &coarse);
+        let mut known = Vec::new();
+        let mut random = Random::new(1);
+        places(&drawn, &camera.view(), 2000, &mut random, |xz, height| {
+            known.push((xz, height))
+        });
+        let sample = |(xz, height): (DVec2, f64), hole: bool| Sample {
+            xz,
+            truth: (truth.height(xz), 0.0),
+            drawn: (!hole).then_some(height),
+        };
+        for hole in [false, true] {
+            let mut tally = Tally::counting_above(1.0);
+            let samples = known.iter().map(|&known| sample(known, hole)).collect();
+            tally.add(&truth, &camera.view(), samples, &AtomicU64::new(0));
+            assert!(
+                tally.above > 100 && (tally.holes > 100) == hole,
+                "{tally:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! How far the drawn surface moves on the screen from one frame to the next.
+//!
+//! Frames k and k + 1 are drawn, each for its camera. At every vertex of either mesh the drawn surfaces of
+//! both are compared at the same place of the ground, and both heights are projected by the camera of frame
+//! k + 1: what the eye would see move against still ground. Only places count that both cameras see;
+//! those that one of them does not see are told apart.
+
+use super::camera::{Camera, View};
+use super::mesh::{Drawn, GroundMesh};
+use super::ours::{FINEST, bound, choose, detail_view, ground_mesh};
+use super::truth::Truth;
+use crate::metrics::ErrorStats;
+use crate::studies::tessellation::study::on_all_cores;
+use bevy::math::{DVec2, DVec3};
+use dolomite_terrain::Terrain;
+use dolomite_tessellation::detail::{DetailCells, mesh};
+
+/// Frames a second.
+pub const RATE: f64 = 60.0;
+/// Tolerance of every frame, pixels.
+pub const TAU: f64 = 1.0;
+
+/// How a camera moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Move {
+    /// Ahead over the ground at 2 m/s, eyes 1.7 m above it.
+    Walk,
+    /// Ahead at 200 m/s, straight.
+    Fly,
+    /// On the spot, 180 degrees a second to the left.
+    Turn,
+}
+
+/// All of them.
+pub const MOVES: [Move; 3] = [Move::Walk, Move::Fly, Move::Turn];
+
+impl Move {
+    /// As it is named in tables.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Walk => "walking, 2 m/s",
+            Self::Fly => "flying, 200 m/s",
+            Self::Turn => "turning, 180 degrees/s",
+        }
+    }
+
+    /// The camera of a frame.
+    #[must_use]
+    pub fn camera(self, truth: &Truth, start: Camera, frame: usize) -> Camera {
+        let seconds = frame as f64 / RATE;
+        let ahead = start.view().forward.with_y(0.0).normalize_or_zero();
+        match self {
+            Self::Walk => {
+                let eye = start.eye + ahead * (2.0 * seconds);
+                let ground = truth.height(DVec2::new(eye.x, eye.z));
+                Camera {
+                    eye: eye.with_y(ground + 1.7),
+                    ..start
+                }
+            }
+            Self::Fly => Camera {
+                eye: start.eye + ahead * (200.0 * seconds),
+                ..start
+            },
+            Self::Turn => Camera {
+                yaw: start.yaw + std::f64::consts::PI * seconds,
+                ..start
+            },
+        }
+    }
+}
+
+/// How far vertices moved, pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved {
+    /// Where both frames see the place.
+    pub seen: ErrorStats,
+    /// Share of these that moved by more than a quarter of a pixel.
+    pub above: f64,
+    /// How far from the eye the one that moved most is, metres.
+    pub distance: f64,
+    /// The largest where the place has just come into the picture, or is just leaving it.
+    pub entering: f64,
+}
+
+struct Frame {
+    view: View,
+    ground: GroundMesh,
+}
+
+fn frame(cells: &mut DetailCells, camera: Camera) -> Frame {
+    let selection = choose(cells, &detail_view(&camera, bound(TAU)));
+    Frame {
+        view: camera.view(),
+        ground: ground_mesh(&mesh::mesh(cells, &selection), &camera),
+    }
+}
+
+/// Moves over `frames` frames from `start`; `None` if nothing was seen twice.
+#[must_use]
+pub fn pops(terrain: &Terrain, way: Move, start: Camera, frames: usize) -> Option<Moved> {
+    let truth = Truth::new(terrain);
+    let mut cells = DetailCells::new(terrain.clone(), FINEST);
+    let mut before = frame(&mut cells, way.camera(&truth, start, 0));
+    let mut seen = Vec::new();
+    let (mut worst, mut distance, mut entering) = (0.0, 0.0, 0.0_f64);
+    for number in 1..=frames {
+        let after = frame(&mut cells, way.camera(&truth, start, number));
+        for (own, other) in [(&before, &after), (&after, &before)] {
+            let moved = on_all_cores(&own.ground.positions, |&place| {
+                moved(place, &other.ground, &before.view, &after.view)
+            });
+            for (both, pixels, away) in moved.into_iter().flatten() {
+                if both {
+                    seen.push(pixels);
+                    if pixels > worst {
+                        (worst, distance) = (pixels, away);
+                    }
+                } else {
+                    entering = entering.max(pixels);
+                }
+            }
+        }
+        before = after;
+    }
+    let above = seen.iter().filter(|&&pixels| pixels > 0.25).count();
+    let above = above as f64 / seen.len().max(1) as f64;
+    Some(Moved {
+        above,
+        seen: ErrorStats::of(seen)?,
+        distance,
+        entering,
+    })
+}
+
+/// Whether both frames see a vertex of one of them, by how many pixels of the later one it lies from the
+/// other's surface, and how far from the eye.
+fn moved(
+    place: DVec3,
+    other: &GroundMesh,
+    before: &View,
+    after: &View,
+) -> Option<(bool, f64, f64)> {
+    let height = other.height(DVec2::new(place.x, place.z))?;
+    let there = place.with_y(height);
+    let sees = |view: &View| view.sees(place) || view.sees(there);
+    let (earlier, later) = (sees(before), sees(after));
+    if !(earlier || later) {
+        return None;
+    }
+    let pixels = after.pixels_beyond_near(place, there)?;
+    Some((earlier && later, pixels, place.distance(after.eye)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{cameras, terrains};
+    use super::*;
+    use bevy::math::UVec2;
+
+    #[test]
+    fn a_still_camera_moves_nothing_and_a_walk_moves_less_than_the_tolerance() {
+        let terrain = terrains::fbm(1);
+        let start = Camera {
+            size: UVec2::new(240, 135),
+            ..cameras::ordinary(&terrain)[1]
+        };
+        let truth = Truth::new(&terrain);
+        let mut cells = DetailCells::new(terrain.clone(), FINEST);
+        let [one, same] = [(), ()].map(|()| frame(&mut cells, start));
+        for &place in &one.ground.positions {
+            if let Some((_, pixels, _)) = moved(place, &same.ground, &one.view, &same.view) {
+                // Barycentric coordinates in f64.
+                assert!(pixels < 1e-6, "{pixels}");
+            }
+        }
+        let walk = pops(&terrain, Move::Walk, start, 2).unwrap();
+        assert!(walk.seen.max > 0.0 && walk.seen.max < TAU, "{walk:?}");
+        // A mesh that is lifted by a metre is seen to move.
+        let lifted: Vec<_> = one.ground.positions.iter().map(|p| *p + DVec3::Y).collect();
+        let lifted = GroundMesh::new(lifted, one.ground.triangles.clone(), &one.view);
+        let far = one.ground.positions.iter();
+        let far = far.filter_map(|&p| moved(p, &lifted, &one.view, &one.view));
+        assert!(far.map(|(_, pixels, _)| pixels).fold(0.0, f64::max) > TAU);
+        assert_eq!(
+            Move::Turn.camera(&truth, start, 60).yaw,
+            start.yaw + std::f64::consts::PI
+        );
+    }
+}

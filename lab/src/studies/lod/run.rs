@@ -1,0 +1,276 @@
+//! The study: how much of everything, and what is told of it.
+
+use super::cameras::ordinary;
+use super::guarantee::guarantee;
+use super::ours::Ours;
+use super::pops::{MOVES, RATE, TAU, pops};
+use super::precision::{FAR, far_noise, pairs};
+use super::report::{self, Compared, row};
+use super::rival::Rival;
+use super::speed::speed;
+use super::{PLACES, all_rivals, compare, cracks, terrains};
+use crate::csv;
+use crate::study::{Options, Report, Study};
+use bevy::math::UVec2;
+use serde_json::{Map, Value, json};
+
+/// As the command line knows it.
+pub const STUDY: Study = Study {
+    name: "lod",
+    about: "level of detail: is the error bound kept; vertices beside 4 methods; cracks, pops",
+    run: |options| run(&Plan::of(options)),
+};
+
+/// How much of everything.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Of all inputs.
+    pub seed: u32,
+    /// Cameras of the guarantee.
+    pub cameras: usize,
+    /// Places a camera and tolerance.
+    pub samples: usize,
+    /// Shared edges that are looked at.
+    pub edges: u64,
+    /// Frames of each move.
+    pub frames: usize,
+    /// Picture of the moves.
+    pub picture: UVec2,
+    /// Errors that methods are tuned to, pixels, and at how many places.
+    pub wanted: Vec<f64>,
+    /// See `wanted`.
+    pub places: usize,
+    /// Cameras of each kind over ground that is moved.
+    pub rounds: usize,
+    /// Timed runs.
+    pub repeats: usize,
+}
+
+impl Plan {
+    /// What the command line asks for.
+    #[must_use]
+    pub fn of(options: &Options) -> Self {
+        Self {
+            seed: options.seed,
+            cameras: options.cameras,
+            samples: options.samples,
+            edges: 1_000_000,
+            frames: options.frames / 50,
+            picture: UVec2::new(960, 540),
+            wanted: [64.0, 16.0, 4.0, 1.0]
+                .into_iter()
+                .filter(|&wanted| wanted >= options.error)
+                .collect(),
+            places: PLACES,
+            rounds: 2,
+            repeats: options.repeats,
+        }
+    }
+}
+
+/// Runs it.
+#[must_use]
+pub fn run(plan: &Plan) -> Report {
+    let mountain = terrains::mountain(plan.seed);
+    let cameras = ordinary(&mountain);
+    eprintln!("lod: guarantee");
+    let counts = guarantee(plan.cameras, plan.samples, plan.seed);
+    let mut rows = report::guarantee_rows(&counts);
+    let mut summary = Map::new();
+    summary.insert("guarantee".into(), report::guarantee(&counts));
+    eprintln!("lod: {:#}", summary["guarantee"]);
+
+    eprintln!("lod: cracks");
+    let found = cracks::cracks(plan.edges, plan.seed);
+    summary.insert(
+        "cracks".into(),
+        json!({
+            "views": found.views, "shared_edges": found.shared, "open": found.open,
+            "doubled_vertices": found.doubled, "turned_triangles": found.turned,
+        }),
+    );
+    eprintln!("lod: {}", summary["cracks"]);
+
+    summary.insert("precision".into(), precision(plan));
+    eprintln!("lod: {}", summary["precision"]);
+    summary.insert("time".into(), times(plan, &mountain, &mut rows));
+    eprintln!("lod: {}", summary["time"]);
+    summary.insert("pops".into(), movements(plan, &mountain, &mut rows));
+    eprintln!("lod: {}", summary["pops"]);
+
+    let ours = Ours::all()
+        .into_iter()
+        .map(|ours| Box::new(ours) as Box<dyn Rival>);
+    let methods: Vec<Box<dyn Rival>> = ours.chain(all_rivals()).collect();
+    let compared: Vec<Compared> = plan
+        .wanted
+        .iter()
+        .map(|&wanted| Compared {
+            wanted,
+            rows: compare(
+                &methods,
+                &mountain,
+                &cameras,
+                (wanted, plan.places),
+                plan.seed,
+            ),
+        })
+        .collect();
+    rows.extend(report::compared_rows(&compared));
+    summary.insert("vertices".into(), report::compared(&compared));
+    Report {
+        study: STUDY.name,
+        rows,
+        figures: report::figures(&compared),
+        notes: notes(plan),
+        summary: Value::Object(summary),
+    }
+}
+
+fn precision(plan: &Plan) -> Value {
+    eprintln!("lod: precision");
+    let pairs = pairs(plan.rounds, plan.samples / 8, plan.seed);
+    let most =
+        |pick: &dyn Fn(&super::precision::Pair) -> f64| pairs.iter().map(pick).fold(0.0, f64::max);
+    let noise = far_noise(plan.rounds * 10, plan.samples / 8, plan.seed);
+    json!({
+        "metres": FAR,
+        "views": pairs.len(),
+        "difference_of_maxima_over_bound": most(&|p| p.difference()),
+        "max_near": most(&|p| p.near.tally.max),
+        "max_far": most(&|p| p.far.tally.max),
+        "above_far": pairs.iter().map(|p| p.far.above()).sum::<u64>(),
+        "noise_far": report::guarantee(&noise)["all"],
+    })
+}
+
+fn times(plan: &Plan, mountain: &dolomite_terrain::Terrain, rows: &mut Vec<csv::Row>) -> Value {
+    eprintln!("lod: time");
+    let mut told = Vec::new();
+    // As games have it by default.
+    let finest = dolomite_tessellation::detail::Detail::default().finest;
+    for (number, camera) in ordinary(mountain).iter().enumerate() {
+        let camera = super::camera::Camera {
+            size: plan.picture * 2,
+            ..*camera
+        };
+        let Some(found) = speed(mountain, &camera, 1.0, finest, plan.repeats) else {
+            continue;
+        };
+        for (part, time) in [
+            ("cells", found.make),
+            ("selection", found.select),
+            ("mesh", found.mesh),
+        ] {
+            rows.push(csv::Row {
+                quantity: part.into(),
+                time_ns: Some(time * 1e6),
+                vertices: Some(found.vertices),
+                ..row("time", "ours", format!("camera={number}"), number as f64)
+            });
+        }
+        told.push(json!({
+            "make_ms": found.make, "select_ms": found.select, "mesh_ms": found.mesh,
+            "cells_looked_at": found.cells, "cells_drawn": found.drawn_cells,
+            "vertices": found.vertices, "triangles": found.triangles, "held": found.held,
+        }));
+    }
+    json!(told)
+}
+
+fn movements(plan: &Plan, mountain: &dolomite_terrain::Terrain, rows: &mut Vec<csv::Row>) -> Value {
+    eprintln!("lod: pops");
+    let mut told = Map::new();
+    let [standing, flying, _] = ordinary(mountain).map(|camera| super::camera::Camera {
+        size: plan.picture,
+        ..camera
+    });
+    for way in MOVES {
+        let start = if way == super::pops::Move::Fly {
+            flying
+        } else {
+            standing
+        };
+        let Some(found) = pops(mountain, way, start, plan.frames) else {
+            continue;
+        };
+        rows.push(csv::Row {
+            error: Some(found.seen.into()),
+            quantity: "movement a frame".into(),
+            ..row("pops", "ours", way.name().into(), TAU)
+        });
+        told.insert(
+            way.name().into(),
+            json!({
+                "frames": plan.frames, "frames_a_second": RATE, "vertices": found.seen.samples,
+                "max": found.seen.max, "p99": found.seen.p99, "rms": found.seen.rms,
+                "share_above_a_quarter": found.above, "metres_from_the_eye": found.distance,
+                "max_coming_or_leaving": found.entering,
+            }),
+        );
+    }
+    Value::Object(told)
+}
+
+fn notes(plan: &Plan) -> Vec<String> {
+    vec![
+        format!(
+            "guarantee: {} cameras over mountains, noise and real elevation, each at four tolerances, \
+             {} places each and more where there are more triangles; errors in units of the bound. \
+             Cells down to 1/64 m. Pictures of 480 x 270, one in twenty rounds 1920 x 1080: an error in \
+             pixels is the same thing at any size. Where the finest cell is reached, the bound is the \
+             one that the selection reports.",
+            plan.cameras, plan.samples
+        ),
+        "vertices: those of triangles that may be seen; of the uniform grid all, as a static mesh has \
+         them. A method without a number says why: memory, or the end of its knob."
+            .into(),
+        format!(
+            "pops: pictures of {} x {}, tolerance {TAU} px, at vertices of both frames that both see.",
+            plan.picture.x, plan.picture.y
+        ),
+        "precision: hills and a height map can be moved, noise is another one elsewhere.".into(),
+        "time: 1920 x 1080, 1 px, cells down to 1/8 m; cells on all cores, selection and mesh on one."
+            .into(),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_run_holds_together() {
+        let report = run(&Plan {
+            cameras: 10,
+            samples: 800,
+            edges: 20_000,
+            frames: 1,
+            picture: UVec2::new(240, 135),
+            wanted: vec![64.0],
+            places: 3000,
+            rounds: 1,
+            repeats: 1,
+            ..Plan::of(&Options::default())
+        });
+        let all = &report.summary["guarantee"]["all"];
+        assert_eq!(
+            (&all["above"], &all["holes"]),
+            (&json!(0), &json!(0)),
+            "{all}"
+        );
+        assert!(all["samples"].as_u64().unwrap() > 10_000, "{all}");
+        assert_eq!(report.summary["cracks"]["open"], 0);
+        let vertices = &report.summary["vertices"]["64 px"];
+        for camera in vertices.as_array().unwrap() {
+            assert!(camera["ours"]["ours_over_this"] == 1.0, "{camera}");
+            assert!(camera["uniform grid"]["ours_over_this"].as_f64().unwrap() < 0.1);
+            assert!(camera["ours"]["max"].as_f64().unwrap() <= 64.0);
+        }
+        assert_eq!(report.summary["pops"].as_object().unwrap().len(), 3);
+        for figure in &report.figures {
+            crate::plot::to_svg(&figure.chart).unwrap();
+        }
+        assert_eq!(report.figures.len(), 3);
+    }
+}
