@@ -18,8 +18,9 @@ use bevy::winit::WinitPlugin;
 use dolomite::DolomitePlugins;
 use dolomite::game::device;
 use dolomite::terrain::{Fractal, GroundRect, Layer, Source, Terrain, TerrainData};
+use dolomite::tessellation::detail::Detail;
 use dolomite::tessellation::render::ground::texture::{LAYERS, texture_array};
-use dolomite::tessellation::render::stage::{StageCensus, census};
+use dolomite::tessellation::render::stage::{StageCensus, StageStats, census};
 use dolomite::tessellation::{TerrainMaterial, TerrainView};
 
 /// An app that renders without a window; `None`, after a line that says so, without Vulkan.
@@ -158,4 +159,35 @@ fn a_terrain_without_a_view_pays_nothing_and_with_one_it_is_seen() {
         found.views == 1 && found.pipelines >= 7 && found.kinds == 1,
         "{found:?}"
     );
+}
+
+#[test]
+fn a_detailed_view_at_rest_dispatches_nothing() {
+    let Some(mut app) = app(true) else { return };
+    terrain(&mut app);
+    camera(&mut app, (TerrainView::default(), Detail::default()));
+    let (found, _) = after_frames(&mut app);
+    assert_eq!((found.views, found.kinds), (1, 1), "{found:?}");
+    let stats = |app: &App| app.world().resource::<StageStats>().clone();
+    // Picture and ground are small: some hundred triangles are far more than the two of a flat one.
+    assert!(stats(&app).primitives > 100, "{:?}", stats(&app));
+    let drawn = stats(&app).primitives;
+    for _ in 0..4 {
+        app.update();
+        assert_eq!((stats(&app).dispatches, stats(&app).primitives), (0, drawn));
+    }
+    // The count can fail: a camera that moves has its ground chosen anew.
+    let mut cameras = app
+        .world_mut()
+        .query_filtered::<&mut Transform, With<Detail>>();
+    let world = app.world_mut();
+    for mut place in cameras.iter_mut(world) {
+        place.translation.x += 3.0;
+    }
+    let mut dispatched = 0;
+    for _ in 0..4 {
+        app.update();
+        dispatched += stats(&app).dispatches;
+    }
+    assert!(dispatched > 20, "{dispatched}");
 }

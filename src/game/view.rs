@@ -9,8 +9,8 @@ use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 use dolomite_terrain::Ground;
-use dolomite_tessellation::stage::StageCamera;
 use dolomite_tessellation::detail::{Detail, Metric};
+use dolomite_tessellation::stage::StageCamera;
 use dolomite_tessellation::{MaterialBands, TerrainMaterial, TerrainView};
 
 use super::camera::{CameraSystems, FreeCamera};
@@ -194,7 +194,12 @@ fn follow_switches(
     settings: Res<Settings>,
     scene: Res<CurrentScene>,
     figures: Query<&Figure>,
-    mut views: Query<(Entity, &mut TerrainView, &mut StageCamera, Option<&mut Detail>)>,
+    mut views: Query<(
+        Entity,
+        &mut TerrainView,
+        &mut StageCamera,
+        Option<&mut Detail>,
+    )>,
     mut commands: Commands,
 ) {
     let focus = match switches.focus {

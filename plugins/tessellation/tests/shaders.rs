@@ -166,3 +166,97 @@ fn the_grounds_look_lies_as_in_rust() {
         .collect();
     assert_eq!(names, ours);
 }
+
+#[test]
+fn the_records_of_the_level_of_detail_lie_as_in_rust() {
+    use dolomite_tessellation::detail::layout::{DetailParams, DetailPass, Link, VIEW_CELL_BYTES};
+    use dolomite_tessellation::detail::{Cell, DetailView};
+    let look = composed("detail/look.wgsl");
+    same_layout!(
+        &look,
+        DetailView {
+            planes,
+            eye,
+            scale,
+            right,
+            near,
+            up,
+            cos_corner,
+            forward,
+            orthographic,
+            sweep,
+            shadow_share,
+            anchor,
+            metric,
+            inverse_tolerance,
+            classic,
+        }
+    );
+    same_layout!(
+        &look,
+        DetailParams {
+            view,
+            origin_cell,
+            origin_frac,
+            step_x,
+            step_z,
+            roots,
+            depth,
+            capacity,
+            stamp,
+            max_vertices,
+            max_triangles,
+            depth_range,
+            sea,
+            opaque_depth,
+            anchor_height,
+        }
+    );
+    same_layout!(&look, DetailPass { depth });
+    same_layout!(
+        &look,
+        Link {
+            centre,
+            parent,
+            children
+        }
+    );
+    // The shader names the words of `mids` and `quarters` one by one.
+    same_layout!(
+        &look,
+        Cell {
+            centre,
+            error,
+            high,
+            finer
+        }
+    );
+    let (size, members) = wgsl_struct(&look, "ViewCell");
+    assert_eq!(u64::from(size), VIEW_CELL_BYTES, "{members:?}");
+    let (_, members) = wgsl_struct(&look, "Cell");
+    let at = |name: &str| {
+        let found = members.iter().find(|(theirs, _)| theirs == name);
+        found.map(|(_, offset)| *offset as usize)
+    };
+    assert_eq!(at("west"), Some(offset_of!(Cell, mids)));
+    assert_eq!(at("south_x"), Some(offset_of!(Cell, mids) + 36));
+    assert_eq!(at("quarters_ab"), Some(offset_of!(Cell, quarters)));
+}
+
+#[test]
+fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
+    use dolomite_tessellation::detail::layout::{DEPTH_PASSES, LAST_PASSES};
+    let files = DEPTH_PASSES
+        .iter()
+        .map(|(file, _)| file)
+        .chain(LAST_PASSES.iter().map(|(file, ..)| file));
+    for file in files {
+        let module = composed(file);
+        let storage = module
+            .global_variables
+            .iter()
+            .filter(|(_, global)| matches!(global.space, naga::AddressSpace::Storage { .. }));
+        // WebGPU promises eight.
+        assert!(storage.count() <= 8, "{file}");
+    }
+}

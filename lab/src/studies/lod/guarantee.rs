@@ -7,7 +7,7 @@
 //!
 //! An error in pixels is the same thing in a picture of any size: with a fourth of the pixels a
 //! tolerance asks for a fourth of the angle. Most pictures are small, so that more of them fit a run; one
-//! in [`FULL`] rounds is 1920 × 1080.
+//! in `FULL` rounds is 1920 × 1080.
 
 use super::camera::{Camera, View};
 use super::cameras::{KINDS, Kind, around};

@@ -21,10 +21,10 @@
 //! | [`budget`] | a controller that moves the tolerance so that a time is held |
 //! | [`settings`] | metrics and their knobs |
 //! | [`lattice`] | places, cells and their neighbours, in integers |
-//! | [`cell`] | heights and error bounds of a cell, from a few samples |
+//! | [`mod@cell`] | heights and error bounds of a cell, from a few samples |
 //! | [`view`] | what a vertical metre is in pixels, at most |
-//! | [`select`] | which vertices a view gets |
-//! | [`mesh`] | their heights, and the triangles |
+//! | [`mod@select`] | which vertices a view gets |
+//! | [`mod@mesh`] | their heights, and the triangles |
 //! | [`layout`] | the same on the GPU: records and passes |
 
 pub mod budget;

@@ -267,9 +267,13 @@ pub(crate) mod tests {
             let hash = |salt: u32| hash(k, salt);
             let rotation = Quat::from_euler(
                 bevy::math::EulerRot::YXZ,
-                hash(1) * 6.28,
+                hash(1) * std::f32::consts::TAU,
                 (hash(2) - 0.5) * 3.1,
-                if k % 7 == 0 { 3.14 } else { 0.0 },
+                if k % 7 == 0 {
+                    std::f32::consts::PI
+                } else {
+                    0.0
+                },
             );
             let fov = 0.1 + 2.0 * hash(3);
             let view = perspective(Vec3::new(3.0, 5.0, -2.0), rotation, fov, 0.1);
@@ -319,9 +323,9 @@ pub(crate) mod tests {
             let eye = DVec3::new(far + unit(1), 9000.0 * unit(2) * unit(2), unit(3) - far);
             let turn = Quat::from_euler(
                 bevy::math::EulerRot::YXZ,
-                6.28 * hash(k, 4),
+                std::f32::consts::TAU * hash(k, 4),
                 3.1 * (hash(k, 5) - 0.5),
-                6.28 * hash(k, 6),
+                std::f32::consts::TAU * hash(k, 6),
             );
             let rotation = turn.as_dquat().normalize();
             let near = 0.01 + unit(7);
@@ -342,7 +346,11 @@ pub(crate) mod tests {
                 let w = if j % 4 == 0 {
                     near
                 } else {
-                    near * (1.0 + 1e4 * unit(20 + j).powi(6))
+                    near * (1.0
+                        + 1e4 * {
+                            let cube = unit(20 + j) * unit(20 + j) * unit(20 + j);
+                            cube * cube
+                        })
                 };
                 let mut at = DVec2::new(unit(50 + j), unit(80 + j)) * 2.0 - 1.0;
                 if j % 2 == 0 {

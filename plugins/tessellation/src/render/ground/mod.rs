@@ -37,8 +37,7 @@ pub(crate) fn build(app: &mut App) {
     }
     app.add_plugins(PatchPlugin(GroundKind::default()));
     detail::build(app);
-    app
-        .init_resource::<ReadyArrays>()
+    app.init_resource::<ReadyArrays>()
         .add_systems(
             Update,
             (texture::make_arrays, relief::start, relief::finish).chain(),
@@ -154,7 +153,7 @@ fn look(
 /// A patch that nobody looks at.
 fn one_quad() -> Arc<PatchMesh> {
     let points = vec![[0.0; 4]; GROUND_LAYOUT.points as usize];
-    let indices = (0..GROUND_LAYOUT.points as u32).collect();
+    let indices = (0..GROUND_LAYOUT.points).collect();
     let whole = [[crate::stage::patches::WHOLE; 4]];
     let mesh = PatchMesh::with_middles(GROUND_LAYOUT, points, indices, &whole);
     Arc::new(mesh.expect("one patch of the layout's own size"))
@@ -197,7 +196,10 @@ fn place_patches(
             &cover.patches.mesh
         };
         let other = |patches: &Patches<GroundKind>| !Arc::ptr_eq(&patches.mesh, mesh);
-        if found.as_ref().is_some_and(|(_, _, patches, ..)| !other(patches)) {
+        if found
+            .as_ref()
+            .is_some_and(|(_, _, patches, ..)| !other(patches))
+        {
             continue;
         }
         if let Some(fault) = &cover.fault {

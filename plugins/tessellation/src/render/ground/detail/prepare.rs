@@ -174,7 +174,7 @@ fn detail_view(
     relief: f32,
     detail: &Detail,
 ) -> DetailView {
-    let anchor = DVec3::from(Vec3::from(stage.anchor).as_dvec3());
+    let anchor = Vec3::from(stage.anchor).as_dvec3();
     let mut out = DetailView::zeroed();
     out.planes = stage.planes.map(|[x, y, z, d]| {
         let raised = f64::from(d) - f64::from(y) * anchor.y;
@@ -191,7 +191,11 @@ fn detail_view(
     out.scale = 0.5 * view.viewport.w as f32 * clip.y_axis.y;
     out.orthographic = stage.orthographic;
     // Of Bevy's perspective, infinite and reversed: z of clip space is the near distance.
-    out.near = if clip.w_axis.z > 0.0 { clip.w_axis.z } else { 0.1 };
+    out.near = if clip.w_axis.z > 0.0 {
+        clip.w_axis.z
+    } else {
+        0.1
+    };
     let (x, y) = (1.0 / clip.x_axis.x, 1.0 / clip.y_axis.y);
     out.cos_corner = 1.0 / (1.0 + x * x + y * y).sqrt();
     let sweep = Vec3::new(stage.sweep[0], stage.sweep[1], stage.sweep[2]);
