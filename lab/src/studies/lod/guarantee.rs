@@ -80,7 +80,16 @@ pub fn guarantee(cameras: usize, samples: usize, seed: u32) -> Vec<Count> {
         };
         let counts = at_a_place(&terrain, cameras, group as usize, samples, own);
         for count in counts.iter().filter(|count| count.above() > 0) {
-            eprintln!("lod: guarantee: place {group}: {count:?}");
+            eprintln!(
+                "lod: guarantee: place {group}: {} above: {:?} tau {} reached {} max {} at {} of {:?}",
+                count.above(),
+                count.kind,
+                count.tau,
+                count.reached,
+                count.tally.max,
+                count.tally.worst,
+                count.worst,
+            );
         }
         eprintln!("lod: guarantee: place {group} of {}", groups.len());
         counts

@@ -215,12 +215,13 @@ impl Tally {
         }
     }
 
-    /// A place of the ground where nothing is drawn: a hole if the view sees it.
+    /// A place of the ground where nothing is drawn: an infinite error if the view sees it.
     pub(super) fn hole(&mut self, view: &View, place: DVec3) {
-        self.samples += 1;
         if view.sees(place) {
+            self.samples += 1;
             self.holes += 1;
             self.above += 1;
+            self.bins[bin(f64::INFINITY)] += 1;
             (self.max, self.worst) = (f64::INFINITY, DVec2::new(place.x, place.z));
         }
     }

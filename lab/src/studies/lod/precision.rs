@@ -84,8 +84,11 @@ mod tests {
             assert!(pair.difference() < 1e-5, "{pair:?}");
             assert_eq!(pair.near.tally.samples, pair.far.tally.samples);
         }
-        for count in far_noise(KINDS.len(), 600, 4) {
+        let counts = far_noise(KINDS.len(), 600, 4);
+        for count in &counts {
             assert_eq!(count.above(), 0, "{count:?}");
         }
+        let samples: u64 = counts.iter().map(|count| count.tally.samples).sum();
+        assert!(samples > 10_000, "{samples}");
     }
 }
