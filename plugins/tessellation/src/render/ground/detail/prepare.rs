@@ -158,9 +158,10 @@ impl DetailState {
         }
     }
 
-    /// Forgets what was made, where little room is left.
+    /// Forgets what was made, where less than half of the room is left: a camera that jumps finds room for
+    /// all that it sees.
     fn forget_if_full(&mut self, queue: &RenderQueue, used: u32) {
-        if used > self.capacity / 4 * 3 {
+        if used > self.capacity / 2 {
             self.fresh = true;
             queue.write_buffer(&self.kept[1], 0, cast_slice(&self.beginning.links));
         }
