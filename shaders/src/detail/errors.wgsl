@@ -7,7 +7,7 @@
 const STEPS: u32 = 4u;
 const SAMPLES: u32 = 5u;
 // What may lie between samples, as a multiple of the finest second difference.
-const TAIL: f32 = 0.5;
+const TAIL: f32 = 1.0;
 // Share by which a bed's error counts.
 const BED_SHARE: f32 = 0.5;
 // Error of a height as a share of the largest.

@@ -177,8 +177,9 @@ mod tests {
         }
         let walk = pops(&terrain, Move::Walk, start, 2).unwrap();
         assert!(walk.seen.max > 0.0 && walk.seen.max < TAU, "{walk:?}");
-        // A mesh that is lifted by a metre is seen to move.
-        let lifted: Vec<_> = one.ground.positions.iter().map(|p| *p + DVec3::Y).collect();
+        // A mesh that is lifted by half of the camera's height is seen to move.
+        let lift = DVec3::Y * 75.0;
+        let lifted: Vec<_> = one.ground.positions.iter().map(|p| *p + lift).collect();
         let lifted = GroundMesh::new(lifted, one.ground.triangles.clone(), &one.view);
         let far = one.ground.positions.iter();
         let far = far.filter_map(|&p| moved(p, &lifted, &one.view, &one.view));

@@ -240,6 +240,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[ignore = "four minutes in the dev profile: the rivals tune on the whole mountain"]
     fn a_small_run_holds_together() {
         let report = run(&Plan {
             cameras: 10,
