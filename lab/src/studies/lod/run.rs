@@ -1,7 +1,7 @@
 //! The study: how much of everything, and what is told of it.
 
-use super::cameras::ordinary;
-use super::guarantee::guarantee;
+use super::cameras::{KINDS, ordinary};
+use super::guarantee::{TAUS, guarantee};
 use super::ours::Ours;
 use super::pops::{MOVES, RATE, TAU, pops};
 use super::precision::{FAR, far_noise, pairs};
@@ -28,6 +28,8 @@ pub struct Plan {
     pub seed: u32,
     /// Cameras of the guarantee.
     pub cameras: usize,
+    /// Tolerances, pixels, the finest last.
+    pub taus: Vec<f64>,
     /// Places a camera and tolerance.
     pub samples: usize,
     /// Shared edges that are looked at.
@@ -53,6 +55,7 @@ impl Plan {
         Self {
             seed: options.seed,
             cameras: options.cameras,
+            taus: TAUS.to_vec(),
             samples: options.samples,
             edges: 1_000_000,
             frames: options.frames / 50,
@@ -74,7 +77,7 @@ pub fn run(plan: &Plan) -> Report {
     let mountain = terrains::mountain(plan.seed);
     let cameras = ordinary(&mountain);
     eprintln!("lod: guarantee");
-    let counts = guarantee(plan.cameras, plan.samples, plan.seed);
+    let counts = guarantee(plan.cameras, &plan.taus, plan.samples, plan.seed);
     let mut rows = report::guarantee_rows(&counts);
     let mut summary = Map::new();
     summary.insert("guarantee".into(), report::guarantee(&counts));
@@ -129,10 +132,15 @@ pub fn run(plan: &Plan) -> Report {
 
 fn precision(plan: &Plan) -> Value {
     eprintln!("lod: precision");
-    let pairs = pairs(plan.rounds, plan.samples / 8, plan.seed);
+    let pairs = pairs(plan.rounds, &plan.taus, plan.samples / 8, plan.seed);
     let most =
         |pick: &dyn Fn(&super::precision::Pair) -> f64| pairs.iter().map(pick).fold(0.0, f64::max);
-    let noise = far_noise(plan.rounds * 10, plan.samples / 8, plan.seed);
+    let noise = far_noise(
+        plan.rounds * KINDS.len(),
+        &plan.taus,
+        plan.samples / 8,
+        plan.seed,
+    );
     json!({
         "metres": FAR,
         "views": pairs.len(),
@@ -205,6 +213,7 @@ fn movements(plan: &Plan, mountain: &dolomite_terrain::Terrain, rows: &mut Vec<c
                 "frames": plan.frames, "frames_a_second": RATE, "vertices": found.seen.samples,
                 "max": found.seen.max, "p99": found.seen.p99, "rms": found.seen.rms,
                 "share_above_a_quarter": found.above, "metres_from_the_eye": found.distance,
+                "pixels_from_the_border": found.border, "max_inside": found.inside,
                 "max_coming_or_leaving": found.entering,
             }),
         );
@@ -243,7 +252,8 @@ mod tests {
     fn a_small_run_holds_together() {
         let report = run(&Plan {
             cameras: 10,
-            samples: 800,
+            taus: vec![4.0],
+            samples: 1500,
             edges: 20_000,
             frames: 1,
             picture: UVec2::new(240, 135),

@@ -233,9 +233,12 @@ pub struct DetailCells {
     cells: Vec<Cell>,
     /// Heights of the roots' corners, row by row.
     corners: Vec<Height>,
+    /// Most cells that are kept; beyond, all are forgotten and made again as they are asked for. A cell
+    /// takes some 130 bytes.
+    pub keep: usize,
 }
 
-/// Most cells that are kept; beyond, all are forgotten and made again as they are asked for.
+/// [`DetailCells::keep`] if nothing else is said.
 pub const KEPT: usize = 1 << 20;
 
 impl DetailCells {
@@ -255,6 +258,7 @@ impl DetailCells {
             numbers: HashMap::default(),
             cells: Vec::new(),
             corners,
+            keep: KEPT,
         }
     }
 
@@ -305,7 +309,7 @@ impl DetailCells {
 
     /// Forgets all cells when there are too many. Nothing depends on what is kept but time.
     pub fn forget_if_full(&mut self) {
-        if self.cells.len() > KEPT {
+        if self.cells.len() > self.keep {
             self.cells.clear();
             self.numbers.clear();
         }
