@@ -133,12 +133,12 @@ impl Rival for Ours {
         match self.asked {
             Asked::ErrorBound => Knob {
                 name: "error bound, pixels",
-                coarsest: 64.0,
+                coarsest: 512.0,
                 finest: 1.0 / 64.0,
             },
             Asked::EdgeLength => Knob {
                 name: "longest edge, pixels",
-                coarsest: 256.0,
+                coarsest: 2048.0,
                 finest: 1.0 / 16.0,
             },
             Asked::Classic => Knob {

@@ -5,11 +5,11 @@
 //! the plane of the triangle around it. A mesh's error is the largest of its own and of all finer ones
 //! (a vertex must not hide those that need it), and what the samples may have missed:
 //!
-//! - [`TAIL`] times the finest second difference ε. Of a smooth surface it leaves a third of what lies
-//!   between the samples to spare: halving the spacing quarters the error, so ¼ + 1/16 + … of ε at most
-//!   lies there. Of noise whose octaves are as high as their wavelength is long, halving halves it:
-//!   ½ + ¼ + … = 1. Octaves finer than the samples are in ε with all of their amplitude, since samples
-//!   are not filtered.
+//! - [`TAIL`] times the finest second difference ε. Of a smooth surface no more than a third of that lies
+//!   between the samples: halving the spacing quarters the error, ¼ + 1/16 + … of ε. Of noise whose
+//!   octaves are as high as their wavelength is long, halving halves it: ½ + ¼ + … = 1. Octaves finer
+//!   than the samples are in ε with all of their amplitude, since samples are not filtered; but few
+//!   samples may all lie where noise is calm. So this is an estimate, which the lab's study `lod` tries.
 //! - what stands alone and is narrower than the samples' spacing, [`Terrain::unseen`]: hills, and the
 //!   samples of height maps.
 //! - the rounding of heights in f32.
@@ -32,7 +32,7 @@ pub const SAMPLES: usize = STEPS + 1;
 /// The sample in the middle of a row.
 const MIDDLE: usize = STEPS / 2;
 /// What may lie between samples, as a multiple of the finest second difference.
-pub const TAIL: f32 = 0.5;
+pub const TAIL: f32 = 1.0;
 /// Share by which a bed's error counts.
 const BED_SHARE: f32 = 0.5;
 /// Error of an f32 height as a share of the largest, twice what the accuracy tests of the terrain see.
