@@ -7,7 +7,7 @@
 //!
 //! An error in pixels is the same thing in a picture of any size: with a fourth of the pixels a
 //! tolerance asks for a fourth of the angle. Most pictures are small, so that more of them fit a run; one
-//! in [`FULL`] rounds is 1920 × 1080.
+//! in twenty rounds is 1920 × 1080.
 
 use super::camera::{Camera, View};
 use super::cameras::{KINDS, Kind, around};
@@ -112,7 +112,7 @@ pub fn at_a_place(
     seed: u32,
 ) -> Vec<Count> {
     let truth = Truth::new(terrain);
-    let mut cells = cells_of(&terrain, FINEST);
+    let mut cells = cells_of(terrain, FINEST);
     let mut counts = Vec::new();
     for (number, (kind, camera)) in around(terrain, cameras, seed).into_iter().enumerate() {
         let rounds = round * AT_A_PLACE / KINDS.len() + number / KINDS.len();
@@ -348,9 +348,9 @@ mod tests {
     fn a_rough_spot_between_samples_keeps_to_its_bound() {
         let terrain = terrains::dem(1002);
         let eye = DVec3::new(
-            6206.558_701_132_21,
+            6_206.558_701_132_21,
             506.669_648_110_700_7,
-            9548.942_369_941_016,
+            9_548.942_369_941_016,
         );
         let spot = DVec3::new(6277.288, 456.2, 10112.699);
         let away = (spot - eye).normalize();

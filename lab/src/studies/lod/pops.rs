@@ -105,7 +105,7 @@ fn frame(cells: &mut DetailCells, camera: Camera) -> Frame {
 #[must_use]
 pub fn pops(terrain: &Terrain, way: Move, start: Camera, frames: usize) -> Option<Moved> {
     let truth = Truth::new(terrain);
-    let mut cells = cells_of(&terrain, FINEST);
+    let mut cells = cells_of(terrain, FINEST);
     let mut before = frame(&mut cells, way.camera(&truth, start, 0));
     let mut seen = Vec::new();
     let (mut worst, mut inside, mut entering) = (None::<Step>, 0.0_f64, 0.0_f64);

@@ -23,8 +23,8 @@
 //! | [`lattice`] | places, cells and their neighbours, in integers |
 //! | [`cell`] | heights and error bounds of a cell, from a few samples |
 //! | [`view`] | what a vertical metre is in pixels, at most |
-//! | [`select`] | which vertices a view gets |
-//! | [`mesh`] | their heights, and the triangles |
+//! | [`mod@select`] | which vertices a view gets |
+//! | [`mod@mesh`] | their heights, and the triangles |
 
 pub mod budget;
 pub mod cell;

@@ -227,6 +227,7 @@ impl DetailView {
 pub(crate) mod tests {
     use super::*;
     use bevy::math::Quat;
+    use core::f32::consts::{PI, TAU};
 
     /// A perspective camera at `eye`, turned by `rotation`, with a picture of 1920 × 1080.
     pub(crate) fn perspective(eye: Vec3, rotation: Quat, fov: f32, near: f32) -> DetailView {
@@ -267,9 +268,9 @@ pub(crate) mod tests {
             let hash = |salt: u32| hash(k, salt);
             let rotation = Quat::from_euler(
                 bevy::math::EulerRot::YXZ,
-                hash(1) * 6.28,
+                hash(1) * TAU,
                 (hash(2) - 0.5) * 3.1,
-                if k % 7 == 0 { 3.14 } else { 0.0 },
+                if k % 7 == 0 { PI } else { 0.0 },
             );
             let fov = 0.1 + 2.0 * hash(3);
             let view = perspective(Vec3::new(3.0, 5.0, -2.0), rotation, fov, 0.1);
@@ -319,9 +320,9 @@ pub(crate) mod tests {
             let eye = DVec3::new(far + unit(1), 9000.0 * unit(2) * unit(2), unit(3) - far);
             let turn = Quat::from_euler(
                 bevy::math::EulerRot::YXZ,
-                6.28 * hash(k, 4),
+                TAU * hash(k, 4),
                 3.1 * (hash(k, 5) - 0.5),
-                6.28 * hash(k, 6),
+                TAU * hash(k, 6),
             );
             let rotation = turn.as_dquat().normalize();
             let near = 0.01 + unit(7);
@@ -342,7 +343,7 @@ pub(crate) mod tests {
                 let w = if j % 4 == 0 {
                     near
                 } else {
-                    near * (1.0 + 1e4 * unit(20 + j).powi(6))
+                    near * (1.0 + 1e4 * unit(20 + j) * unit(110 + j) * unit(140 + j))
                 };
                 let mut at = DVec2::new(unit(50 + j), unit(80 + j)) * 2.0 - 1.0;
                 if j % 2 == 0 {
