@@ -81,7 +81,7 @@ pub fn cracks(edges: u64, seed: u32) -> Cracks {
                 size: UVec2::new(480, 270),
                 ..camera
             };
-            let mut view = detail_view(&camera, bound(2.0));
+            let mut view = detail_view(&camera, bound(16.0));
             // No frustum: the border of the mesh is that of the ground.
             view.planes = [[0.0, 0.0, 0.0, 1.0]; 6];
             let selection = choose(&mut cells, &view);
