@@ -47,7 +47,7 @@ pub struct Arguments {
         value_parser = camera_count
     )]
     pub cameras: usize,
-    /// Least error that the methods of `lod` are tuned to, pixels, from 1 to 64 (64, 16, 4, 1);
+    /// Least error that the methods of `lod` are tuned to, pixels, from 1 to 16;
     /// at 1 it takes hours
     #[arg(long, default_value_t = Options::default().error, value_parser = wanted_error)]
     pub error: f64,
@@ -116,8 +116,8 @@ fn camera_count(text: &str) -> Result<usize, String> {
 
 fn wanted_error(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(pixels) if (1.0..=64.0).contains(&pixels) => Ok(pixels),
-        _ => Err("a number of pixels from 1 to 64 is needed".into()),
+        Ok(pixels) if (1.0..=16.0).contains(&pixels) => Ok(pixels),
+        _ => Err("a number of pixels from 1 to 16 is needed".into()),
     }
 }
 
@@ -265,7 +265,7 @@ mod tests {
             "--cameras=many",
             "--error=0",
             "--error=NaN",
-            "--error=65",
+            "--error=17",
         ] {
             assert!(parse(&format!("lod {wrong}")).is_err(), "{wrong}");
         }

@@ -2,12 +2,12 @@
 
 use super::camera::Camera;
 use super::cameras::{KINDS, around};
-use super::ours::{bound, choose, detail_view};
+use super::ours::{bound, cells_of, choose, detail_view};
 use super::terrains;
 use bevy::math::{DVec2, UVec2};
 use bevy::platform::collections::{HashMap, HashSet};
 use dolomite_terrain::GroundRect;
-use dolomite_tessellation::detail::{DetailCells, DetailMesh, mesh};
+use dolomite_tessellation::detail::{DetailMesh, mesh};
 
 /// What is found in meshes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -75,13 +75,13 @@ pub fn cracks(edges: u64, seed: u32) -> Cracks {
         let own = seed.wrapping_mul(1000).wrapping_add(group);
         let terrains = terrains::all(own);
         let terrain = &terrains[group as usize % 3];
-        let mut cells = DetailCells::new(terrain.clone(), 0.125);
+        let mut cells = cells_of(terrain, 0.125);
         for (_, camera) in around(terrain, KINDS.len(), own) {
             let camera = Camera {
                 size: UVec2::new(480, 270),
                 ..camera
             };
-            let mut view = detail_view(&camera, bound(2.0));
+            let mut view = detail_view(&camera, bound(16.0));
             // No frustum: the border of the mesh is that of the ground.
             view.planes = [[0.0, 0.0, 0.0, 1.0]; 6];
             let selection = choose(&mut cells, &view);
@@ -103,7 +103,7 @@ mod tests {
         let found = cracks(20_000, 2);
         assert!(found.none() && found.shared >= 20_000, "{found:?}");
         let terrain = terrains::fbm(1);
-        let mut cells = DetailCells::new(terrain.clone(), 1.0);
+        let mut cells = cells_of(&terrain, 1.0);
         let (_, camera) = around(&terrain, 4, 1)[3];
         let selection = choose(&mut cells, &detail_view(&camera, bound(8.0)));
         let mut mesh = mesh::mesh(&cells, &selection);

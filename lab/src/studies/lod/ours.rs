@@ -5,6 +5,7 @@ use super::mesh::{Drawn, GroundMesh};
 use super::rival::{Knob, MOST_TRIANGLES, Rival};
 use super::truth::Truth;
 use bevy::math::{DQuat, DVec3, EulerRot};
+use dolomite_terrain::Terrain;
 use dolomite_tessellation::detail::{
     Detail, DetailCells, DetailMesh, DetailView, Lens, Metric, Selection, mesh, select,
 };
@@ -15,6 +16,17 @@ pub const FINEST: f32 = 1.0 / 64.0;
 
 /// Most vertices of a view.
 const MOST_VERTICES: u32 = MOST_TRIANGLES as u32 / 2;
+
+/// Cells that are kept: half a gigabyte.
+const KEEP: usize = 1 << 22;
+
+/// No cells of a ground yet; many are kept, since making them is what takes time.
+#[must_use]
+pub fn cells_of(terrain: &Terrain, finest: f32) -> DetailCells {
+    let mut cells = DetailCells::new(terrain.clone(), finest);
+    cells.keep = KEEP;
+    cells
+}
 
 /// A camera as the selection sees it: in f64 to the anchor, then in f32.
 #[must_use]
@@ -121,12 +133,12 @@ impl Rival for Ours {
         match self.asked {
             Asked::ErrorBound => Knob {
                 name: "error bound, pixels",
-                coarsest: 64.0,
+                coarsest: 512.0,
                 finest: 1.0 / 64.0,
             },
             Asked::EdgeLength => Knob {
                 name: "longest edge, pixels",
-                coarsest: 256.0,
+                coarsest: 2048.0,
                 finest: 1.0 / 16.0,
             },
             Asked::Classic => Knob {
@@ -143,7 +155,7 @@ impl Rival for Ours {
         let mut cells = self.cells.lock().unwrap_or_else(|e| e.into_inner());
         let cells = match &mut *cells {
             Some(cells) if cells.terrain().same(&truth.terrain) => cells,
-            other => other.insert(DetailCells::new(truth.terrain.clone(), FINEST)),
+            other => other.insert(cells_of(&truth.terrain, FINEST)),
         };
         let selection = choose(cells, &view);
         // A coarser tolerance than asked: the knob would no longer mean what it says.

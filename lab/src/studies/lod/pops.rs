@@ -7,7 +7,7 @@
 
 use super::camera::{Camera, View};
 use super::mesh::{Drawn, GroundMesh};
-use super::ours::{FINEST, bound, choose, detail_view, ground_mesh};
+use super::ours::{FINEST, bound, cells_of, choose, detail_view, ground_mesh};
 use super::truth::Truth;
 use crate::metrics::ErrorStats;
 use crate::studies::tessellation::study::on_all_cores;
@@ -80,6 +80,10 @@ pub struct Moved {
     pub above: f64,
     /// How far from the eye the one that moved most is, metres.
     pub distance: f64,
+    /// How far it is from the nearest border of either picture, pixels.
+    pub border: f64,
+    /// The largest of those farther than a tenth of the picture's height from every border.
+    pub inside: f64,
     /// The largest where the place has just come into the picture, or is just leaving it.
     pub entering: f64,
 }
@@ -101,24 +105,27 @@ fn frame(cells: &mut DetailCells, camera: Camera) -> Frame {
 #[must_use]
 pub fn pops(terrain: &Terrain, way: Move, start: Camera, frames: usize) -> Option<Moved> {
     let truth = Truth::new(terrain);
-    let mut cells = DetailCells::new(terrain.clone(), FINEST);
+    let mut cells = cells_of(terrain, FINEST);
     let mut before = frame(&mut cells, way.camera(&truth, start, 0));
     let mut seen = Vec::new();
-    let (mut worst, mut distance, mut entering) = (0.0, 0.0, 0.0_f64);
+    let (mut worst, mut inside, mut entering) = (None::<Step>, 0.0_f64, 0.0_f64);
     for number in 1..=frames {
         let after = frame(&mut cells, way.camera(&truth, start, number));
         for (own, other) in [(&before, &after), (&after, &before)] {
             let moved = on_all_cores(&own.ground.positions, |&place| {
                 moved(place, &other.ground, &before.view, &after.view)
             });
-            for (both, pixels, away) in moved.into_iter().flatten() {
-                if both {
-                    seen.push(pixels);
-                    if pixels > worst {
-                        (worst, distance) = (pixels, away);
-                    }
-                } else {
-                    entering = entering.max(pixels);
+            for step in moved.into_iter().flatten() {
+                if step.border < 0.0 {
+                    entering = entering.max(step.pixels);
+                    continue;
+                }
+                seen.push(step.pixels);
+                if step.border > before.view.half.y / 5.0 {
+                    inside = inside.max(step.pixels);
+                }
+                if worst.is_none_or(|worst| step.pixels > worst.pixels) {
+                    worst = Some(step);
                 }
             }
         }
@@ -126,22 +133,30 @@ pub fn pops(terrain: &Terrain, way: Move, start: Camera, frames: usize) -> Optio
     }
     let above = seen.iter().filter(|&&pixels| pixels > 0.25).count();
     let above = above as f64 / seen.len().max(1) as f64;
+    let worst = worst?;
     Some(Moved {
         above,
         seen: ErrorStats::of(seen)?,
-        distance,
+        distance: worst.distance,
+        border: worst.border,
+        inside,
         entering,
     })
 }
 
-/// Whether both frames see a vertex of one of them, by how many pixels of the later one it lies from the
-/// other's surface, and how far from the eye.
-fn moved(
-    place: DVec3,
-    other: &GroundMesh,
-    before: &View,
-    after: &View,
-) -> Option<(bool, f64, f64)> {
+/// What becomes of a vertex.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    /// How far it lies from the other frame's surface, pixels of the later frame.
+    pixels: f64,
+    /// From the eye, metres.
+    distance: f64,
+    /// From the nearest border of both pictures, pixels; below 0 where one of them does not see it.
+    border: f64,
+}
+
+/// A vertex of one of two frames; `None` if neither sees it.
+fn moved(place: DVec3, other: &GroundMesh, before: &View, after: &View) -> Option<Step> {
     let height = other.height(DVec2::new(place.x, place.z))?;
     let there = place.with_y(height);
     let sees = |view: &View| view.sees(place) || view.sees(there);
@@ -149,8 +164,20 @@ fn moved(
     if !(earlier || later) {
         return None;
     }
-    let pixels = after.pixels_beyond_near(place, there)?;
-    Some((earlier && later, pixels, place.distance(after.eye)))
+    let inside = |view: &View| {
+        let at = view.project(place).or_else(|| view.project(there))?;
+        Some((view.half - at.abs()).min_element().max(0.0))
+    };
+    let border = if earlier && later {
+        inside(before)?.min(inside(after)?)
+    } else {
+        -1.0
+    };
+    Some(Step {
+        pixels: after.pixels_beyond_near(place, there)?,
+        distance: place.distance(after.eye),
+        border,
+    })
 }
 
 #[cfg(test)]
@@ -167,12 +194,12 @@ mod tests {
             ..cameras::ordinary(&terrain)[1]
         };
         let truth = Truth::new(&terrain);
-        let mut cells = DetailCells::new(terrain.clone(), FINEST);
+        let mut cells = cells_of(&terrain, FINEST);
         let [one, same] = [(), ()].map(|()| frame(&mut cells, start));
         for &place in &one.ground.positions {
-            if let Some((_, pixels, _)) = moved(place, &same.ground, &one.view, &same.view) {
+            if let Some(step) = moved(place, &same.ground, &one.view, &same.view) {
                 // Barycentric coordinates in f64.
-                assert!(pixels < 1e-6, "{pixels}");
+                assert!(step.pixels < 1e-6, "{step:?}");
             }
         }
         let walk = pops(&terrain, Move::Walk, start, 2).unwrap();
@@ -183,7 +210,7 @@ mod tests {
         let lifted = GroundMesh::new(lifted, one.ground.triangles.clone(), &one.view);
         let far = one.ground.positions.iter();
         let far = far.filter_map(|&p| moved(p, &lifted, &one.view, &one.view));
-        assert!(far.map(|(_, pixels, _)| pixels).fold(0.0, f64::max) > TAU);
+        assert!(far.map(|step| step.pixels).fold(0.0, f64::max) > TAU);
         assert_eq!(
             Move::Turn.camera(&truth, start, 60).yaw,
             start.yaw + std::f64::consts::PI

@@ -5,11 +5,11 @@
 //! the plane of the triangle around it. A mesh's error is the largest of its own and of all finer ones
 //! (a vertex must not hide those that need it), and what the samples may have missed:
 //!
-//! - [`TAIL`] times the finest second difference ε. Of a smooth surface it leaves a third of what lies
-//!   between the samples to spare: halving the spacing quarters the error, so ¼ + 1/16 + … of ε at most
-//!   lies there. Of noise whose octaves are as high as their wavelength is long, halving halves it:
-//!   ½ + ¼ + … = 1. Octaves finer than the samples are in ε with all of their amplitude, since samples
-//!   are not filtered.
+//! - [`TAIL`] times the finest second difference ε. Of a smooth surface no more than a third of that lies
+//!   between the samples: halving the spacing quarters the error, ¼ + 1/16 + … of ε. Of noise whose
+//!   octaves are as high as their wavelength is long, halving halves it: ½ + ¼ + … = 1. Octaves finer
+//!   than the samples are in ε with all of their amplitude, since samples are not filtered; but few
+//!   samples may all lie where noise is calm. So this is an estimate, which the lab's study `lod` tries.
 //! - what stands alone and is narrower than the samples' spacing, [`Terrain::unseen`]: hills, and the
 //!   samples of height maps.
 //! - the rounding of heights in f32.
@@ -233,9 +233,12 @@ pub struct DetailCells {
     cells: Vec<Cell>,
     /// Heights of the roots' corners, row by row.
     corners: Vec<Height>,
+    /// Most cells that are kept; beyond, all are forgotten and made again as they are asked for. A cell
+    /// takes some 130 bytes.
+    pub keep: usize,
 }
 
-/// Most cells that are kept; beyond, all are forgotten and made again as they are asked for.
+/// [`DetailCells::keep`] if nothing else is said.
 pub const KEPT: usize = 1 << 20;
 
 impl DetailCells {
@@ -255,6 +258,7 @@ impl DetailCells {
             numbers: HashMap::default(),
             cells: Vec::new(),
             corners,
+            keep: KEPT,
         }
     }
 
@@ -305,7 +309,7 @@ impl DetailCells {
 
     /// Forgets all cells when there are too many. Nothing depends on what is kept but time.
     pub fn forget_if_full(&mut self) {
-        if self.cells.len() > KEPT {
+        if self.cells.len() > self.keep {
             self.cells.clear();
             self.numbers.clear();
         }
