@@ -3,7 +3,7 @@
 #import dolomite::detail::types::{Cell, ViewCell, cell_quarters}
 #import dolomite::detail::bindings::{cells, counts, detail, detail_pass, links, seen, LOOK, THREADS, blocks_before, look_block}
 #import dolomite::detail::lattice::{cell_corner, cell_half, cell_sides, lattice_point}
-#import dolomite::detail::view::{Sight, box_sight}
+#import dolomite::detail::view::{Sight, box_share, box_sight}
 #import dolomite::terrain::fixed::ground_relative
 
 // Pixels, or segments, a metre, by the metric; see own_demand in select.rs.
@@ -27,8 +27,12 @@ fn look_at(at: u32, most: f32) {
     let cell = cells[at];
     let low = ground_relative(lattice_point(detail, cell_corner(centre, half, 0u)), detail.view.anchor);
     let high = ground_relative(lattice_point(detail, cell_corner(centre, half, 2u)), detail.view.anchor);
-    let sight = box_sight(detail.view, vec3(low.x, cell.centre.w, low.y), vec3(high.x, cell.high, high.y));
-    let factor = sight.share * detail.view.inverse_tolerance * demand_of_a_metre(sight, cell);
+    let least = vec3(low.x, cell.centre.w, low.y);
+    let greatest = vec3(high.x, cell.high, high.y);
+    let sight = box_sight(detail.view, least, greatest);
+    // Of cells beside those in the picture too: see own_demand.
+    let around = greatest - least;
+    let factor = box_share(detail.view, least - around, greatest + around) * detail.view.inverse_tolerance * demand_of_a_metre(sight, cell);
     var whole = cell.error;
     var sides = cell_quarters(cell);
     var finer = cell.finer;

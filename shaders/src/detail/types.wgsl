@@ -102,7 +102,7 @@ struct ViewCell {
 const NO_CELL: u32 = 0xffffffffu;
 
 // The demand at which a vertex appears, still in the plane of the triangle that it cuts.
-const APPEARS: f32 = 0.5;
+const APPEARS: f32 = 0.75;
 
 fn cell_mid(cell: Cell, side: u32) -> vec3<f32> {
     switch side {

@@ -1,8 +1,8 @@
 //! From the chosen vertices to heights and triangles.
 //!
 //! **Height of a vertex that is arriving.** Let S(θ) be the mesh of all vertices whose share
-//! s = (demand − ½)·2 is above θ: each is a mesh as the selection could have made it for a tolerance between
-//! the asked one and half of it, so its error is at most the asked tolerance. The drawn height is the mean
+//! s = (demand − a) / (1 − a), a = [`APPEARS`], is above θ: each is a mesh as the selection could have made
+//! it for a tolerance between a times the asked one and all of it, so its error is at most the asked tolerance. The drawn height is the mean
 //! of S(θ) over θ from 0 to 1, so its error is at most that too; it is continuous in the demands, 0 to 1;
 //! and a vertex lies in the plane of its triangle where it appears. In S(θ) a vertex with s ≤ θ lies in the
 //! middle of the edge that it would cut; so the mean is found by putting the ends of that edge in the

@@ -91,7 +91,9 @@ impl Selection {
     }
 }
 
-/// A cell's own demands, at most `most` (what is finer in its parent).
+/// A cell's own demands, at most `most` (what is finer in its parent). They are asked for when the cell or
+/// one beside it is in the picture: a vertex that is seen owes some of its demand to cells that are not, and
+/// would jump when they come in.
 #[must_use]
 pub fn own_demand(
     view: &DetailView,
@@ -102,7 +104,9 @@ pub fn own_demand(
 ) -> Demand {
     let (low, high) = cell_box(view, lattice, place, cell);
     let sight = view.sight(low, high);
-    let factor = sight.share
+    // What a vertex in the picture owes to the cells around it comes and goes while it is out of it.
+    let around = high - low;
+    let factor = view.share(low - around, high + around)
         * view.inverse_tolerance
         * match view.metric {
             0 => {

@@ -177,7 +177,9 @@ impl DetailView {
         }
     }
 
-    fn share(&self, low: Vec3, high: Vec3) -> f32 {
+    /// Share of the detail of a box: 1 in the frustum, less where only its shadow is, 0 where nothing is.
+    #[must_use]
+    pub fn share(&self, low: Vec3, high: Vec3) -> f32 {
         let sweep = Vec3::from(self.sweep);
         let mut share = 1.0;
         for &[x, y, z, d] in &self.planes {
