@@ -41,7 +41,9 @@ macro_rules! files {
 
 /// Every file.
 pub const ALL: &[ShaderFile] = files![
+    "classic/bounded.wgsl",
     "classic/functions.wgsl",
+    "classic/look.wgsl",
     "detail/bindings.wgsl",
     "detail/emit_triangles.wgsl",
     "detail/emit_vertices.wgsl",

@@ -7,6 +7,7 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use dolomite_terrain::GroundProbe;
 use dolomite_tessellation::classic::ClassicHeights;
+use dolomite_tessellation::detail::Detail;
 use dolomite_tessellation::render::classic::{ClassicPlugin, ClassicSettings};
 use dolomite_tessellation::stage::StageCamera;
 
@@ -84,10 +85,23 @@ fn follow(
     settings: Res<Settings>,
     methods: Res<Methods>,
     mut classic: ResMut<ClassicSettings>,
-    mut cameras: Query<&mut StageCamera>,
+    mut cameras: Query<(Entity, &mut StageCamera, Option<&mut Detail>)>,
+    mut commands: Commands,
 ) {
     classic.set_if_neq(methods.settings());
-    for mut camera in &mut cameras {
+    for (entity, mut camera, detail) in &mut cameras {
+        match (methods.detail(), detail) {
+            (Some(wanted), Some(mut detail)) => {
+                detail.set_if_neq(wanted);
+            }
+            (Some(wanted), None) => {
+                commands.entity(entity).insert(wanted);
+            }
+            (None, Some(_)) => {
+                commands.entity(entity).remove::<Detail>();
+            }
+            (None, None) => {}
+        }
         let next = StageCamera {
             pixels_per_edge: methods.tau.unwrap_or(settings.pixels_per_edge),
             fill: switches.fill,

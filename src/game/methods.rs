@@ -4,6 +4,7 @@
 use bevy::prelude::*;
 use clap::ValueEnum;
 use dolomite_tessellation::classic::{ClassicLevels, STATIC_LEVEL};
+use dolomite_tessellation::detail::{self, Detail};
 use dolomite_tessellation::render::classic::ClassicSettings;
 use thiserror::Error;
 
@@ -77,9 +78,6 @@ pub struct Methods {
 /// Why a way to make triangles was refused.
 #[derive(Debug, Error, PartialEq)]
 pub enum MethodError {
-    /// No quadtree front end yet.
-    #[error("--metric error is not built in: use `--metric classic` or `--metric edge`")]
-    NoErrorMetric,
     /// Another scene.
     #[error(
         "scene `{0}`: --mode, --metric, --tau, --cull and --matrix are for `--scene {classic}`",
@@ -92,6 +90,9 @@ pub enum MethodError {
     /// No length on the screen.
     #[error("--tau {0}: must be 1 to 1000 pixels")]
     Tau(f32),
+    /// No error on the screen.
+    #[error("--tau {0}: must be 0.05 to 1000 pixels")]
+    Error(f32),
 }
 
 impl Methods {
@@ -109,21 +110,25 @@ impl Methods {
     /// Checks the rule and what it aims at.
     fn check_rule(&self) -> Result<(), MethodError> {
         match (self.metric, self.tau) {
-            (Metric::Error, _) => Err(MethodError::NoErrorMetric),
             (Metric::Classic, Some(_)) => Err(MethodError::NoTau),
             // NaN is in no range.
-            (_, Some(tau)) if !(1.0..=1000.0).contains(&tau) => Err(MethodError::Tau(tau)),
+            (Metric::Edge, Some(tau)) if !(1.0..=1000.0).contains(&tau) => {
+                Err(MethodError::Tau(tau))
+            }
+            (Metric::Error, Some(tau)) if !(0.05..=1000.0).contains(&tau) => {
+                Err(MethodError::Error(tau))
+            }
             _ => Ok(()),
         }
     }
 
-    /// What the kind of patches is told. The rule by error belongs to another front end than these
-    /// patches: it is refused before.
+    /// What the scene's kinds are told.
     pub fn settings(&self) -> ClassicSettings {
         let levels = match (self.mode, self.metric) {
             (Mode::StaticGpu | Mode::StaticCpu, _) => ClassicLevels::Static(STATIC_LEVEL),
             (_, Metric::Edge) => ClassicLevels::EdgeLength,
-            (_, Metric::Classic | Metric::Error) => ClassicLevels::Classic,
+            (_, Metric::Classic) => ClassicLevels::Classic,
+            (_, Metric::Error) => ClassicLevels::ErrorBound,
         };
         ClassicSettings {
             levels,
@@ -131,7 +136,24 @@ impl Methods {
             cull: self.cull,
         }
     }
+
+    /// What the camera asks of the level of detail, where that makes the triangles. The default of the
+    /// error is a pixel.
+    pub fn detail(&self) -> Option<Detail> {
+        let bounded = self.settings().levels == ClassicLevels::ErrorBound;
+        bounded.then(|| Detail {
+            metric: detail::Metric::ErrorBound {
+                pixels: self.tau.unwrap_or(1.0),
+            },
+            finest: FINEST,
+            max_vertices: 1 << 19,
+            ..Detail::default()
+        })
+    }
 }
+
+/// Side of the least cells of the classic surface, metres: a quarter of the spacing of its samples.
+const FINEST: f32 = 0.25;
 
 #[cfg(test)]
 mod tests {
@@ -166,17 +188,19 @@ mod tests {
             (Metric::Edge, None),
             (Metric::Edge, Some(1.0)),
             (Metric::Edge, Some(1000.0)),
+            (Metric::Error, None),
+            (Metric::Error, Some(0.5)),
         ] {
             assert_eq!(checked(metric, tau), Ok(()), "{metric:?} {tau:?}");
         }
         assert_eq!(checked(Metric::Classic, Some(4.0)), Err(MethodError::NoTau));
-        assert_eq!(
-            checked(Metric::Error, Some(4.0)),
-            Err(MethodError::NoErrorMetric)
-        );
         for tau in [0.5, -3.0, 1001.0, f32::NAN] {
             let refused = checked(Metric::Edge, Some(tau));
             assert!(matches!(refused, Err(MethodError::Tau(_))), "{tau}");
+        }
+        for tau in [0.0, -1.0, 1001.0, f32::NAN] {
+            let refused = checked(Metric::Error, Some(tau));
+            assert!(matches!(refused, Err(MethodError::Error(_))), "{tau}");
         }
     }
 
@@ -201,5 +225,19 @@ mod tests {
             assert_eq!(settings.levels, ClassicLevels::Static(32.0));
             assert_eq!(settings.host, host);
         }
+        for mode in [Mode::Gpu, Mode::Cpu] {
+            assert_eq!(of(mode, Metric::Error).levels, ClassicLevels::ErrorBound);
+        }
+        let detail = |mode, metric| {
+            Methods {
+                mode,
+                metric,
+                ..default()
+            }
+            .detail()
+        };
+        assert!(detail(Mode::Gpu, Metric::Error).is_some());
+        assert_eq!(detail(Mode::StaticGpu, Metric::Error), None);
+        assert_eq!(detail(Mode::Gpu, Metric::Edge), None);
     }
 }

@@ -5,12 +5,10 @@ use std::time::SystemTime;
 
 use bevy::math::{DVec2, DVec3};
 use dolomite_terrain::{
-    Filter, Fractal, GroundRect, HeightMap, HeightMapFile, Layer, MapFormat, Source, Terrain,
-    TerrainData,
+    Filter, Fractal, GroundRect, HeightMapFile, Layer, MapFormat, Source, Terrain, TerrainData,
 };
 
 use dolomite_tessellation::classic::ClassicHeights;
-use dolomite_tessellation::classic::heights::{SAMPLES, SCALE, SIDE};
 
 use super::bench_path::classic_orbit;
 use super::camera::{PITCH_LIMIT, Pose};
@@ -102,32 +100,7 @@ pub(super) fn from_file(
 /// [`SceneError::Classic`], naming the file.
 pub(super) fn classic(path: &Path) -> Result<LoadedScene, SceneError> {
     let heights = ClassicHeights::load(path)?;
-    let metres = heights.samples().iter().map(|s| SCALE * s).collect();
-    let map = HeightMap::new(
-        SAMPLES,
-        SAMPLES,
-        metres,
-        DVec2::splat(f64::from(0.5 - SIDE * 0.5)),
-        DVec2::ONE,
-        Filter::Bilinear,
-    )
-    .map_err(|source| SceneError::Map {
-        scene: None,
-        source,
-    })?;
-    let terrain = Terrain::new(TerrainData {
-        extent: GroundRect::square(DVec2::ZERO, f64::from(SIDE)),
-        layers: vec![Layer {
-            source: Source::Map(map),
-            mask: None,
-        }],
-        base: 0.0,
-        sea_level: None,
-    })
-    .map_err(|source| SceneError::Terrain {
-        path: path.to_owned(),
-        source: Box::new(source),
-    })?;
+    let terrain = heights.terrain();
     Ok(LoadedScene {
         name: scenes::CLASSIC.to_owned(),
         about: "one surface and one path, to compare methods".to_owned(),

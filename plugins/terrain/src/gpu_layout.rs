@@ -40,9 +40,10 @@ pub struct GpuLayer {
     /// Fractal, classic: index in the data of the octave table (12 words an octave); the classic
     /// permutation (256 words) follows it. Map: index of the first sample.
     pub data: u32,
-    /// Fractal: octaves of the warp, 0 for none.
+    /// Fractal: octaves of the warp, 0 for none. Map: levels of windows.
     pub warp_octaves: u32,
-    /// Fractal: index of the warp's octave table for x; that for z follows it.
+    /// Fractal: index of the warp's octave table for x; that for z follows it. Map: index of the first
+    /// window of level 1; those of the next levels follow.
     pub warp_data: u32,
     /// Fractal: strength of erosion. Map: from its lowest to its highest height, metres.
     pub erosion: f32,
@@ -89,7 +90,7 @@ impl GpuTerrainUniform {
 pub struct GpuTerrain {
     /// Binding 0.
     pub layers: Vec<GpuLayer>,
-    /// Binding 1: octave tables, permutations, and samples as f32 bits.
+    /// Binding 1: octave tables, permutations; samples and what lies between them as f32 bits.
     pub data: Vec<u32>,
     /// Binding 2.
     pub uniform: GpuTerrainUniform,
@@ -197,6 +198,13 @@ fn classic(source: &PreparedClassic, data: &mut Vec<u32>) -> GpuLayer {
 fn map(source: &HeightMap, data: &mut Vec<u32>) -> GpuLayer {
     let at = data.len() as u32;
     data.extend(source.samples().iter().map(|s| s.to_bits()));
+    let windows = data.len() as u32;
+    let levels = source.deviations().levels();
+    data.extend(
+        levels
+            .iter()
+            .flat_map(|level| level.windows.iter().map(|d| d.to_bits())),
+    );
     let lattice = source.lattice();
     let kind = match source.filter() {
         Filter::Bilinear => LayerKind::Bilinear,
@@ -205,6 +213,8 @@ fn map(source: &HeightMap, data: &mut Vec<u32>) -> GpuLayer {
     GpuLayer {
         kind: kind as u32,
         data: at,
+        warp_octaves: levels.len() as u32,
+        warp_data: windows,
         size: [source.width(), source.height()],
         mantissa: lattice.frequency.map(|frequency| frequency.mantissa),
         shift: lattice.frequency.map(|frequency| frequency.shift),

@@ -5,6 +5,7 @@
 
 #import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex, edge_level, entity_params, patch_point, stage_position}
 #import dolomite::stage::draw_types::{Shaded, Surface}
+#import dolomite::classic::look::{coloured, lit}
 
 // 1024 x 1024 samples, row by row; a storage buffer, because the weights of filtered textures have
 // no more than 8 bits.
@@ -15,7 +16,6 @@ const SCALE: f32 = 100.0;
 const REACH: f32 = 400.0;
 const RELIEF: f32 = 10.0;
 const GREATEST: f32 = 32.0;
-const LIGHT: vec3<f32> = vec3(300.0, 500.0, 200.0);
 
 // Level of an edge between two points of the stage; `ground` is the height 0 there.
 fn classic_level(a: vec3<f32>, b: vec3<f32>, ground: f32, eye: vec3<f32>) -> f32 {
@@ -91,8 +91,7 @@ fn evaluate(input: Patch, at: vec3<f32>) -> Vertex {
     var vertex: Vertex;
     vertex.position = vec3(place.x, near + (far - near) * t.y, place.y);
     vertex.normal = vec3(-along_x, 1.0, -along_z);
-    let light = dot(normalize(LIGHT - vertex.position), normalize(vertex.normal));
-    vertex.uv = vec2(max(light, 0.0), (vertex.position.y + 90.0) / 200.0);
+    vertex.uv = lit(vertex.position, normalize(vertex.normal));
     vertex.previous = vertex.position;
     vertex.material = 0u;
     return vertex;
@@ -100,9 +99,5 @@ fn evaluate(input: Patch, at: vec3<f32>) -> Vertex {
 
 // Colour by height and the light of the vertices: not lit again.
 fn material(surface: Surface) -> Shaded {
-    let height = surface.uv.y;
-    let grass = mix(vec3(0.06, 0.16, 0.22), vec3(0.14, 0.30, 0.07), clamp(height * 4.0, 0.0, 1.0));
-    let rock = mix(grass, vec3(0.36, 0.28, 0.20), clamp(height * 4.0 - 1.6, 0.0, 1.0));
-    let colour = mix(rock, vec3(0.9), clamp(height * 5.0 - 3.4, 0.0, 1.0));
-    return Shaded(colour * (0.12 + 0.88 * surface.uv.x), vec3(0.0), surface.normal, 1.0, 0.0, 0.0, 1.0, true, false);
+    return coloured(surface.normal, surface.uv.x, surface.uv.y);
 }

@@ -3,15 +3,43 @@
 // Error bounds of a cell from its samples: the twin of Cell::new in
 // plugins/tessellation/src/detail/cell.rs, where they are derived.
 
-// Steps between samples along a side, and samples.
-const STEPS: u32 = 4u;
-const SAMPLES: u32 = 5u;
+// Steps between samples along a side, samples along it, the one in its middle, and samples of a cell.
+const STEPS: u32 = 8u;
+const SAMPLES: u32 = 9u;
+const MIDDLE: u32 = 4u;
+const COUNT: u32 = 81u;
 // What may lie between samples, as a multiple of the finest second difference.
-const TAIL: f32 = 1.0;
+const TAIL: f32 = 1.5;
 // Share by which a bed's error counts.
 const BED_SHARE: f32 = 0.5;
 // Error of a height as a share of the largest.
 const ROUNDING: f32 = 6e-7;
+
+// Samples of all squares that a cell is cut into: one of 8 steps, four of 4, sixteen of 2.
+const ERRORS: u32 = 325u;
+
+// A sample of a square.
+struct Place {
+    // Where the square begins, and its steps.
+    corner: vec2<u32>,
+    size: u32,
+    // Where the sample stands in it.
+    sample: vec2<u32>,
+}
+
+fn error_place(k: u32) -> Place {
+    if k < 81u {
+        return Place(vec2(0u), 8u, vec2(k % 9u, k / 9u));
+    }
+    if k < 181u {
+        let square = (k - 81u) / 25u;
+        let sample = (k - 81u) % 25u;
+        return Place(4u * vec2(square & 1u, square >> 1u), 4u, vec2(sample % 5u, sample / 5u));
+    }
+    let square = (k - 181u) / 9u;
+    let sample = (k - 181u) % 9u;
+    return Place(2u * vec2(square & 3u, square >> 2u), 2u, vec2(sample % 3u, sample / 3u));
+}
 
 fn residual(off: vec2<f32>) -> f32 {
     return max(abs(off.x), BED_SHARE * abs(off.y));

@@ -20,9 +20,10 @@ struct Layer {
     // Fractal, classic: index in terrain_data of the octave table, OCTAVE_WORDS an octave; the
     // classic permutation (256 words) follows it. Map: index of the first sample.
     data: u32,
-    // Fractal: octaves of the warp, 0 for none.
+    // Fractal: octaves of the warp, 0 for none. Map: levels of windows.
     warp_octaves: u32,
-    // Fractal: index of the warp's octave table for x; that for z follows it.
+    // Fractal: index of the warp's octave table for x; that for z follows it. Map: index of the first
+    // window of level 1, see height_map/deviation.rs; those of the next levels follow.
     warp_data: u32,
     // Fractal: strength of erosion. Map: from its lowest to its highest height, metres.
     erosion: f32,

@@ -4,6 +4,7 @@
 //! +X (east), rows along +Z (south), so row 0 of a north-up picture is its northern edge. Beyond
 //! the border the border samples go on.
 
+mod deviation;
 mod error;
 mod file;
 mod geodesy;
@@ -17,10 +18,11 @@ pub use geodesy::metres_per_degree;
 use crate::ground::{GroundPoint, GroundRect};
 use crate::noise::Frequency;
 use bevy::math::DVec2;
+use deviation::Deviations;
 use noise::NoiseFn;
 use pyramid::Pyramid;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// How heights between samples are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,6 +49,8 @@ struct Inner {
     filter: Filter,
     lattice: Lattice,
     pyramid: Pyramid,
+    /// Made when first asked for: it takes ten looks at each sample.
+    deviations: OnceLock<Deviations>,
 }
 
 /// The grid as the integer twins see it.
@@ -156,6 +160,7 @@ impl HeightMap {
             filter,
             lattice,
             pyramid,
+            deviations: OnceLock::new(),
         })))
     }
 
@@ -238,6 +243,26 @@ impl HeightMap {
     pub fn rect(&self) -> GroundRect {
         let steps = DVec2::new(f64::from(self.0.width - 1), f64::from(self.0.height - 1));
         GroundRect::new(self.0.origin, self.0.origin + steps * self.0.spacing)
+    }
+
+    pub(crate) fn deviations(&self) -> &Deviations {
+        self.0.deviations.get_or_init(|| Deviations::new(self))
+    }
+
+    /// By how much a plane through three heights, anywhere in `rect` and no more than `spacing` metres
+    /// apart along either axis, may miss the surface between them, metres. 0 where the samples of the map
+    /// are no closer than that: what lies between is then theirs.
+    #[must_use]
+    pub fn missed(&self, rect: &GroundRect, spacing: f64) -> f32 {
+        // 1.001: a lattice made for the map's own spacing may be wider by a rounding.
+        if spacing <= self.0.spacing.min_element() * 1.001 {
+            return 0.0;
+        }
+        let place = |xz: DVec2| ((xz - self.0.origin) / self.0.spacing).to_array();
+        let apart = spacing / self.0.spacing.min_element();
+        self.deviations()
+            .missed(place(rect.min), place(rect.max), apart)
+            .unwrap_or_else(|| self.range())
     }
 
     pub(crate) fn lattice(&self) -> Lattice {

@@ -44,6 +44,8 @@ pub enum ClassicLevels {
     EdgeLength,
     /// The same everywhere, 1 to 64; does not depend on the view.
     Static(f32),
+    /// No patches: the level of detail of the ground keeps to what the camera's `Detail` says.
+    ErrorBound,
 }
 
 impl ClassicLevels {
@@ -54,6 +56,7 @@ impl ClassicLevels {
             Self::Classic => [0.0, 0.0],
             Self::EdgeLength => [1.0, 0.0],
             Self::Static(level) => [2.0, level],
+            Self::ErrorBound => [0.0, 0.0],
         };
         [rule, level, if cull { 1.0 } else { 0.0 }, 0.0]
     }

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use bevy::math::{Vec2, Vec3};
+use bevy::math::{DVec2, Vec2, Vec3};
+use dolomite_terrain::{Filter, GroundRect, HeightMap, Layer, Source, Terrain, TerrainData};
 use thiserror::Error;
 
 /// Samples along a side; they lie a metre apart.
@@ -134,6 +135,41 @@ impl ClassicHeights {
         near + (far - near) * t.y
     }
 
+    /// The same surface as a terrain: a bilinear map with a sample more at each border, repeated from the
+    /// other side.
+    ///
+    /// # Panics
+    /// Never: the samples were checked.
+    #[must_use]
+    pub fn terrain(&self) -> Terrain {
+        let sample = |k: u32| (k.wrapping_sub(1) & (SAMPLES - 1)) as usize;
+        let row = |j: u32| (0..SAMPLES + 2).map(move |i| (sample(i), sample(j)));
+        let metres = (0..SAMPLES + 2)
+            .flat_map(row)
+            .map(|(i, j)| SCALE * self.0[j * SAMPLES as usize + i])
+            .collect();
+        let first = f64::from(-0.5 - SIDE * 0.5);
+        let map = HeightMap::new(
+            SAMPLES + 2,
+            SAMPLES + 2,
+            metres,
+            DVec2::splat(first),
+            DVec2::ONE,
+            Filter::Bilinear,
+        )
+        .expect("samples are numbers");
+        Terrain::new(TerrainData {
+            extent: GroundRect::square(DVec2::ZERO, f64::from(SIDE)),
+            layers: vec![Layer {
+                source: Source::Map(map),
+                mask: None,
+            }],
+            base: 0.0,
+            sea_level: None,
+        })
+        .expect("a square with one map")
+    }
+
     /// Upward normal at (x, z), not of length 1: of the bilinear patch between four samples.
     #[must_use]
     pub fn normal(&self, place: Vec2) -> Vec3 {
@@ -185,6 +221,26 @@ mod tests {
         let border = made(|i, _| if i == 0 { 1.0 } else { 0.0 });
         assert_eq!(border.height(Vec2::new(-512.0, 9.0)), 50.0);
         assert_eq!(border.height(Vec2::new(512.0, 9.0)), 50.0);
+    }
+
+    #[test]
+    fn as_a_terrain_it_is_the_same_surface_up_to_the_borders() {
+        let heights = made(|i, j| ((i * 7 + j * 13) % 11) as f32 * 0.1 - 0.5);
+        let terrain = heights.terrain();
+        for k in 0..4000_u32 {
+            // Every 32nd of a metre: exact in f32. The borders too.
+            let at = |k: u32| (k.wrapping_mul(2_654_435_761) % 32_769) as f32 / 32.0 - 512.0;
+            let edge = if k % 2 == 0 { -512.0 } else { 512.0 };
+            let place = match k % 5 {
+                0 => Vec2::new(edge, at(k)),
+                1 => Vec2::new(at(k), edge),
+                _ => Vec2::new(at(k), at(k + 9999)),
+            };
+            let there = terrain.sample_f64(place.as_dvec2()).height;
+            let off = there - f64::from(heights.height(place));
+            // Four roundings of 50 m in f32.
+            assert!(off.abs() < 2e-5, "{place}: {off}");
+        }
     }
 
     #[test]

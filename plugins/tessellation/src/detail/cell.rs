@@ -26,13 +26,13 @@ use dolomite_terrain::{GpuTerrainUniform, GroundPoint, GroundRect, Height, Plane
 use super::lattice::{CellPlace, DetailLattice};
 
 /// Steps between samples along a side of a cell, a power of two of at least 4.
-const STEPS: usize = 4;
+const STEPS: usize = 8;
 /// Samples along a side of a cell.
 pub const SAMPLES: usize = STEPS + 1;
 /// The sample in the middle of a row.
 const MIDDLE: usize = STEPS / 2;
 /// What may lie between samples, as a multiple of the finest second difference.
-pub const TAIL: f32 = 1.0;
+pub const TAIL: f32 = 1.5;
 /// Share by which a bed's error counts.
 const BED_SHARE: f32 = 0.5;
 /// Error of an f32 height as a share of the largest, twice what the accuracy tests of the terrain see.

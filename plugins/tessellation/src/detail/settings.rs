@@ -133,7 +133,7 @@ impl Default for Detail {
         Self {
             metric: Metric::default(),
             finest: 0.125,
-            max_vertices: 1 << 19,
+            max_vertices: 1 << 18,
             shadow_share: 0.25,
         }
     }

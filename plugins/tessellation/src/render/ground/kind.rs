@@ -4,8 +4,9 @@ use bevy::math::{DVec2, Vec4};
 use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, ShaderType};
 use bevy::render::storage::ShaderBuffer;
-use dolomite_terrain::GpuTerrainUniform;
+use dolomite_terrain::{GpuTerrainUniform, Terrain};
 
+use super::detail::DetailKind;
 use crate::ground::GROUND_LAYOUT;
 use crate::ground::functions::DEPTH_RANGE;
 use crate::render::stage::{PatchKind, PatchPool, PatchShader, Viewpoint};
@@ -36,6 +37,8 @@ pub struct GroundKind {
     pub(super) extent_min: DVec2,
     /// From the lowest to the highest ground of all, metres.
     pub(super) heights_apart: f32,
+    /// What the buffers hold.
+    pub(super) terrain: Option<Terrain>,
     /// Whether its triangles come from the level of detail instead of patches.
     pub(super) given: bool,
     /// Most that a view asks for.
@@ -115,5 +118,15 @@ impl PatchKind for GroundKind {
 
     fn pool(&self) -> PatchPool {
         self.pool
+    }
+}
+
+impl DetailKind for GroundKind {
+    fn ground(&self) -> Option<&Terrain> {
+        self.terrain.as_ref()
+    }
+
+    fn relief(&self) -> f32 {
+        self.heights_apart
     }
 }

@@ -4,7 +4,7 @@
 //! Nothing exists on the GPU until the world has a terrain with its material, its textures have
 //! arrived, and a camera has a [`TerrainView`].
 
-mod detail;
+pub(crate) mod detail;
 mod kind;
 pub mod relief;
 pub mod texture;
@@ -17,7 +17,7 @@ use bevy::render::RenderApp;
 use bevy::render::storage::ShaderBuffer;
 use dolomite_terrain::{GpuTerrainUniform, Terrain};
 
-pub use kind::{GroundKind, GroundLook};
+pub use kind::{GroundKind, GroundLook, HeightUniform};
 pub use relief::TerrainRelief;
 
 use crate::detail::Detail;
@@ -36,7 +36,7 @@ pub(crate) fn build(app: &mut App) {
         return;
     }
     app.add_plugins(PatchPlugin(GroundKind::default()));
-    detail::build(app);
+    detail::build::<GroundKind>(app);
     app.init_resource::<ReadyArrays>()
         .add_systems(
             Update,
@@ -119,6 +119,7 @@ fn update_kind(
         let bounds = terrain.bounds(&terrain.extent());
         kind.heights_apart = (bounds.max - bounds.min).max(0.0);
         kind.extent_min = terrain.extent().min;
+        kind.terrain = Some((*terrain).clone());
     }
     if std::mem::take(&mut due.look) {
         kind.albedo_height = material.albedo_height.clone();

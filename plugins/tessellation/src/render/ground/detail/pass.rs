@@ -9,18 +9,18 @@ use bevy::render::render_resource::{
 };
 use bevy::render::renderer::{RenderContext, ViewQuery};
 
+use super::DetailKind;
 use super::prepare::{DetailViews, SLOT};
 use crate::detail::layout::{DEPTH_PASSES, GROUPS, LAST_PASSES};
-use crate::render::ground::GroundKind;
 use crate::render::stage::extract::ExtractedStageCamera;
 use crate::render::stage::prepare::StageKinds;
 use crate::render::stage::stats::StageShared;
 
 /// make, look, keep for each depth; then middles, fit, numbers, vertices, triangles, head.
-pub fn choose(
+pub fn choose<K: DetailKind>(
     view: ViewQuery<Entity, With<ExtractedStageCamera>>,
     mut kinds: ResMut<StageKinds>,
-    mut details: ResMut<DetailViews>,
+    mut details: ResMut<DetailViews<K>>,
     cache: Res<PipelineCache>,
     shared: Res<StageShared>,
     mut ctx: RenderContext,
@@ -28,7 +28,7 @@ pub fn choose(
     let entity = view.into_inner();
     let Some(kind) = kinds
         .0
-        .get_mut(&TypeId::of::<GroundKind>())
+        .get_mut(&TypeId::of::<K>())
         .filter(|kind| kind.given)
     else {
         return;

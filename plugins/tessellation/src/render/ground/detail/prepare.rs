@@ -2,6 +2,7 @@
 
 use std::any::TypeId;
 use std::collections::HashMap;
+use std::marker::PhantomData;
 
 use bevy::math::{DVec3, Vec3};
 use bevy::prelude::*;
@@ -14,31 +15,45 @@ use bevy::render::view::ExtractedView;
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 
 use super::pipeline::DetailPipelines;
-use super::{DetailShaders, ExtractedDetail, ExtractedGround};
+use super::{DetailKind, DetailShaders, ExtractedDetail, ExtractedGround, host};
 use crate::detail::lattice::MAX_DEPTH;
 use crate::detail::layout::{
     Beginning, COUNT_WORDS, DetailParams, DetailPass, LEAST_CAPACITY, VIEW_CELL_BYTES,
 };
-use crate::detail::{Detail, DetailCells, DetailView};
-use crate::render::ground::GroundKind;
+use crate::detail::{Cell, Detail, DetailCells, DetailView};
 use crate::render::stage::prepare::{StageKinds, ViewKind};
+use crate::render::stage::stats::StageShared;
 use crate::stage::layout::StageView;
 
 /// Bytes between the slots of a uniform buffer.
 pub(super) const SLOT: u64 = 256;
 
+/// Most cells that are kept: 700 MB.
+const MOST_CELLS: u64 = 1 << 22;
+
 /// Every view that chooses its ground, and what all have in common.
-#[derive(Resource, Default)]
-pub struct DetailViews {
+#[derive(Resource)]
+pub struct DetailViews<K> {
     pub(super) pipelines: Option<DetailPipelines>,
     pub(super) views: HashMap<Entity, DetailState>,
+    kind: PhantomData<fn() -> K>,
+}
+
+impl<K> Default for DetailViews<K> {
+    fn default() -> Self {
+        Self {
+            pipelines: None,
+            views: HashMap::new(),
+            kind: PhantomData,
+        }
+    }
 }
 
 /// One view's buffers.
 pub(super) struct DetailState {
-    /// The roots, without any cell made on the CPU.
-    ground: DetailCells,
-    detail: Detail,
+    /// The roots; cells that were made on the CPU, where it chooses.
+    pub(super) ground: DetailCells,
+    pub(super) detail: Detail,
     pub beginning: Beginning,
     pub capacity: u32,
     pub stamp: u32,
@@ -65,10 +80,15 @@ impl DetailState {
     ) -> Self {
         let ground = DetailCells::new(terrain.clone(), detail.finest);
         let beginning = Beginning::new(&ground);
-        // Twice as many cells as vertices: those that are looked at, and what the last views left.
-        let capacity = (detail.max_vertices * 2)
-            .next_power_of_two()
-            .clamp(LEAST_CAPACITY, 1 << 20);
+        // A view looks at some two cells a vertex; as many again for what the last views left.
+        let most = device.limits().max_storage_buffer_binding_size / size_of::<Cell>() as u64;
+        let most = most.clamp(u64::from(LEAST_CAPACITY), MOST_CELLS) as u32;
+        let capacity = detail
+            .max_vertices
+            .saturating_mul(4)
+            .clamp(LEAST_CAPACITY, most)
+            .next_multiple_of(4);
+        let capacity = capacity.min(most / 4 * 4);
         let empty = |label, size: u64| {
             device.create_buffer(&BufferDescriptor {
                 label: Some(label),
@@ -210,17 +230,18 @@ fn detail_view(
 }
 
 /// Makes what is missing, and writes what views that changed are told.
-pub fn prepare(
+pub fn prepare<K: DetailKind>(
     mut kinds: ResMut<StageKinds>,
-    mut details: ResMut<DetailViews>,
-    ground: Res<ExtractedGround>,
+    mut details: ResMut<DetailViews<K>>,
+    ground: Res<ExtractedGround<K>>,
     cameras: Query<(Entity, &ExtractedView, Option<&ExtractedDetail>)>,
     shaders: Res<DetailShaders>,
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
     queue: Res<RenderQueue>,
+    shared: Res<StageShared>,
 ) {
-    let kind = kinds.0.get_mut(&TypeId::of::<GroundKind>());
+    let kind = kinds.0.get_mut(&TypeId::of::<K>());
     let (Some(kind), Some(terrain)) = (kind.filter(|kind| kind.given), &ground.terrain) else {
         details.views.clear();
         return;
@@ -256,6 +277,13 @@ pub fn prepare(
         if own.detail != detail {
             own.detail = detail;
             state.settled = false;
+        }
+        if ground.on_host {
+            if !state.settled {
+                let view = detail_view(view, &state.params().view, ground.relief, &detail);
+                host::choose(own, view, state, &queue, &shared);
+            }
+            continue;
         }
         let written = [&state.vertices, &state.indices, &state.work];
         let same = own

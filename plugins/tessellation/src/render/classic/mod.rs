@@ -1,4 +1,7 @@
-//! The [classic scene](crate::classic) as a kind of the stage.
+//! The [classic scene](crate::classic) as a kind of the stage; and, for the rule by error, as ground whose
+//! triangles come from the [level of detail](crate::detail).
+
+mod bounded;
 
 use std::sync::Arc;
 
@@ -7,12 +10,12 @@ use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
 use bevy::render::storage::ShaderBuffer;
 
-use super::stage::{PatchKind, PatchPlugin, PatchPool, PatchShader};
 use crate::classic::functions::{PATCHES, patches};
 use crate::classic::{
     CLASSIC_LAYOUT, CLASSIC_SPACING, ClassicHeights, ClassicLevels, ClassicScene, STATIC_LEVEL,
 };
-use crate::stage::{HostFunctions, PatchLayout, Patches, Spacing};
+use crate::render::stage::{PatchKind, PatchPlugin, PatchPool, PatchShader};
+use crate::stage::{HostFunctions, PatchLayout, PatchMesh, Patches, Spacing};
 
 /// The kind: the surface, and who tessellates it.
 #[derive(Resource, AsBindGroup, Clone)]
@@ -38,6 +41,11 @@ pub struct ClassicSettings {
 impl ClassicSettings {
     fn is_static(&self) -> bool {
         matches!(self.levels, ClassicLevels::Static(_))
+    }
+
+    /// Whether the level of detail makes the triangles.
+    fn is_bounded(&self) -> bool {
+        self.levels == ClassicLevels::ErrorBound
     }
 
     fn params(&self) -> Vec4 {
@@ -114,22 +122,41 @@ impl Plugin for ClassicPlugin {
             PostUpdate,
             follow.run_if(resource_changed::<ClassicSettings>),
         );
-        let patches = Patches::<ClassicKind>::new(mesh).with(0, self.settings.params());
-        app.world_mut().spawn(patches);
+        app.insert_resource(ClassicMesh(mesh.clone()));
+        bounded::build(app, &self.heights, self.settings);
+        if !self.settings.is_bounded() {
+            app.world_mut()
+                .spawn(Patches::<ClassicKind>::new(mesh).with(0, self.settings.params()));
+        }
     }
 }
+
+/// All patches, for when they are shown again.
+#[derive(Resource)]
+struct ClassicMesh(Arc<PatchMesh>);
 
 /// Takes over changed settings.
 fn follow(
     settings: Res<ClassicSettings>,
+    mesh: Res<ClassicMesh>,
     mut kind: ResMut<ClassicKind>,
-    mut patches: Query<&mut Patches<ClassicKind>>,
+    mut patches: Query<(Entity, &mut Patches<ClassicKind>)>,
+    mut commands: Commands,
 ) {
     if kind.settings == *settings {
         return;
     }
     kind.settings = *settings;
-    for mut patches in &mut patches {
+    if settings.is_bounded() {
+        for (entity, _) in &patches {
+            commands.entity(entity).despawn();
+        }
+        return;
+    }
+    for (_, mut patches) in &mut patches {
         patches.params[0] = settings.params();
+    }
+    if patches.is_empty() {
+        commands.spawn(Patches::<ClassicKind>::new(mesh.0.clone()).with(0, settings.params()));
     }
 }
