@@ -42,6 +42,7 @@ macro_rules! files {
 /// Every file.
 pub const ALL: &[ShaderFile] = files![
     "classic/functions.wgsl",
+    "detail/answer.wgsl",
     "detail/bindings.wgsl",
     "detail/emit_triangles.wgsl",
     "detail/emit_vertices.wgsl",
@@ -51,6 +52,7 @@ pub const ALL: &[ShaderFile] = files![
     "detail/fit.wgsl",
     "detail/keep.wgsl",
     "detail/lattice.wgsl",
+    "detail/locate.wgsl",
     "detail/look.wgsl",
     "detail/make.wgsl",
     "detail/middles.wgsl",

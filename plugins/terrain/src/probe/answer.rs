@@ -1,6 +1,6 @@
 //! The systems: where probes are, what is true there, what was drawn there.
 
-use super::batch::{Asked, ProbeAnswer, ProbeBatch, ProbeQuestion};
+use super::batch::{Asked, ProbeBatch, ProbePart, ProbeQuestion};
 use super::{DrawnAnswer, GroundProbe};
 use crate::ground::GroundSample;
 use crate::terrain::Terrain;
@@ -160,12 +160,13 @@ fn sample_all(terrain: &Terrain, round: &[(usize, DVec2)]) -> Vec<Option<GroundS
 
 /// Hands what was drawn to its probes.
 fn deliver_drawn(mut batch: ResMut<ProbeBatch>, mut probes: Query<(&Asked, &mut GroundProbe)>) {
-    for (question, answers) in batch.take_inbox() {
+    for (question, part) in batch.take_inbox() {
         let batch = &*batch;
+        let slots = part.first..part.first.saturating_add(part.answers.len() as u32);
         probes.par_iter_mut().for_each(|(asked, mut probe)| {
-            let Some(answer) = answers.get(asked.slot as usize) else {
+            if !slots.contains(&asked.slot) {
                 return;
-            };
+            }
             let later = probe.drawn.is_some_and(|known| {
                 // Wrapping: half of the range ahead is "later".
                 known.frame.wrapping_sub(question.frame) < 1 << 31
@@ -173,7 +174,7 @@ fn deliver_drawn(mut batch: ResMut<ProbeBatch>, mut probes: Query<(&Asked, &mut 
             if later || !asked.place.is_finite() || !batch.is_of_owner(asked.slot, question.frame) {
                 return;
             }
-            let drawn = drawn(&question, asked.slot, answer);
+            let drawn = drawn(&question, &part, asked.slot);
             if probe.drawn != drawn {
                 probe.drawn = drawn;
             }
@@ -181,10 +182,12 @@ fn deliver_drawn(mut batch: ResMut<ProbeBatch>, mut probes: Query<(&Asked, &mut 
     }
 }
 
-fn drawn(question: &ProbeQuestion, slot: u32, answer: &ProbeAnswer) -> Option<DrawnAnswer> {
+/// What a part says of one of its slots.
+fn drawn(question: &ProbeQuestion, part: &ProbePart, slot: u32) -> Option<DrawnAnswer> {
+    let answer = part.answers[(slot - part.first) as usize];
     answer.is_hit().then(|| DrawnAnswer {
         sample: GroundSample {
-            height: f64::from(answer.height),
+            height: part.base + f64::from(answer.height),
             gradient: DVec2::from(answer.gradient.map(f64::from)),
         },
         place: question.places[slot as usize].to_dvec2(),

@@ -17,6 +17,7 @@ use bevy::render::RenderApp;
 use bevy::render::storage::ShaderBuffer;
 use dolomite_terrain::{GpuTerrainUniform, Terrain};
 
+pub use detail::probe::{AnswerCensus, DrawnProbeStats, answer_census};
 pub use kind::{GroundKind, GroundLook};
 pub use relief::TerrainRelief;
 

@@ -7,6 +7,7 @@
 mod pass;
 mod pipeline;
 mod prepare;
+pub(super) mod probe;
 
 use bevy::core_pipeline::prepass::node::early_prepass;
 use bevy::core_pipeline::{Core3d, Core3dSystems};
@@ -74,6 +75,7 @@ pub(super) fn build(app: &mut App) {
                 .before(early_prepass)
                 .before(per_view_shadow_pass::<EARLY_SHADOW_PASS>),
         );
+    probe::build(app);
 }
 
 fn extract_ground(
