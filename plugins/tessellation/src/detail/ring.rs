@@ -155,6 +155,12 @@ impl<S: Staging, T> Ring<S, T> {
         parts.collect()
     }
 
+    /// Number of questions that were begun.
+    #[must_use]
+    pub const fn asked(&self) -> u64 {
+        self.asked
+    }
+
     /// Number of buffers that were made and are kept.
     #[must_use]
     pub fn buffers(&self) -> usize {
@@ -212,6 +218,7 @@ mod tests {
             assert!(frame(&mut ring, &waiting, number, 8));
         }
         assert!(!frame(&mut ring, &waiting, 9, 8), "all are under way");
+        assert_eq!(ring.asked(), SLOTS as u64);
         assert!(ring.arrived().is_empty());
         answer(&waiting, true);
         answer(&waiting, true);
