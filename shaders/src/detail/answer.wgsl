@@ -53,7 +53,7 @@ fn cross_of(a: vec2<f32>, b: vec2<f32>) -> f32 {
 
 fn answer_at(place: GroundPoint) -> vec4<f32> {
     let nothing = vec4(0.0, 0.0, 0.0, -1.0);
-    let found = locate(place);
+    var found = locate(place);
     if found.cell == NO_CELL {
         return nothing;
     }

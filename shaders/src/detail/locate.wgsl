@@ -95,6 +95,7 @@ fn locate(place: GroundPoint) -> Located {
     if seen[at].stamp != detail.stamp {
         return nowhere();
     }
+    var found = nowhere();
     loop {
         let centre = links[at].centre;
         let half = cell_half(centre);
@@ -110,11 +111,14 @@ fn locate(place: GroundPoint) -> Located {
             continue;
         }
         if seen[at].seen == 0u {
-            return nowhere();
+            break;
         }
         if whole {
-            return of_root(at, centre, half, off);
+            found = of_root(at, centre, half, off);
+        } else {
+            found = of_cell(at, centre, half, quarter, off);
         }
-        return of_cell(at, centre, half, quarter, off);
+        break;
     }
+    return found;
 }

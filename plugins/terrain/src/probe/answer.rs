@@ -4,25 +4,28 @@ use super::batch::{Asked, ProbeBatch, ProbePart, ProbeQuestion};
 use super::{DrawnAnswer, GroundProbe};
 use crate::ground::GroundSample;
 use crate::terrain::Terrain;
-use bevy::app::{App, PostUpdate};
+use bevy::app::{App, PostUpdate, PreUpdate};
 use bevy::ecs::prelude::*;
 use bevy::math::DVec2;
 use bevy::tasks::{ComputeTaskPool, TaskPool};
 use bevy::transform::{TransformSystems, components::Transform, helper::TransformHelper};
 use bevy::utils::Parallel;
 
-/// Probes are collected and answered in this set (schedule `PostUpdate`, after transforms).
+/// Probes are collected and answered in this set (schedule `PostUpdate`, after transforms); what was drawn
+/// is handed to them in it before anything else happens in a frame (schedule `PreUpdate`).
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct GroundProbeSystems;
 
 pub(crate) fn build(app: &mut App) {
-    app.init_resource::<ProbeBatch>().add_systems(
-        PostUpdate,
-        (enter, collect, find_true, deliver_drawn)
-            .chain()
-            .in_set(GroundProbeSystems)
-            .after(TransformSystems::Propagate),
-    );
+    app.init_resource::<ProbeBatch>()
+        .add_systems(PreUpdate, deliver_drawn.in_set(GroundProbeSystems))
+        .add_systems(
+            PostUpdate,
+            (enter, collect, find_true)
+                .chain()
+                .in_set(GroundProbeSystems)
+                .after(TransformSystems::Propagate),
+        );
 }
 
 /// Fewest probes that are worth a task of their own, some 10 µs of each system's work.

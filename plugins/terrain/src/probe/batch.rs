@@ -201,9 +201,9 @@ impl ProbeBatch {
         }
     }
 
-    /// Hands in what was drawn under the places of a question, by slot. Probes receive it the next time
-    /// that [`GroundProbeSystems`](super::GroundProbeSystems) run; those that came after the question, or
-    /// have an answer to a later one, do not.
+    /// Hands in what was drawn under the places of a question, by slot. Probes receive it at the
+    /// beginning of the next frame; those that came after the question, or have an answer to a later one,
+    /// do not.
     ///
     /// # Errors
     /// [`ProbeError`] if there are more or fewer answers than places; nothing is taken then.
