@@ -13,7 +13,7 @@ use dolomite_tessellation::detail::ring::Ring;
 use dolomite_tessellation::detail::{DetailCells, Metric};
 use std::time::{Duration, Instant};
 
-/// Frames of a flight.
+/// Frames of a flight of the study.
 pub const FRAMES: u32 = 120;
 
 /// What a flight found.
@@ -43,7 +43,7 @@ impl Ages {
     }
 }
 
-/// Flies forward and asks `count` places in every frame. A frame begins when the device has drawn the one
+/// Flies forward for so many frames and asks `count` places in every frame. A frame begins when the device has drawn the one
 /// before the last (`in_flight` 1) or the last (0): as renderers that keep that many frames under way.
 ///
 /// # Errors
@@ -52,6 +52,7 @@ pub fn fly(
     gpu: &Gpu,
     terrain: &Terrain,
     mut camera: Camera,
+    frames: u32,
     (count, in_flight, seed): (usize, usize, u32),
 ) -> Result<Ages, DetailError> {
     let cells = DetailCells::new(terrain.clone(), 1.0);
@@ -61,7 +62,7 @@ pub fn fly(
     let mut ring = Ring::default();
     let (mut ages, mut times) = (Vec::new(), Vec::new());
     let mut under_way = std::collections::VecDeque::new();
-    for frame in 0..FRAMES {
+    for frame in 0..frames {
         camera.eye += forward * 0.5;
         let told = params(&cells, &camera, Metric::ErrorBound { pixels: 8.0 });
         let start = Instant::now();
@@ -78,7 +79,7 @@ pub fn fly(
     times.sort_unstable();
     let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
     Ok(Ages {
-        unasked: FRAMES - ring.asked() as u32,
+        unasked: frames - ring.asked() as u32,
         cpu_ms: milliseconds(times[times.len() / 2]),
         ages,
     })

@@ -24,8 +24,8 @@ pub fn params(cells: &DetailCells, camera: &Camera, metric: Metric) -> DetailPar
     }
 }
 
-/// Places where somebody may stand: half of them all over the ground, half within 64 m of the camera,
-/// where the triangles are small.
+/// Places where somebody may stand: half of them all over the ground, half before the camera, as many from
+/// 1 to 2 m as from 512 to 1024 m, 45 degrees to either side.
 #[must_use]
 pub fn places(terrain: &Terrain, camera: &Camera, count: usize, seed: u32) -> Vec<GroundPoint> {
     let mut random = Random::new(seed);
@@ -33,9 +33,14 @@ pub fn places(terrain: &Terrain, camera: &Camera, count: usize, seed: u32) -> Ve
     (0..count)
         .map(|k| {
             let unit = DVec2::new(random.unit(), random.unit());
-            let near = (eye + (unit * 2.0 - 1.0) * 64.0).clamp(extent.min, extent.max);
-            let anywhere = extent.min + extent.size() * unit;
-            GroundPoint::new(if k % 2 == 0 { anywhere } else { near })
+            if k % 2 == 0 {
+                return GroundPoint::new(extent.min + extent.size() * unit);
+            }
+            let angle = camera.yaw + (unit.x - 0.5) * std::f64::consts::FRAC_PI_2;
+            // Yaw 0 looks along -z and grows to the left.
+            let ahead = DVec2::new(-angle.sin(), -angle.cos());
+            let place = eye + ahead * (10.0 * unit.y).exp2();
+            GroundPoint::new(place.clamp(extent.min, extent.max))
         })
         .collect()
 }
