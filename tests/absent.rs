@@ -10,21 +10,29 @@ use bevy::log::LogPlugin;
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
-use bevy::render::render_resource::{PipelineCache, TextureFormat};
+use bevy::render::render_resource::{PipelineCache, PollType, TextureFormat};
+use bevy::render::renderer::RenderDevice;
 use bevy::render::{RenderApp, RenderPlugin};
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
 use dolomite::DolomitePlugins;
 use dolomite::game::device;
-use dolomite::terrain::{Fractal, GroundRect, Layer, Source, Terrain, TerrainData};
-use dolomite::tessellation::detail::Detail;
+use dolomite::terrain::{
+    Fractal, GroundProbe, GroundRect, Layer, ProbeBatch, Source, Terrain, TerrainData,
+};
+use dolomite::tessellation::detail::{Detail, DrawnProbes};
 use dolomite::tessellation::render::ground::texture::{LAYERS, texture_array};
+use dolomite::tessellation::render::ground::{AnswerCensus, DrawnProbeStats, answer_census};
 use dolomite::tessellation::render::stage::{StageCensus, StageStats, census};
 use dolomite::tessellation::{TerrainMaterial, TerrainView};
 
 /// An app that renders without a window; `None`, after a line that says so, without Vulkan.
 fn app(with_plugins: bool) -> Option<App> {
+    pipelined_app(with_plugins, false)
+}
+
+fn pipelined_app(with_plugins: bool, pipelined: bool) -> Option<App> {
     if let Err(error) = device::probe() {
         assert!(
             std::env::var_os("CI").is_none(),
@@ -34,23 +42,25 @@ fn app(with_plugins: bool) -> Option<App> {
         return None;
     }
     let mut app = App::new();
-    app.add_plugins(
-        DefaultPlugins
-            .build()
-            .set(WindowPlugin {
-                primary_window: None,
-                exit_condition: ExitCondition::DontExit,
-                ..default()
-            })
-            .set(RenderPlugin {
-                render_creation: device::wgpu_settings().into(),
-                synchronous_pipeline_compilation: true,
-                ..default()
-            })
-            .disable::<LogPlugin>()
-            .disable::<WinitPlugin>()
-            .disable::<PipelinedRenderingPlugin>(),
-    )
+    let plugins = DefaultPlugins
+        .build()
+        .set(WindowPlugin {
+            primary_window: None,
+            exit_condition: ExitCondition::DontExit,
+            ..default()
+        })
+        .set(RenderPlugin {
+            render_creation: device::wgpu_settings().into(),
+            synchronous_pipeline_compilation: true,
+            ..default()
+        })
+        .disable::<LogPlugin>()
+        .disable::<WinitPlugin>();
+    app.add_plugins(if pipelined {
+        plugins
+    } else {
+        plugins.disable::<PipelinedRenderingPlugin>()
+    })
     .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
         16,
     )));
@@ -190,4 +200,220 @@ fn a_detailed_view_at_rest_dispatches_nothing() {
         dispatched += stats(&app).dispatches;
     }
     assert!(dispatched > 20, "{dispatched}");
+}
+
+fn answers(app: &App) -> AnswerCensus {
+    answer_census(app.sub_app(RenderApp).world())
+}
+
+fn probe_at(app: &mut App, x: f32, z: f32) -> Entity {
+    let probe = (GroundProbe::default(), Transform::from_xyz(x, 0.0, z));
+    app.world_mut().spawn(probe).id()
+}
+
+/// The probe, and the age of its drawn answer in the present frame; checks that it fits the truth.
+fn answered(app: &App, probe: Entity) -> Option<u32> {
+    let world = app.world();
+    let now = world.resource::<ProbeBatch>().frame();
+    let drawn = world.get::<GroundProbe>(probe)?.drawn?;
+    let terrain = world
+        .iter_entities()
+        .find_map(|entity| entity.get::<Terrain>().cloned())?;
+    let truth = terrain.sample_f64(drawn.place).height;
+    let off = (drawn.sample.height - truth).abs();
+    assert!(off <= drawn.bound && drawn.bound < 20.0, "{off} {drawn:?}");
+    Some(drawn.age(now))
+}
+
+/// One update, then waits for the device: software Vulkan has no display that holds frames back, and may not
+/// fall behind by more than one.
+fn frame(app: &mut App) {
+    app.update();
+    let device = app.world().resource::<RenderDevice>();
+    device.poll(PollType::wait_indefinitely()).expect("drawn");
+}
+
+/// Oldest answer that counts as fresh, frames.
+const FRESH: u32 = 3;
+
+#[test]
+fn ground_answers_cost_nothing_without_a_probe_and_rest_with_one() {
+    let Some(mut app) = app(true) else { return };
+    terrain(&mut app);
+    camera(&mut app, TerrainView::default());
+    let probe = probe_at(&mut app, 3.0, -180.0);
+    for _ in 0..12 {
+        frame(&mut app);
+    }
+    assert_eq!(
+        answers(&app),
+        AnswerCensus::default(),
+        "patches answer nothing"
+    );
+    assert!(answered(&app, probe).is_none());
+    app.world_mut().despawn(probe);
+
+    camera(&mut app, (TerrainView::default(), Detail::default()));
+    for _ in 0..12 {
+        frame(&mut app);
+    }
+    assert_eq!(answers(&app), AnswerCensus::default(), "nobody asks");
+
+    let probe = probe_at(&mut app, 3.0, -180.0);
+    for _ in 0..8 {
+        frame(&mut app);
+    }
+    let found = answers(&app);
+    assert!(found.pipelines == 1 && found.buffers >= 4, "{found:?}");
+    assert!(found.dispatches > 0);
+    // At rest the same answer is handed in again, and nothing is dispatched for it.
+    for _ in 0..5 {
+        frame(&mut app);
+        assert_eq!(answers(&app), found);
+        assert!(answered(&app, probe) <= Some(FRESH) && answered(&app, probe).is_some());
+        assert_eq!(app.world().resource::<StageStats>().dispatches, 0);
+    }
+    // It walks while the view rests: asked in every frame, of the kept mesh.
+    for step in 0..8_u16 {
+        let at = |step: u16| 3.0 + 0.25 * f32::from(step);
+        let mut place = app.world_mut().get_mut::<Transform>(probe).expect("there");
+        place.translation.x = at(step);
+        frame(&mut app);
+        assert_eq!(answered(&app, probe), Some(2));
+        let drawn = app
+            .world()
+            .get::<GroundProbe>(probe)
+            .and_then(|probe| probe.drawn);
+        let then = f64::from(at(step.saturating_sub(2)));
+        assert_eq!(
+            drawn.expect("just now").place.x,
+            then,
+            "where it was two frames before"
+        );
+    }
+    let walked = answers(&app);
+    // The first step is from 3 m to 3 m.
+    assert_eq!(walked.dispatches - found.dispatches, 7, "{walked:?}");
+    let stats = *app.world().resource::<DrawnProbeStats>();
+    assert_eq!(
+        (stats.asked, stats.drawn, stats.age),
+        (1, 1, 2),
+        "{stats:?}"
+    );
+    // Outside of the ground, and nowhere: no drawn answer, and the truth all the same.
+    for x in [300.0, f32::NAN] {
+        app.world_mut()
+            .get_mut::<Transform>(probe)
+            .expect("there")
+            .translation
+            .x = x;
+        for _ in 0..4 {
+            frame(&mut app);
+        }
+        assert!(answered(&app, probe).is_none(), "{x}");
+    }
+    app.world_mut().despawn(probe);
+    for _ in 0..2 {
+        frame(&mut app);
+    }
+    assert_eq!(answers(&app).buffers, 0, "what nobody asks for is not kept");
+}
+
+#[test]
+fn a_crowd_takes_turns() {
+    let Some(mut app) = app(true) else { return };
+    terrain(&mut app);
+    camera(&mut app, (TerrainView::default(), Detail::default()));
+    app.insert_resource(DrawnProbes { per_frame: 64 });
+    let crowd: Vec<Entity> = (0..500_u16)
+        .map(|k| {
+            probe_at(
+                &mut app,
+                f32::from(k % 20) - 10.0,
+                -160.0 - f32::from(k / 20),
+            )
+        })
+        .collect();
+    for _ in 0..12 {
+        frame(&mut app);
+    }
+    let before = answers(&app).dispatches;
+    // 500 / 64: eight rounds, and two frames on the way.
+    for _ in 0..10 {
+        frame(&mut app);
+    }
+    assert_eq!(answers(&app).dispatches, before + 10, "one a frame");
+    let now = app.world().resource::<ProbeBatch>().frame();
+    for probe in &crowd {
+        let age = answered(&app, *probe).expect("everybody's turn has come");
+        assert!(age <= 8 + FRESH, "{age} in frame {now}");
+    }
+    app.insert_resource(DrawnProbes { per_frame: 0 });
+    for _ in 0..3 {
+        frame(&mut app);
+    }
+    assert_eq!(answers(&app).buffers, 0, "none is asked for");
+}
+
+#[test]
+fn a_million_probes_neither_stall_nor_panic() {
+    let Some(mut app) = app(true) else { return };
+    terrain(&mut app);
+    camera(&mut app, (TerrainView::default(), Detail::default()));
+    for _ in 0..12 {
+        frame(&mut app);
+    }
+    // In the picture, beyond the ground, and nowhere.
+    let probes = (0..1_000_000_u32).map(|k| {
+        let x = match k % 100 {
+            98 => 1e6,
+            99 => f32::NAN,
+            _ => (k % 1000) as f32 * 0.05 - 25.0,
+        };
+        let z = -160.0 - (k / 1000) as f32 * 0.05;
+        (GroundProbe::default(), Transform::from_xyz(x, 0.0, z))
+    });
+    let crowd: Vec<Entity> = app.world_mut().spawn_batch(probes).collect();
+    app.insert_resource(DrawnProbes {
+        per_frame: u32::MAX,
+    });
+    let mut longest = Duration::ZERO;
+    for _ in 0..5 {
+        let start = std::time::Instant::now();
+        frame(&mut app);
+        longest = longest.max(start.elapsed());
+    }
+    let stats = *app.world().resource::<DrawnProbeStats>();
+    eprintln!("a million: {stats:?}, longest frame {longest:?}");
+    assert_eq!(stats.asked, 1_000_000);
+    assert!(stats.drawn > 100_000 && stats.drawn <= 980_000, "{stats:?}");
+    let drawn = |k: usize| {
+        app.world()
+            .get::<GroundProbe>(crowd[k])
+            .is_some_and(|p| p.drawn.is_some())
+    };
+    assert!(!drawn(98) && !drawn(99));
+    // Far above what it takes: a stall would be a wait for ever.
+    assert!(longest < Duration::from_secs(60), "{longest:?}");
+}
+
+#[test]
+fn answers_are_three_frames_old_at_most_beside_a_pipelined_renderer() {
+    let Some(mut app) = pipelined_app(true, true) else {
+        return;
+    };
+    terrain(&mut app);
+    camera(&mut app, (TerrainView::default(), Detail::default()));
+    let probe = probe_at(&mut app, 3.0, -180.0);
+    let mut oldest = 0;
+    for number in 0..40_u16 {
+        let mut place = app.world_mut().get_mut::<Transform>(probe).expect("there");
+        place.translation.x = 0.125 * f32::from(number);
+        frame(&mut app);
+        if number >= 20 {
+            let age = answered(&app, probe).expect("answered by now");
+            oldest = oldest.max(age);
+        }
+    }
+    assert!((2..=FRESH).contains(&oldest), "{oldest}");
 }

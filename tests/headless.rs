@@ -408,8 +408,6 @@ fn feet_stand_on_the_drawn_ground_while_it_is_known() {
         });
         let answers = answers.collect();
         batch.fill(question, answers).expect("one answer a place");
-        // Taken in by the first, seen by the second.
-        app.update();
         app.update();
         f64::from(figure(app).1.translation.y - at_rest.translation.y)
     };

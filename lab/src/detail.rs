@@ -1,5 +1,9 @@
 //! The passes of the level of detail without Bevy's renderer, as `dolomite_tessellation` records them.
 
+mod answers;
+
+pub use answers::{DetailAnswers, Staged};
+
 use crate::gpu::{Gpu, GpuError};
 use bytemuck::{bytes_of, cast_slice, pod_collect_to_vec};
 use dolomite_tessellation::detail::DetailCells;
@@ -62,6 +66,17 @@ pub struct DetailStage<'a> {
     kept: [Buffer; 5],
     capacity: u32,
     stamp: u32,
+    /// Of the newest choice.
+    vertices: Option<Buffer>,
+    answers: Option<answers::AnswerPass>,
+}
+
+/// What a choice is written to.
+struct Chosen {
+    encoder: wgpu::CommandEncoder,
+    vertices: Buffer,
+    indices: Buffer,
+    head: Buffer,
 }
 
 /// Bytes between the slots of a uniform buffer.
@@ -237,6 +252,8 @@ impl<'a> DetailStage<'a> {
             kept,
             capacity,
             stamp: 0,
+            vertices: None,
+            answers: None,
         })
     }
 
@@ -245,6 +262,41 @@ impl<'a> DetailStage<'a> {
     /// # Errors
     /// [`DetailError`].
     pub fn run(&mut self, params: DetailParams) -> Result<DetailRun, DetailError> {
+        let Chosen {
+            encoder,
+            vertices,
+            indices,
+            head,
+        } = self.choose(params);
+        let gpu = self.gpu;
+        let start = Instant::now();
+        gpu.queue().submit([encoder.finish()]);
+        gpu.finish()?;
+        let time = start.elapsed();
+        let head: Vec<u32> = pod_collect_to_vec(&gpu.read(&head)?);
+        let words: Vec<u32> = pod_collect_to_vec(&gpu.read(&vertices)?);
+        let numbers: Vec<u32> = pod_collect_to_vec(&gpu.read(&indices)?);
+        let (vertices, triangles) = (head[12] as usize, head[13] as usize);
+        Ok(DetailRun {
+            positions: words
+                .chunks_exact(5)
+                .take(vertices)
+                .map(|vertex| [vertex[0], vertex[1], vertex[2]].map(f32::from_bits))
+                .collect(),
+            triangles: numbers
+                .chunks_exact(3)
+                .take(triangles)
+                .map(|corners| [corners[0], corners[1], corners[2]])
+                .collect(),
+            coarsening: f32::from_bits(head[HEAD_COARSENING]),
+            left: f32::from_bits(head[HEAD_LEFT]),
+            used: head[HEAD_USED],
+            time,
+        })
+    }
+
+    /// Records a choice.
+    fn choose(&mut self, params: DetailParams) -> Chosen {
         let gpu = self.gpu;
         self.stamp += 1;
         let params = DetailParams {
@@ -290,7 +342,6 @@ impl<'a> DetailStage<'a> {
             group(gpu, &self.emit_layout, &bound)
         };
         let [to_vertices, to_indices, to_head] = [&vertices, &indices, &head].map(emit);
-        let start = Instant::now();
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -315,28 +366,12 @@ impl<'a> DetailStage<'a> {
                 dispatch(&mut pass, pipeline, if single { 1 } else { GROUPS });
             }
         }
-        queue.submit([encoder.finish()]);
-        gpu.finish()?;
-        let time = start.elapsed();
-        let head: Vec<u32> = pod_collect_to_vec(&gpu.read(&head)?);
-        let words: Vec<u32> = pod_collect_to_vec(&gpu.read(&vertices)?);
-        let numbers: Vec<u32> = pod_collect_to_vec(&gpu.read(&indices)?);
-        let (vertices, triangles) = (head[12] as usize, head[13] as usize);
-        Ok(DetailRun {
-            positions: words
-                .chunks_exact(5)
-                .take(vertices)
-                .map(|vertex| [vertex[0], vertex[1], vertex[2]].map(f32::from_bits))
-                .collect(),
-            triangles: numbers
-                .chunks_exact(3)
-                .take(triangles)
-                .map(|corners| [corners[0], corners[1], corners[2]])
-                .collect(),
-            coarsening: f32::from_bits(head[HEAD_COARSENING]),
-            left: f32::from_bits(head[HEAD_LEFT]),
-            used: head[HEAD_USED],
-            time,
-        })
+        self.vertices = Some(vertices.clone());
+        Chosen {
+            encoder,
+            vertices,
+            indices,
+            head,
+        }
     }
 }

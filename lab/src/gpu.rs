@@ -126,6 +126,21 @@ impl Gpu {
         self.wait()
     }
 
+    /// Waits until what was submitted up to `index` is done.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn finish_until(&self, index: wgpu::SubmissionIndex) -> Result<(), GpuError> {
+        let until = PollType::Wait {
+            submission_index: Some(index),
+            timeout: None,
+        };
+        self.device
+            .poll(until)
+            .map(|_| ())
+            .map_err(|error| GpuError::Readback(error.to_string()))
+    }
+
     /// Reads a whole buffer back; it needs `COPY_SRC`.
     ///
     /// # Errors

@@ -43,6 +43,6 @@ pub use noise::{Classic, Fractal, NoiseError, Sum, Warp};
 pub use plugin::TerrainPlugin;
 pub use probe::{
     AnswerSource, DrawnAnswer, GroundAnswer, GroundProbe, GroundProbeSystems, ProbeAnswer,
-    ProbeBatch, ProbeError, ProbeQuestion,
+    ProbeBatch, ProbeError, ProbePart, ProbeQuestion,
 };
 pub use terrain::{Layer, Mask, Source, Terrain, TerrainData, TerrainError};

@@ -246,10 +246,12 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
 #[test]
 fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
     use dolomite_tessellation::detail::layout::{DEPTH_PASSES, LAST_PASSES};
+    use dolomite_tessellation::detail::probe::ANSWER_PASS;
     let files = DEPTH_PASSES
         .iter()
         .map(|(file, _)| file)
-        .chain(LAST_PASSES.iter().map(|(file, ..)| file));
+        .chain(LAST_PASSES.iter().map(|(file, ..)| file))
+        .chain([&ANSWER_PASS.0]);
     for file in files {
         let module = composed(file);
         let storage = module
@@ -259,4 +261,30 @@ fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
         // WebGPU promises eight.
         assert!(storage.count() <= 8, "{file}");
     }
+}
+
+#[test]
+fn the_records_of_ground_answers_lie_as_in_rust() {
+    use dolomite_terrain::ProbeAnswer;
+    use dolomite_tessellation::detail::probe::{ANSWER_GROUP, ANSWER_PASS, AnswerHead, Asked};
+    let module = composed(ANSWER_PASS.0);
+    same_layout!(&module, Asked { frame, count });
+    // A list without end lies behind the head.
+    let (_, members) = wgsl_struct(&module, "Answers");
+    let ours = [
+        ("frame", offset_of!(AnswerHead, frame)),
+        ("count", offset_of!(AnswerHead, count)),
+        ("stamp", offset_of!(AnswerHead, stamp)),
+        ("anchor_height", offset_of!(AnswerHead, anchor_height)),
+        ("list", size_of::<AnswerHead>()),
+    ];
+    for (name, offset) in ours {
+        let theirs = members.iter().find(|(theirs, _)| theirs == name);
+        assert_eq!(theirs.map(|m| m.1), Some(offset as u32), "{name}");
+    }
+    // An answer is four numbers: the height first, the bound last.
+    assert_eq!(size_of::<ProbeAnswer>(), 16);
+    assert_eq!(offset_of!(ProbeAnswer, gradient), 4);
+    assert_eq!(offset_of!(ProbeAnswer, bound), 12);
+    assert_eq!(module.entry_points[0].workgroup_size, [ANSWER_GROUP, 1, 1]);
 }

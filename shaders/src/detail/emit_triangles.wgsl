@@ -2,7 +2,7 @@
 
 #import dolomite::detail::bindings::{counts, detail, links, seen, LOOK, THREADS, TRIANGLES, blocks_before, look_block}
 #import dolomite::detail::lattice::{cell_corner, cell_half, cell_quarter, cell_side_mid}
-#import dolomite::detail::vertices::{appears, vertex_number}
+#import dolomite::detail::vertices::{appears, is_drawn, vertex_number}
 
 @group(1) @binding(1) var<storage, read_write> indices: array<u32>;
 
@@ -12,12 +12,6 @@ fn store(number: u32, a: u32, b: u32, c: u32) {
         indices[3u * number + 1u] = b;
         indices[3u * number + 2u] = c;
     }
-}
-
-// Whether a quarter of a cell is drawn as a cell of its own.
-fn is_drawn(first: u32, quarter: u32) -> bool {
-    let child = first + (quarter & 3u);
-    return first != 0u && seen[child].stamp == detail.stamp && seen[child].centre > appears();
 }
 
 fn whole_root(at: u32, centre: vec2<u32>, half: u32) {

@@ -22,6 +22,12 @@ fn arrived(demand: f32) -> f32 {
     return clamp((demand / coarsening() - APPEARS) / (1.0 - APPEARS), 0.0, 1.0);
 }
 
+// Whether a quarter of a cell, by the first of them, is drawn as a cell of its own.
+fn is_drawn(first: u32, quarter: u32) -> bool {
+    let child = first + (quarter & 3u);
+    return first != 0u && seen[child].stamp == detail.stamp && seen[child].centre > appears();
+}
+
 // Whether the middle of a side is drawn and belongs to the cell: of two cells to the one with the lesser
 // coordinate.
 fn owns(at: u32, centre: vec2<u32>, half: u32, side: u32) -> bool {

@@ -1,28 +1,31 @@
 //! The systems: where probes are, what is true there, what was drawn there.
 
-use super::batch::{Asked, ProbeAnswer, ProbeBatch, ProbeQuestion};
+use super::batch::{Asked, ProbeBatch, ProbePart, ProbeQuestion};
 use super::{DrawnAnswer, GroundProbe};
 use crate::ground::GroundSample;
 use crate::terrain::Terrain;
-use bevy::app::{App, PostUpdate};
+use bevy::app::{App, PostUpdate, PreUpdate};
 use bevy::ecs::prelude::*;
 use bevy::math::DVec2;
 use bevy::tasks::{ComputeTaskPool, TaskPool};
 use bevy::transform::{TransformSystems, components::Transform, helper::TransformHelper};
 use bevy::utils::Parallel;
 
-/// Probes are collected and answered in this set (schedule `PostUpdate`, after transforms).
+/// Probes are collected and answered in this set (schedule `PostUpdate`, after transforms); what was drawn
+/// is handed to them in it before anything else happens in a frame (schedule `PreUpdate`).
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct GroundProbeSystems;
 
 pub(crate) fn build(app: &mut App) {
-    app.init_resource::<ProbeBatch>().add_systems(
-        PostUpdate,
-        (enter, collect, find_true, deliver_drawn)
-            .chain()
-            .in_set(GroundProbeSystems)
-            .after(TransformSystems::Propagate),
-    );
+    app.init_resource::<ProbeBatch>()
+        .add_systems(PreUpdate, deliver_drawn.in_set(GroundProbeSystems))
+        .add_systems(
+            PostUpdate,
+            (enter, collect, find_true)
+                .chain()
+                .in_set(GroundProbeSystems)
+                .after(TransformSystems::Propagate),
+        );
 }
 
 /// Fewest probes that are worth a task of their own, some 10 µs of each system's work.
@@ -160,12 +163,13 @@ fn sample_all(terrain: &Terrain, round: &[(usize, DVec2)]) -> Vec<Option<GroundS
 
 /// Hands what was drawn to its probes.
 fn deliver_drawn(mut batch: ResMut<ProbeBatch>, mut probes: Query<(&Asked, &mut GroundProbe)>) {
-    for (question, answers) in batch.take_inbox() {
+    for (question, part) in batch.take_inbox() {
         let batch = &*batch;
+        let slots = part.first..part.first.saturating_add(part.answers.len() as u32);
         probes.par_iter_mut().for_each(|(asked, mut probe)| {
-            let Some(answer) = answers.get(asked.slot as usize) else {
+            if !slots.contains(&asked.slot) {
                 return;
-            };
+            }
             let later = probe.drawn.is_some_and(|known| {
                 // Wrapping: half of the range ahead is "later".
                 known.frame.wrapping_sub(question.frame) < 1 << 31
@@ -173,7 +177,7 @@ fn deliver_drawn(mut batch: ResMut<ProbeBatch>, mut probes: Query<(&Asked, &mut 
             if later || !asked.place.is_finite() || !batch.is_of_owner(asked.slot, question.frame) {
                 return;
             }
-            let drawn = drawn(&question, asked.slot, answer);
+            let drawn = drawn(&question, &part, asked.slot);
             if probe.drawn != drawn {
                 probe.drawn = drawn;
             }
@@ -181,10 +185,12 @@ fn deliver_drawn(mut batch: ResMut<ProbeBatch>, mut probes: Query<(&Asked, &mut 
     }
 }
 
-fn drawn(question: &ProbeQuestion, slot: u32, answer: &ProbeAnswer) -> Option<DrawnAnswer> {
+/// What a part says of one of its slots.
+fn drawn(question: &ProbeQuestion, part: &ProbePart, slot: u32) -> Option<DrawnAnswer> {
+    let answer = part.answers[(slot - part.first) as usize];
     answer.is_hit().then(|| DrawnAnswer {
         sample: GroundSample {
-            height: f64::from(answer.height),
+            height: part.base + f64::from(answer.height),
             gradient: DVec2::from(answer.gradient.map(f64::from)),
         },
         place: question.places[slot as usize].to_dvec2(),

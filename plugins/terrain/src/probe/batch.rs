@@ -74,7 +74,7 @@ pub struct ProbeBatch {
     /// Slots that wait for the true surface, and where the round goes on.
     pub(super) waiting: usize,
     pub(super) cursor: usize,
-    inbox: Vec<(ProbeQuestion, Vec<ProbeAnswer>)>,
+    inbox: Vec<(ProbeQuestion, ProbePart)>,
 }
 
 impl Default for ProbeBatch {
@@ -109,7 +109,7 @@ pub struct ProbeQuestion {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct ProbeAnswer {
-    /// Height of the triangle, metres above y = 0.
+    /// Height of the triangle, metres above y = 0, or above [`ProbePart::base`].
     pub height: f32,
     /// Its slope along x and z, rise over run.
     pub gradient: [f32; 2],
@@ -134,6 +134,18 @@ impl ProbeAnswer {
                 .iter()
                 .all(|n| n.is_finite())
     }
+}
+
+/// What was found under some of the places of a question, in the order of their slots.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ProbePart {
+    /// Slot of the first answer.
+    pub first: u32,
+    /// What the heights of the answers are relative to, metres above y = 0: near the eye an f32 then has
+    /// steps of micrometres, however high the ground lies.
+    pub base: f64,
+    /// One a slot.
+    pub answers: Arc<Vec<ProbeAnswer>>,
 }
 
 /// Answers that do not fit their question.
@@ -165,6 +177,12 @@ impl ProbeBatch {
         self.slots.is_empty()
     }
 
+    /// Number of probes: slots that are not free.
+    #[must_use]
+    pub fn probes(&self) -> usize {
+        self.slots.len() - self.free.len()
+    }
+
     /// Probes that wait for the true surface.
     #[must_use]
     pub fn waiting(&self) -> usize {
@@ -183,9 +201,9 @@ impl ProbeBatch {
         }
     }
 
-    /// Hands in what was drawn under the places of a question, by slot. Probes receive it the next time
-    /// that [`GroundProbeSystems`](super::GroundProbeSystems) run; those that came after the question, or
-    /// have an answer to a later one, do not.
+    /// Hands in what was drawn under the places of a question, by slot. Probes receive it at the
+    /// beginning of the next frame; those that came after the question, or have an answer to a later one,
+    /// do not.
     ///
     /// # Errors
     /// [`ProbeError`] if there are more or fewer answers than places; nothing is taken then.
@@ -198,12 +216,35 @@ impl ProbeBatch {
         if expected != found {
             return Err(ProbeError { expected, found });
         }
-        self.inbox.push((question, answers));
+        let part = ProbePart {
+            answers: Arc::new(answers),
+            ..ProbePart::default()
+        };
+        self.fill_part(question, part)
+    }
+
+    /// As [`Self::fill`], of some of the places: who cannot answer all of a crowd in one frame answers
+    /// them in turn.
+    ///
+    /// # Errors
+    /// [`ProbeError`] if there are more answers than places from the part's first on; nothing is taken
+    /// then.
+    pub fn fill_part(
+        &mut self,
+        question: ProbeQuestion,
+        part: ProbePart,
+    ) -> Result<(), ProbeError> {
+        let expected = question.places.len().saturating_sub(part.first as usize);
+        let found = part.answers.len();
+        if found > expected {
+            return Err(ProbeError { expected, found });
+        }
+        self.inbox.push((question, part));
         Ok(())
     }
 
     /// What has been handed in; the inbox is empty afterwards.
-    pub(super) fn take_inbox(&mut self) -> Vec<(ProbeQuestion, Vec<ProbeAnswer>)> {
+    pub(super) fn take_inbox(&mut self) -> Vec<(ProbeQuestion, ProbePart)> {
         std::mem::take(&mut self.inbox)
     }
 

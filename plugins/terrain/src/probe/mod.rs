@@ -21,7 +21,7 @@ mod batch;
 
 pub use answer::GroundProbeSystems;
 pub(crate) use answer::build;
-pub use batch::{ProbeAnswer, ProbeBatch, ProbeError, ProbeQuestion};
+pub use batch::{ProbeAnswer, ProbeBatch, ProbeError, ProbePart, ProbeQuestion};
 
 use crate::ground::GroundSample;
 use bevy::ecs::prelude::*;

@@ -46,23 +46,23 @@ pub fn arrived(demand: f32) -> f32 {
 
 /// A vertex as the others see it.
 #[derive(Clone, Copy)]
-struct Placed {
+pub(super) struct Placed {
     share: f32,
-    ground: Height,
+    pub ground: Height,
 }
 
 /// What is needed to find vertices.
-struct Finder<'a> {
-    cells: &'a DetailCells,
-    selection: &'a Selection,
+pub(super) struct Finder<'a> {
+    pub cells: &'a DetailCells,
+    pub selection: &'a Selection,
 }
 
 impl Finder<'_> {
-    fn cell(&self, place: CellPlace) -> Option<&ViewCell> {
+    pub fn cell(&self, place: CellPlace) -> Option<&ViewCell> {
         self.selection.find(&self.cells.lattice, place)
     }
 
-    fn vertex(&self, at: UVec2) -> Placed {
+    pub fn vertex(&self, at: UVec2) -> Placed {
         if self.cells.lattice.is_root_corner(at) {
             return Placed {
                 share: 1.0,
@@ -93,7 +93,7 @@ impl Finder<'_> {
     }
 
     /// Height of the drawn surface at a vertex.
-    fn height(&self, at: UVec2) -> f32 {
+    pub fn height(&self, at: UVec2) -> f32 {
         let sea = self.cells.sea();
         let mut terms: Vec<(UVec2, f32, Placed)> = vec![(at, 1.0, self.vertex(at))];
         let (mut from, mut height) = (0.0, 0.0);

@@ -26,12 +26,16 @@
 //! | [`mod@select`] | which vertices a view gets |
 //! | [`mod@mesh`] | their heights, and the triangles |
 //! | [`layout`] | the same on the GPU: records and passes |
+//! | [`probe`] | the triangle under a place: ground answers |
+//! | [`ring`] | answers on their way back, without waiting |
 
 pub mod budget;
 pub mod cell;
 pub mod lattice;
 pub mod layout;
 pub mod mesh;
+pub mod probe;
+pub mod ring;
 pub mod select;
 pub mod settings;
 pub mod view;
@@ -39,6 +43,7 @@ pub mod view;
 pub use cell::{Cell, DetailCells};
 pub use lattice::{CellPlace, DetailLattice};
 pub use mesh::{DetailMesh, DetailVertex};
+pub use probe::DrawnProbes;
 pub use select::{Selection, select};
 pub use settings::{Detail, Metric};
 pub use view::{DetailView, Lens};

@@ -40,6 +40,48 @@ fn a_crowd_takes_turns_and_all_are_answered() {
     }
 }
 
+#[test]
+fn a_part_answers_its_slots_alone_and_says_what_heights_are_relative_to() {
+    let mut app = app();
+    let all: Vec<Entity> = (0..10_u8)
+        .map(|i| spawned(&mut app, f32::from(i), 0.0))
+        .collect();
+    app.update();
+    let mut batch = app.world_mut().resource_mut::<ProbeBatch>();
+    let question = batch.question();
+    let part = |first: u32, count: usize| ProbePart {
+        first,
+        base: 1e4,
+        answers: vec![
+            ProbeAnswer {
+                height: 0.001,
+                bound: 1.0,
+                ..ProbeAnswer::default()
+            };
+            count
+        ]
+        .into(),
+    };
+    assert_eq!(batch.fill_part(question.clone(), part(4, 3)), Ok(()));
+    for (first, expected, found) in [(8, 2, 3), (11, 0, 3), (u32::MAX, 0, 3)] {
+        let refusal = batch.fill_part(question.clone(), part(first, 3));
+        assert_eq!(refusal, Err(ProbeError { expected, found }));
+    }
+    app.update();
+    for (slot, entity) in all.iter().enumerate() {
+        let drawn = probe(&app, *entity).drawn;
+        assert_eq!(drawn.is_some(), (4..7).contains(&slot), "{slot}");
+        if let Some(drawn) = drawn {
+            // An f32 of 10 km has steps of a millimetre; these have none.
+            assert!((drawn.sample.height - 10_000.001).abs() < 1e-9);
+            assert_eq!(drawn.place.x, slot as f64);
+        }
+    }
+    assert_eq!(app.world().resource::<ProbeBatch>().probes(), 10);
+    app.world_mut().despawn(all[3]);
+    assert_eq!(app.world().resource::<ProbeBatch>().probes(), 9);
+}
+
 /// Measures a million probes; run by name: `cargo nextest run --run-ignored only a_million`.
 #[test]
 #[ignore = "a measurement; its assertion is generous"]

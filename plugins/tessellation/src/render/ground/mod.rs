@@ -17,6 +17,7 @@ use bevy::render::RenderApp;
 use bevy::render::storage::ShaderBuffer;
 use dolomite_terrain::{GpuTerrainUniform, Terrain};
 
+pub use detail::probe::{AnswerCensus, DrawnProbeStats, answer_census};
 pub use kind::{GroundKind, GroundLook, HeightUniform};
 pub use relief::TerrainRelief;
 
@@ -37,6 +38,7 @@ pub(crate) fn build(app: &mut App) {
     }
     app.add_plugins(PatchPlugin(GroundKind::default()));
     detail::build::<GroundKind>(app);
+    detail::probe::build(app);
     app.init_resource::<ReadyArrays>()
         .add_systems(
             Update,

@@ -8,6 +8,7 @@ mod host;
 mod pass;
 mod pipeline;
 mod prepare;
+pub(in crate::render::ground) mod probe;
 
 use std::marker::PhantomData;
 

@@ -59,9 +59,9 @@ pub(super) struct DetailState {
     pub stamp: u32,
     /// Whether nothing has been made yet.
     pub fresh: bool,
-    uniform: Buffer,
+    pub uniform: Buffer,
     depths: Buffer,
-    corners: Buffer,
+    pub corners: Buffer,
     /// Cells, links, the cells in the view, counts, lists.
     pub kept: [Buffer; 5],
     /// Of the view's buffers that the groups hold.

@@ -1,0 +1,86 @@
+//! How old answers are when they are used, in frames that wait for nothing but their display.
+//!
+//! A frame is made in the order of the engine: the simulation, then what has arrived is handed over, then
+//! the frame is recorded and submitted. So what is handed over in a frame is used in the next, and an age
+//! is at least 2.
+
+use super::measure::{params, places};
+use crate::detail::{DetailError, DetailStage};
+use crate::gpu::Gpu;
+use crate::studies::lod::camera::Camera;
+use dolomite_terrain::Terrain;
+use dolomite_tessellation::detail::ring::Ring;
+use dolomite_tessellation::detail::{DetailCells, Metric};
+use std::time::{Duration, Instant};
+
+/// Frames of a flight of the study.
+pub const FRAMES: u32 = 120;
+
+/// What a flight found.
+#[derive(Debug, Clone)]
+pub struct Ages {
+    /// Frames from a question to the first that uses its answer, one an answer.
+    pub ages: Vec<u32>,
+    /// Frames in which all staging buffers were under way, so that nothing was asked.
+    pub unasked: u32,
+    /// Time in which the CPU made and submitted a frame, and took what had arrived; the median,
+    /// milliseconds.
+    pub cpu_ms: f64,
+}
+
+impl Ages {
+    /// The largest.
+    #[must_use]
+    pub fn max(&self) -> Option<u32> {
+        self.ages.iter().copied().max()
+    }
+
+    /// The mean.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        let sum: u32 = self.ages.iter().sum();
+        f64::from(sum) / self.ages.len().max(1) as f64
+    }
+}
+
+/// Flies forward for so many frames and asks `count` places in every frame. A frame begins when the device has drawn the one
+/// before the last (`in_flight` 1) or the last (0): as renderers that keep that many frames under way.
+///
+/// # Errors
+/// [`DetailError`].
+pub fn fly(
+    gpu: &Gpu,
+    terrain: &Terrain,
+    mut camera: Camera,
+    frames: u32,
+    (count, in_flight, seed): (usize, usize, u32),
+) -> Result<Ages, DetailError> {
+    let cells = DetailCells::new(terrain.clone(), 1.0);
+    let mut stage = DetailStage::new(gpu, &cells, 1 << 17)?;
+    let places = places(terrain, &camera, count, seed);
+    let forward = camera.view().forward;
+    let mut ring = Ring::default();
+    let (mut ages, mut times) = (Vec::new(), Vec::new());
+    let mut under_way = std::collections::VecDeque::new();
+    for frame in 0..frames {
+        camera.eye += forward * 0.5;
+        let told = params(&cells, &camera, Metric::ErrorBound { pixels: 8.0 });
+        let start = Instant::now();
+        let arrived = stage.frame(told, (frame, &places), &mut ring)?;
+        times.push(start.elapsed());
+        ages.extend(arrived.iter().map(|(asked, _)| frame + 1 - asked));
+        under_way.push_back(gpu.queue().submit([]));
+        if under_way.len() > in_flight
+            && let Some(last) = under_way.pop_front()
+        {
+            gpu.finish_until(last)?;
+        }
+    }
+    times.sort_unstable();
+    let milliseconds = |time: Duration| time.as_secs_f64() * 1e3;
+    Ok(Ages {
+        unasked: frames - ring.asked() as u32,
+        cpu_ms: milliseconds(times[times.len() / 2]),
+        ages,
+    })
+}

@@ -1,0 +1,103 @@
+// Ground answers: the drawn triangle under each place that was asked for. A thread a place.
+
+#import dolomite::detail::bindings::detail
+#import dolomite::detail::locate::{Located, locate}
+#import dolomite::detail::types::NO_CELL
+#import dolomite::detail::vertices::{term, vertex_number}
+#import dolomite::stage::vertex::VERTEX_WORDS
+#import dolomite::terrain::fixed::{Fixed, GroundPoint, fixed_metres, fixed_sub, ground_x, ground_z, metres_fixed}
+
+struct Asked {
+    // Number of the frame, and how many places.
+    frame: u32,
+    count: u32,
+    pad_a: u32,
+    pad_b: u32,
+}
+
+// Byte for byte as AnswerHead in plugins/tessellation/src/detail/probe.rs; an answer is a ProbeAnswer:
+// height above the anchor, slopes along x and z, bound; the bound is below 0 where no triangle is.
+struct Answers {
+    frame: u32,
+    count: u32,
+    // Of the choice of vertices that was drawn.
+    stamp: u32,
+    anchor_height: f32,
+    list: array<vec4<f32>>,
+}
+
+// Of the triangles that the stage draws: see vertex.wgsl.
+@group(1) @binding(1) var<storage, read> drawn_vertices: array<u32>;
+@group(1) @binding(2) var<uniform> asked: Asked;
+@group(1) @binding(3) var<storage, read> places: array<GroundPoint>;
+@group(1) @binding(4) var<storage, read_write> answers: Answers;
+
+// Rounding of f32 numbers of this size, twice.
+const ROUNDING: f32 = 1.2e-7;
+
+fn stored(number: u32) -> vec3<f32> {
+    let base = number * VERTEX_WORDS;
+    return bitcast<vec3<f32>>(vec3(drawn_vertices[base], drawn_vertices[base + 1u], drawn_vertices[base + 2u]));
+}
+
+// From a vertex to a place, metres: exact up to the last step.
+fn from_vertex(place: GroundPoint, vertex: vec3<f32>) -> vec2<f32> {
+    let x = fixed_sub(ground_x(place), Fixed(bitcast<u32>(detail.view.anchor.x), 0u));
+    let z = fixed_sub(ground_z(place), Fixed(bitcast<u32>(detail.view.anchor.y), 0u));
+    return vec2(fixed_metres(fixed_sub(x, metres_fixed(vertex.x))), fixed_metres(fixed_sub(z, metres_fixed(vertex.z))));
+}
+
+fn cross_of(a: vec2<f32>, b: vec2<f32>) -> f32 {
+    return a.x * b.y - a.y * b.x;
+}
+
+fn answer_at(place: GroundPoint) -> vec4<f32> {
+    let nothing = vec4(0.0, 0.0, 0.0, -1.0);
+    var found = locate(place);
+    if found.cell == NO_CELL {
+        return nothing;
+    }
+    var corners: array<vec3<f32>, 3>;
+    // How far each corner still is from the ground, upwards.
+    var arriving: vec3<f32>;
+    for (var k = 0u; k < 3u; k++) {
+        let number = vertex_number(found.cell, found.corners[k]);
+        if number >= detail.max_vertices {
+            return nothing;
+        }
+        corners[k] = stored(number);
+        arriving[k] = corners[k].y + detail.anchor_height - term(found.cell, found.corners[k], 0.0).surface;
+    }
+    let a = corners[1].xz - corners[0].xz;
+    let b = corners[2].xz - corners[0].xz;
+    let area = cross_of(a, b);
+    if area == 0.0 {
+        return nothing;
+    }
+    let off = from_vertex(place, corners[0]);
+    let rise = vec2(corners[1].y - corners[0].y, corners[2].y - corners[0].y);
+    let slope = vec2(rise.x * b.y - rise.y * a.y, rise.y * a.x - rise.x * b.x) / area;
+    let height = corners[0].y + dot(slope, off);
+    // Where corners are arriving, the drawn triangle is off the one on the ground by as much as they are,
+    // each by its share of the place.
+    let second = clamp(cross_of(off, b) / area, 0.0, 1.0);
+    let third = clamp(cross_of(a, off) / area, 0.0, 1.0 - second);
+    let moved = abs(dot(arriving, vec3(1.0 - second - third, second, third)));
+    // Corners are stored in f32: along the ground far from the anchor, and in height.
+    let along = max(max(abs(corners[0].x), abs(corners[0].z)), max(abs(a.x) + abs(b.x), abs(a.y) + abs(b.y)));
+    let rounding = ROUNDING * (along * (abs(slope.x) + abs(slope.y)) + abs(height) + abs(detail.anchor_height));
+    return vec4(height, slope, found.error + moved + rounding);
+}
+
+@compute @workgroup_size(64)
+fn answer(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x == 0u {
+        answers.frame = asked.frame;
+        answers.count = asked.count;
+        answers.stamp = detail.stamp;
+        answers.anchor_height = detail.anchor_height;
+    }
+    if id.x < asked.count {
+        answers.list[id.x] = answer_at(places[id.x]);
+    }
+}
