@@ -1,0 +1,13 @@
+//! Animated figures: clips sampled and blended, gaits, feet on the ground, crowds.
+
+pub mod clip;
+pub mod load;
+mod model;
+mod pose;
+mod simd;
+mod skeleton;
+
+pub use clip::{Channel, ChannelFault, Clip, ClipData, ClipError, Interpolation, Sampler, Values};
+pub use load::{LoadError, Rig, Skin, SkinnedMesh};
+pub use pose::{JointTransform, Joints8, LANES, Lane, Pose};
+pub use skeleton::{Joint, Skeleton, SkeletonError};
