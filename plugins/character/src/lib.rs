@@ -1,5 +1,6 @@
 //! Animated figures: clips sampled and blended, gaits, feet on the ground, crowds.
 
+pub mod blend;
 pub mod clip;
 pub mod load;
 mod model;
@@ -7,6 +8,7 @@ mod pose;
 mod simd;
 mod skeleton;
 
+pub use blend::{Blender, Fade, Layer, Mask, make_additive};
 pub use clip::{Channel, ChannelFault, Clip, ClipData, ClipError, Interpolation, Sampler, Values};
 pub use load::{LoadError, Rig, Skin, SkinnedMesh};
 pub use pose::{JointTransform, Joints8, LANES, Lane, Pose};
