@@ -2,6 +2,7 @@
 
 pub mod blend;
 pub mod clip;
+pub mod gait;
 pub mod load;
 mod model;
 mod pose;

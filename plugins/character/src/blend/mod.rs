@@ -15,10 +15,11 @@ mod mask;
 
 pub use additive::{Additive, make_additive};
 pub use fade::Fade;
+pub(crate) use fade::smooth;
 pub use mask::Mask;
 
 use crate::pose::{Joints8, Lane, Pose};
-use crate::simd::{Quat8, dot, load, normalise, store};
+use crate::simd::{Quat8, dot, lerp, load, normalise, store};
 use core::cmp::Ordering;
 use fearless_simd::{Level, dispatch, f32x8, prelude::*};
 
@@ -80,6 +81,45 @@ impl Blender {
         let order = &self.order[..];
         let (rest, out) = (rest.blocks(), out.blocks_mut());
         dispatch!(self.level, simd => mean(simd, rest, layers, order, out));
+    }
+}
+
+impl Blender {
+    /// Lays `layer` over `pose`: where it weighs 1 it hides what is beneath, where it weighs 0 it is not
+    /// seen. Weights above 1 count as 1.
+    ///
+    /// # Panics
+    /// If the layer or its mask has another number of joints.
+    pub fn lay_over(&mut self, layer: &Layer, pose: &mut Pose) {
+        assert_eq!(layer.pose.len(), pose.len(), "a pose of another skeleton");
+        let masked = layer.mask.is_none_or(|mask| mask.len() == pose.len());
+        assert!(masked, "a mask of another skeleton");
+        if layer.weight > 0.0 {
+            let blocks = pose.blocks_mut();
+            dispatch!(self.level, simd => cover(simd, layer, blocks));
+        }
+    }
+}
+
+#[inline(always)]
+fn cover<S: Simd>(simd: S, layer: &Layer, blocks: &mut [Joints8]) {
+    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+    for (index, block) in blocks.iter_mut().enumerate() {
+        let over = &layer.pose.blocks()[index];
+        let weight = weights(simd, layer, index).min(one);
+        let beneath: Quat8<S> = load(simd, &block.rotation);
+        let above: Quat8<S> = load(simd, &over.rotation);
+        let signed = dot(&beneath, &above).simd_lt(zero).select(zero - weight, weight);
+        let sum = core::array::from_fn(|i| beneath[i] * (one - weight) + above[i] * signed);
+        store(&normalise(&sum), &mut block.rotation);
+        let pairs = [
+            (&mut block.translation, &over.translation),
+            (&mut block.scale, &over.scale),
+        ];
+        for (under, over) in pairs {
+            let (a, b): ([f32x8<S>; 3], [f32x8<S>; 3]) = (load(simd, under), load(simd, over));
+            store(&lerp(&a, &b, weight), under);
+        }
     }
 }
 
