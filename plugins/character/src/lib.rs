@@ -2,6 +2,8 @@
 
 pub mod blend;
 pub mod clip;
+pub mod feet;
+mod figure;
 pub mod gait;
 pub mod load;
 mod model;
@@ -11,6 +13,7 @@ mod skeleton;
 
 pub use blend::{Blender, Fade, Layer, Mask, make_additive};
 pub use clip::{Channel, ChannelFault, Clip, ClipData, ClipError, Interpolation, Sampler, Values};
+pub use figure::{Figure, FigureState, Input, Workspace};
 pub use load::{LoadError, Rig, Skin, SkinnedMesh};
 pub use pose::{JointTransform, Joints8, LANES, Lane, Pose};
 pub use skeleton::{Joint, Skeleton, SkeletonError};

@@ -109,7 +109,9 @@ fn cover<S: Simd>(simd: S, layer: &Layer, blocks: &mut [Joints8]) {
         let weight = weights(simd, layer, index).min(one);
         let beneath: Quat8<S> = load(simd, &block.rotation);
         let above: Quat8<S> = load(simd, &over.rotation);
-        let signed = dot(&beneath, &above).simd_lt(zero).select(zero - weight, weight);
+        let signed = dot(&beneath, &above)
+            .simd_lt(zero)
+            .select(zero - weight, weight);
         let sum = core::array::from_fn(|i| beneath[i] * (one - weight) + above[i] * signed);
         store(&normalise(&sum), &mut block.rotation);
         let pairs = [

@@ -183,9 +183,12 @@ impl GaitData {
     /// [`GaitError`]: what is not there, or does not fit.
     pub fn resolve(&self, rig: &Rig) -> Result<Gait, GaitError> {
         let clip = |of: &str, name: &String| find_clip(rig, of, name);
-        let some = |of: &str, name: &Option<String>| name.as_ref().map(|name| clip(of, name)).transpose();
+        let some =
+            |of: &str, name: &Option<String>| name.as_ref().map(|name| clip(of, name)).transpose();
         let turn = |data: &Option<ClipMotion>| {
-            data.as_ref().map(|data| move_clip(rig, data, data.turn_rate)).transpose()
+            data.as_ref()
+                .map(|data| move_clip(rig, data, data.turn_rate))
+                .transpose()
         };
         let joint = |of, name: &String| find_joint(&rig.skeleton, of, name);
         let strides = self
@@ -200,7 +203,11 @@ impl GaitData {
             });
         }
         let one_shots = self.one_shots.iter().map(|data| {
-            let from = data.from.as_ref().map(|name| joint("one_shots", name)).transpose()?;
+            let from = data
+                .from
+                .as_ref()
+                .map(|name| joint("one_shots", name))
+                .transpose()?;
             let mask = from.map(|top| Mask::branch(&rig.skeleton, top));
             Ok((clip("one_shots", &data.clip)?, mask))
         });
@@ -209,7 +216,11 @@ impl GaitData {
             idle: clip("idle", &self.idle)?,
             strides,
             turns: [turn(&self.turn_left)?, turn(&self.turn_right)?],
-            air: [some("jump", &self.jump)?, some("fall", &self.fall)?, some("land", &self.land)?],
+            air: [
+                some("jump", &self.jump)?,
+                some("fall", &self.fall)?,
+                some("land", &self.land)?,
+            ],
             one_shots: one_shots.collect::<Result<_, _>>()?,
             spine: spine.collect::<Result<_, _>>()?,
             pelvis: joint("pelvis", &self.pelvis)?,
@@ -226,7 +237,12 @@ fn find_clip(rig: &Rig, of: &str, name: &String) -> Result<usize, GaitError> {
     found.ok_or_else(|| GaitError::NoClip {
         of: of.to_owned(),
         clip: name.clone(),
-        has: rig.clips.iter().map(|clip| clip.name()).collect::<Vec<_>>().join(", "),
+        has: rig
+            .clips
+            .iter()
+            .map(|clip| clip.name())
+            .collect::<Vec<_>>()
+            .join(", "),
     })
 }
 
@@ -245,7 +261,9 @@ fn move_clip(rig: &Rig, data: &ClipMotion, rate: f32) -> Result<MoveClip, GaitEr
     };
     let duration = rig.clips[clip].duration();
     if !(rate > 0.0 && rate.is_finite()) {
-        return Err(refuse("it needs a positive speed, or turn_rate for turning"));
+        return Err(refuse(
+            "it needs a positive speed, or turn_rate for turning",
+        ));
     }
     if duration <= 0.0 {
         return Err(refuse("it lasts no time"));
@@ -254,9 +272,14 @@ fn move_clip(rig: &Rig, data: &ClipMotion, rate: f32) -> Result<MoveClip, GaitEr
     if !phases.iter().all(|phase| (0.0..=2.0).contains(phase)) {
         return Err(refuse("phases of feet have to lie between 0 and 2"));
     }
-    let warp = Warp::new(data.left.0, data.right.0)
-        .ok_or_else(|| refuse("the feet have to land at least a fifth of the clip after each other"))?;
-    let stance = |up: f32, landing: f32| (warp.invert(up) - landing).rem_euclid(1.0).clamp(0.05, 0.95);
+    let warp = Warp::new(data.left.0, data.right.0).ok_or_else(|| {
+        refuse("the feet have to land at least a fifth of the clip after each other")
+    })?;
+    let stance = |up: f32, landing: f32| {
+        (warp.invert(up) - landing)
+            .rem_euclid(1.0)
+            .clamp(0.05, 0.95)
+    };
     Ok(MoveClip {
         clip,
         duration,

@@ -46,7 +46,13 @@ const GRAVITY: f32 = 9.81;
 
 impl Lean {
     /// Goes on by `dt` seconds; `acceleration` is along the way the figure looks, m/s².
-    pub fn advance(&mut self, settings: &LeanSettings, motion: &Motion, acceleration: f32, dt: f32) {
+    pub fn advance(
+        &mut self,
+        settings: &LeanSettings,
+        motion: &Motion,
+        acceleration: f32,
+        dt: f32,
+    ) {
         let balance = |a: f32| ops::atan2(a, GRAVITY);
         let centripetal = motion.speed * motion.turn_rate;
         let uphill = ops::atan2(motion.slope.y, 1.0);
@@ -85,13 +91,27 @@ impl Lean {
 /// The rotation in a matrix without shear.
 pub(crate) fn rotation_of(matrix: &Affine3A) -> Quat {
     let unit = |axis: bevy::math::Vec3A| Vec3::from(axis).normalize_or(Vec3::ZERO);
-    let [x, y, z] = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis].map(unit);
+    let [x, y, z] = [
+        matrix.matrix3.x_axis,
+        matrix.matrix3.y_axis,
+        matrix.matrix3.z_axis,
+    ]
+    .map(unit);
     let rotation = Quat::from_mat3(&bevy::math::Mat3::from_cols(x, y, z));
-    if rotation.is_finite() { rotation.normalize() } else { Quat::IDENTITY }
+    if rotation.is_finite() {
+        rotation.normalize()
+    } else {
+        Quat::IDENTITY
+    }
 }
 
 /// The rotation by `angle` about an axis of the model.
 pub(crate) fn about(axis: Vec3, angle: f32) -> Quat {
     let about_y = turned(angle);
-    Quat::from_xyzw(axis.x * about_y.y, axis.y * about_y.y, axis.z * about_y.y, about_y.w)
+    Quat::from_xyzw(
+        axis.x * about_y.y,
+        axis.y * about_y.y,
+        axis.z * about_y.y,
+        about_y.w,
+    )
 }

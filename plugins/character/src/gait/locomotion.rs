@@ -5,6 +5,7 @@ use super::phase::firmness;
 use super::spring::Spring;
 use crate::blend::Fade;
 use crate::clip::Clip;
+use crate::feet::Step;
 use bevy::math::Vec2;
 
 /// What a figure does, as gameplay says it: the input.
@@ -132,6 +133,9 @@ const FULL_STRIDE: f32 = 0.6;
 /// No figure steps faster than this: turns of the phase a second.
 const FASTEST: f32 = 4.0;
 
+/// Clips that step with less weight than this do not count as steps.
+const STANDS: f32 = 0.02;
+
 /// Weights of the ground's clips.
 struct Ground {
     idle: f32,
@@ -209,14 +213,18 @@ impl Locomotion {
                     self.enter(Ground, TO_GROUND);
                 }
             }
-            Land if over(land, TO_GROUND) || motion.speed.abs() > 0.5 => self.enter(Ground, TO_GROUND),
+            Land if over(land, TO_GROUND) || motion.speed.abs() > 0.5 => {
+                self.enter(Ground, TO_GROUND)
+            }
             Ground | Jump | Fall | Land => {}
         }
     }
 
     fn end_shot(&mut self, gait: &Gait, clips: &[Clip]) {
         let shot = self.shot.target();
-        let Some(one_shot) = shot.one_shot else { return };
+        let Some(one_shot) = shot.one_shot else {
+            return;
+        };
         let length = gait
             .one_shots
             .get(one_shot)
@@ -239,7 +247,8 @@ impl Locomotion {
             let above = gait.strides.partition_point(|stride| stride.rate <= speed);
             strides = match (above.checked_sub(1), gait.strides.get(above)) {
                 (Some(slow), Some(next)) => {
-                    let part = (speed - gait.strides[slow].rate) / (next.rate - gait.strides[slow].rate);
+                    let part =
+                        (speed - gait.strides[slow].rate) / (next.rate - gait.strides[slow].rate);
                     [(slow, moving * (1.0 - part)), (above, moving * part)]
                 }
                 (Some(fastest), None) => [(fastest, moving), (0, 0.0)],
@@ -261,11 +270,21 @@ impl Locomotion {
     fn phase_rate(&self, gait: &Gait, motion: &Motion) -> f32 {
         let ground = self.ground(gait);
         // While it comes to rest it still finishes its step.
-        let further = |input: f32, smooth: f32| if input.abs() >= smooth.abs() { input } else { smooth };
+        let further = |input: f32, smooth: f32| {
+            if input.abs() >= smooth.abs() {
+                input
+            } else {
+                smooth
+            }
+        };
         let mut rate = 0.0;
         let mut weight = 0.0;
         // Metres in a turn of the phase. A step of a stride with weight w is w times as long.
-        let reach: f32 = ground.strides.iter().map(|(i, w)| w * gait.strides.get(*i).map_or(0.0, |s| s.reach)).sum();
+        let reach: f32 = ground
+            .strides
+            .iter()
+            .map(|(i, w)| w * gait.strides.get(*i).map_or(0.0, |s| s.reach))
+            .sum();
         let moving: f32 = ground.strides.iter().map(|(_, w)| w).sum();
         if reach > 1e-6 {
             rate += moving * further(motion.speed, self.speed.value) / reach;
@@ -277,7 +296,11 @@ impl Locomotion {
             rate += turning * way / (turning * turn.reach);
             weight += turning;
         }
-        if weight > 0.0 { (rate / weight).clamp(-FASTEST, FASTEST) } else { 0.0 }
+        if weight > 0.0 {
+            (rate / weight).clamp(-FASTEST, FASTEST)
+        } else {
+            0.0
+        }
     }
 
     /// Calls `each` with all clips that have a weight. The weights sum to 1.
@@ -293,7 +316,8 @@ impl Locomotion {
                 });
             };
             match (entered.state, gait.air) {
-                (LocomotionState::Jump, [Some(clip), ..]) | (LocomotionState::Land, [.., Some(clip)]) => {
+                (LocomotionState::Jump, [Some(clip), ..])
+                | (LocomotionState::Land, [.., Some(clip)]) => {
                     once(clip);
                 }
                 (LocomotionState::Fall, [_, Some(clip), _]) => each(Voice {
@@ -316,7 +340,11 @@ impl Locomotion {
     ) {
         if ground.idle > 0.0 {
             let length = f64::from(clips[gait.idle].duration());
-            let time = if length > 0.0 { self.clock % length } else { 0.0 };
+            let time = if length > 0.0 {
+                self.clock % length
+            } else {
+                0.0
+            };
             each(Voice {
                 clip: gait.idle,
                 time: time as f32,
@@ -355,18 +383,41 @@ impl Locomotion {
         });
     }
 
+    /// What the feet are to do in a frame of `dt` seconds.
+    #[must_use]
+    pub fn step(&self, gait: &Gait, dt: f32) -> Step {
+        let ground = self.ground(gait);
+        let stepping = ground.turn.1 + ground.strides.iter().map(|(_, part)| part).sum::<f32>();
+        Step {
+            dt,
+            firm: self.feet(gait),
+            ground: self.on_ground(),
+            still: stepping < STANDS,
+        }
+    }
+
+    /// How much of it is on the ground.
+    fn on_ground(&self) -> f32 {
+        let mut on_ground = 0.0;
+        self.state.weights(|entered, weight| {
+            if matches!(
+                entered.state,
+                LocomotionState::Ground | LocomotionState::Land
+            ) {
+                on_ground += weight;
+            }
+        });
+        on_ground
+    }
+
     /// How firmly the feet stand, left and right: 1 in stance, 0 in the middle of a swing or in the air.
     #[must_use]
     pub fn feet(&self, gait: &Gait) -> [f32; 2] {
         let ground = self.ground(gait);
-        let mut on_ground = 0.0;
-        self.state.weights(|entered, weight| {
-            if matches!(entered.state, LocomotionState::Ground | LocomotionState::Land) {
-                on_ground += weight;
-            }
-        });
+        let on_ground = self.on_ground();
         let mut total = ground.turn.1;
-        let mut stance = gait.turns[ground.turn.0].map_or([0.0; 2], |turn| turn.stance.map(|s| s * ground.turn.1));
+        let mut stance = gait.turns[ground.turn.0]
+            .map_or([0.0; 2], |turn| turn.stance.map(|s| s * ground.turn.1));
         for (index, part) in ground.strides {
             if let Some(stride) = gait.strides.get(index) {
                 total += part;
@@ -376,7 +427,7 @@ impl Locomotion {
         }
         [0, 1].map(|side| {
             // Who hardly steps stands.
-            if total < 0.02 {
+            if total < STANDS {
                 return on_ground;
             }
             on_ground * firmness(self.phase - 0.5 * side as f32, stance[side] / total)

@@ -48,7 +48,11 @@ impl Warp {
         for _ in 0..26 {
             let middle = 0.5 * (low + high);
             let at = middle + self.bend * 0.5 * (1.0 - ops::cos(TAU * middle));
-            if at < wanted { low = middle } else { high = middle }
+            if at < wanted {
+                low = middle
+            } else {
+                high = middle
+            }
         }
         0.5 * (low + high)
     }

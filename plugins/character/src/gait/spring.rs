@@ -52,7 +52,10 @@ mod tests {
             short.follow(3.0, 0.2, 0.00025);
         }
         // A thousand roundings of numbers near 3.
-        assert!((long.value - short.value).abs() < 1e-3, "{long:?} {short:?}");
+        assert!(
+            (long.value - short.value).abs() < 1e-3,
+            "{long:?} {short:?}"
+        );
         long.follow(3.0, 0.2, 1e6);
         assert_eq!(long.value, 3.0);
         long.follow(f32::NAN, 0.2, 0.1);

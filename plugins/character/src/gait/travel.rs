@@ -90,5 +90,9 @@ pub fn root_delta(
     for _ in 1..(turns.abs() as u32).min(16) {
         step = step.then(whole);
     }
-    step.then(if turns > 0.0 { between(0.0, b) } else { between(length, b) })
+    step.then(if turns > 0.0 {
+        between(0.0, b)
+    } else {
+        between(length, b)
+    })
 }

@@ -1,6 +1,8 @@
 //! What several tests need: files beside the project, random numbers, a skeleton and clips made in code.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
+pub mod person;
+
 use bevy::math::{Quat, Vec3};
 use dolomite_character::{
     Channel, ClipData, Interpolation, Joint, JointTransform, Rig, Skeleton, Values,
