@@ -7,6 +7,7 @@ mod figure;
 pub mod gait;
 pub mod load;
 mod model;
+mod plugin;
 mod pose;
 mod simd;
 mod skeleton;
@@ -15,5 +16,10 @@ pub use blend::{Blender, Fade, Layer, Mask, make_additive};
 pub use clip::{Channel, ChannelFault, Clip, ClipData, ClipError, Interpolation, Sampler, Values};
 pub use figure::{Figure, FigureState, Input, Workspace};
 pub use load::{LoadError, Rig, Skin, SkinnedMesh};
+pub use plugin::{
+    Character, CharacterCounters, CharacterEye, CharacterGround, CharacterJoints, CharacterLod,
+    CharacterMotion, CharacterPlugin, CharacterPose, CharacterState, CharacterSystems,
+    MotionFromTransform, Sampling,
+};
 pub use pose::{JointTransform, Joints8, LANES, Lane, Pose};
 pub use skeleton::{Joint, Skeleton, SkeletonError};
