@@ -2,6 +2,7 @@
 
 pub mod blend;
 pub mod clip;
+pub mod crowd;
 pub mod feet;
 mod figure;
 pub mod gait;
