@@ -48,7 +48,12 @@ impl Probe {
     }
 
     /// Position and normal of every vertex of every figure.
-    fn run(&self, palette: &Palette, mesh: &SkinnedMesh, figures: &[CrowdFigure]) -> Vec<[Vec3; 2]> {
+    fn run(
+        &self,
+        palette: &Palette,
+        mesh: &SkinnedMesh,
+        figures: &[CrowdFigure],
+    ) -> Vec<[Vec3; 2]> {
         let pair = |a: u16, b: u16| u32::from(a) | (u32::from(b) << 16);
         let vertices: Vec<Vertex> = (0..mesh.positions.len())
             .map(|i| Vertex {
@@ -78,12 +83,18 @@ impl Probe {
         ];
         let blocks = (count as u32).div_ceil(64);
         let workgroups = [blocks.min(65_535), blocks.div_ceil(65_535), 1];
-        self.gpu.run(&self.kernel, groups, workgroups).expect("runs");
+        self.gpu
+            .run(&self.kernel, groups, workgroups)
+            .expect("runs");
         let words: Vec<u32> = pod_collect_to_vec(&answers);
         words
             .chunks_exact(8)
             .map(|answer| {
-                assert_eq!([answer[3], answer[7]], [1.0_f32.to_bits(); 2], "every place is answered");
+                assert_eq!(
+                    [answer[3], answer[7]],
+                    [1.0_f32.to_bits(); 2],
+                    "every place is answered"
+                );
                 [0, 4].map(|at| Vec3::from_array([0, 1, 2].map(|i| f32::from_bits(answer[at + i]))))
             })
             .collect()
@@ -99,7 +110,8 @@ fn truth(palette: &Palette, mesh: &SkinnedMesh, vertex: usize, figure: &CrowdFig
     for (joint, weight) in mesh.joints[vertex].iter().zip(mesh.weights[vertex]) {
         for (row, sum) in skinned.iter_mut().enumerate() {
             let at = |frame: usize| {
-                let row = palette.rows[(first + frame * palette.joints as usize + usize::from(*joint)) * 3 + row];
+                let row = palette.rows
+                    [(first + frame * palette.joints as usize + usize::from(*joint)) * 3 + row];
                 let row = row.map(f64::from);
                 row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3]
             };
@@ -121,18 +133,41 @@ fn worst(probe: &Probe, rig: &Rig, palette: &Palette, random: &mut Random) -> (f
             .map(|_| {
                 let clip = random.below(palette.clips.len());
                 let time = random.range(0.0, palette.clips[clip].duration);
-                let offset = Vec3::new(random.range(-8.0, 8.0), random.range(-4.0, 4.0), random.range(-8.0, 8.0));
-                CrowdFigure::new(offset, random.range(-3.2, 3.2), palette.frame(clip, time, true), 0)
+                let offset = Vec3::new(
+                    random.range(-8.0, 8.0),
+                    random.range(-4.0, 4.0),
+                    random.range(-8.0, 8.0),
+                );
+                CrowdFigure::new(
+                    offset,
+                    random.range(-3.2, 3.2),
+                    palette.frame(clip, time, true),
+                    0,
+                )
             })
             .collect();
         let answers = probe.run(palette, mesh, &figures);
         for (index, [position, normal]) in answers.iter().enumerate() {
-            let (figure, vertex) = (&figures[index / mesh.positions.len()], index % mesh.positions.len());
-            let rows = skin::vertex_rows(palette, figure, mesh.joints[vertex], mesh.weights[vertex]);
-            let cpu = figure.placed(skin::skinned_position(&rows, Vec3::from(mesh.positions[vertex])));
-            let cpu_normal = figure.turned(skin::skinned_normal(&rows, Vec3::from(mesh.normals[vertex])));
+            let (figure, vertex) = (
+                &figures[index / mesh.positions.len()],
+                index % mesh.positions.len(),
+            );
+            let rows =
+                skin::vertex_rows(palette, figure, mesh.joints[vertex], mesh.weights[vertex]);
+            let cpu = figure.placed(skin::skinned_position(
+                &rows,
+                Vec3::from(mesh.positions[vertex]),
+            ));
+            let cpu_normal = figure.turned(skin::skinned_normal(
+                &rows,
+                Vec3::from(mesh.normals[vertex]),
+            ));
             twin = twin.max(f64::from(position.distance(cpu)));
-            exact = exact.max(position.as_dvec3().distance(truth(palette, mesh, vertex, figure)));
+            exact = exact.max(
+                position
+                    .as_dvec3()
+                    .distance(truth(palette, mesh, vertex, figure)),
+            );
             normals = normals.max(f64::from(normal.distance(cpu_normal)));
         }
     }
@@ -149,7 +184,11 @@ fn every_vertex_is_where_the_twin_has_it() {
         let clips: Vec<usize> = (0..rig.clips.len()).collect();
         let palette = Palette::bake(rig, 0, &clips, 30.0).unwrap();
         let (twin, exact, normals) = worst(&probe, rig, &palette, &mut random);
-        eprintln!("{} clips on {}: twin {twin:.2e} m, f64 {exact:.2e} m, normals {normals:.2e}", clips.len(), probe.gpu.name);
+        eprintln!(
+            "{} clips on {}: twin {twin:.2e} m, f64 {exact:.2e} m, normals {normals:.2e}",
+            clips.len(),
+            probe.gpu.name
+        );
         // The bound.
         assert!(twin <= 1e-5 && exact <= 1e-5, "{twin:e} m, {exact:e} m");
         // An inverse square root of the GPU may be off by 2 ulp, directions by some more roundings.
@@ -161,7 +200,11 @@ fn every_vertex_is_where_the_twin_has_it() {
         let figure = CrowdFigure::new(Vec3::ZERO, 0.0, palette.frame(0, 0.1, true), 0);
         let answers = probe.run(&wrong, mesh, &[figure]);
         let off = (0..mesh.positions.len())
-            .map(|vertex| answers[vertex][0].as_dvec3().distance(truth(&palette, mesh, vertex, &figure)))
+            .map(|vertex| {
+                answers[vertex][0]
+                    .as_dvec3()
+                    .distance(truth(&palette, mesh, vertex, &figure))
+            })
             .fold(0.0, f64::max);
         assert!(off > 1e-3, "{off:e} m");
     }

@@ -27,13 +27,17 @@ fn a_palette_is_the_clip_between_its_frames_too() {
             let at = f32::from(frame.frame) - of.first as f32 + f32::from(frame.part) / 256.0;
             let moment = at / (of.frames - 1) as f32 * of.duration;
             let near = (moment - rig.clips[clip].looped(time)).abs();
-            assert!(near <= of.duration / (of.frames - 1) as f32 / 255.0 + 1e-5, "{near}");
+            assert!(
+                near <= of.duration / (of.frames - 1) as f32 / 255.0 + 1e-5,
+                "{near}"
+            );
             sampler.sample(&rig.clips[clip], moment, &mut pose);
             rig.skeleton.local_to_model(&pose, &mut model);
             let figure = CrowdFigure::new(Vec3::ZERO, 0.0, frame, 0);
             for vertex in 0..mesh.positions.len() {
                 let position = Vec3::from(mesh.positions[vertex]);
-                let rows = skin::vertex_rows(&palette, &figure, mesh.joints[vertex], mesh.weights[vertex]);
+                let rows =
+                    skin::vertex_rows(&palette, &figure, mesh.joints[vertex], mesh.weights[vertex]);
                 let mut truth = Vec3::ZERO;
                 for (joint, weight) in mesh.joints[vertex].iter().zip(mesh.weights[vertex]) {
                     let joint = usize::from(*joint);
@@ -49,7 +53,10 @@ fn a_palette_is_the_clip_between_its_frames_too() {
     // A foot that lands or leaves changes its speed by up to 5 m/s from key to key; a frame that falls
     // beside such a key misses it by a quarter of 5 m/s · 1/30 s. So four times the frames, a quarter of
     // the error; the clip's own keys, 60 a second, are straight between.
-    assert!(errors[0] < 0.042 && errors[1] < 0.042 / 4.0 && errors[2] < 0.042 / 16.0, "{errors:?}");
+    assert!(
+        errors[0] < 0.042 && errors[1] < 0.042 / 4.0 && errors[2] < 0.042 / 16.0,
+        "{errors:?}"
+    );
 }
 
 #[test]
@@ -67,16 +74,28 @@ fn moments_outside_of_clips() {
         }
     }
     let end = palette.frame(1, 99.0, false);
-    assert_eq!((u32::from(end.frame), end.part), (last.first + last.frames - 2, 255));
+    assert_eq!(
+        (u32::from(end.frame), end.part),
+        (last.first + last.frames - 2, 255)
+    );
 }
 
 #[test]
 fn what_cannot_be_baked_is_refused() {
     let rig = person::rig_with_mesh();
-    assert!(matches!(Palette::bake(&rig, 1, &[0], 30.0), Err(PaletteError::Missing { what: "skin", .. })));
-    assert!(matches!(Palette::bake(&rig, 0, &[99], 30.0), Err(PaletteError::Missing { what: "clip", .. })));
+    assert!(matches!(
+        Palette::bake(&rig, 1, &[0], 30.0),
+        Err(PaletteError::Missing { what: "skin", .. })
+    ));
+    assert!(matches!(
+        Palette::bake(&rig, 0, &[99], 30.0),
+        Err(PaletteError::Missing { what: "clip", .. })
+    ));
     for rate in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        assert!(matches!(Palette::bake(&rig, 0, &[0], rate), Err(PaletteError::Rate(_))));
+        assert!(matches!(
+            Palette::bake(&rig, 0, &[0], rate),
+            Err(PaletteError::Rate(_))
+        ));
     }
     let refusal = Palette::bake(&rig, 0, &[0], 1e6).unwrap_err();
     assert!(matches!(refusal, PaletteError::TooManyFrames(frames) if frames > 65_536));

@@ -80,7 +80,9 @@ fn quarter_sine(step: u32) -> f32 {
     let x = step as f32 * 0.001_533_980_8;
     let square = x * x;
     let coefficients = [-0.000_198_090_14, 0.008_333_05, -0.166_666_58, 1.0];
-    let sum = coefficients.iter().fold(2.605_101_8e-6, |sum, c| sum * square + c);
+    let sum = coefficients
+        .iter()
+        .fold(2.605_101_8e-6, |sum, c| sum * square + c);
     x * sum
 }
 
@@ -92,14 +94,27 @@ mod tests {
     #[test]
     fn sixteen_bytes_hold_what_they_are_given() {
         assert_eq!(size_of::<CrowdFigure>(), 16);
-        let frame = PaletteFrame { frame: 65_534, part: 200 };
-        for (y, yaw) in [(0.0, 0.0), (-3.25, 1.0), (511.9, -2.0), (-512.0, 6.0), (1e9, 100.0), (f32::NAN, f32::NAN)] {
+        let frame = PaletteFrame {
+            frame: 65_534,
+            part: 200,
+        };
+        for (y, yaw) in [
+            (0.0, 0.0),
+            (-3.25, 1.0),
+            (511.9, -2.0),
+            (-512.0, 6.0),
+            (1e9, 100.0),
+            (f32::NAN, f32::NAN),
+        ] {
             let figure = CrowdFigure::new(Vec3::new(1.5, y, -2.5), yaw, frame, 77);
             assert_eq!(figure.pose, (65_534 << 16) | (200 << 8) | 77);
             let offset = figure.offset();
             assert_eq!((offset.x, offset.z), (1.5, -2.5));
             if y.is_finite() {
-                assert!((offset.y - y.clamp(-512.0, 512.0)).abs() <= 0.001, "{y}: {offset}");
+                assert!(
+                    (offset.y - y.clamp(-512.0, 512.0)).abs() <= 0.001,
+                    "{y}: {offset}"
+                );
                 // Half a step of a turn.
                 let (sin, cos) = bevy::math::ops::sin_cos(yaw);
                 let [s, c] = figure.turn();
@@ -111,7 +126,10 @@ mod tests {
     #[test]
     fn turns_are_rotations() {
         for step in 0..4096_u32 {
-            let figure = CrowdFigure { place: step, ..Default::default() };
+            let figure = CrowdFigure {
+                place: step,
+                ..Default::default()
+            };
             let [s, c] = figure.turn().map(f64::from);
             let angle = f64::from(step) * std::f64::consts::TAU / 4096.0;
             let (sin, cos) = bevy::math::DVec2::from_angle(angle).yx().into();

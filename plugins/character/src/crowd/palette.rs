@@ -56,7 +56,9 @@ pub enum PaletteError {
     #[error("a palette of {0} frames a second: a positive number is needed")]
     Rate(f32),
     /// More frames than a figure's 16 bits can name.
-    #[error("the palette would have {0} frames, more than 65536: bake fewer clips, or fewer frames a second")]
+    #[error(
+        "the palette would have {0} frames, more than 65536: bake fewer clips, or fewer frames a second"
+    )]
     TooManyFrames(usize),
 }
 
@@ -87,7 +89,9 @@ impl Palette {
                 .get(*index)
                 .ok_or_else(|| missing("clip", *index, rig.clips.len()))?;
             // A cast from f32 stops at the end of usize.
-            let frames = ((clip.duration() * rate).ceil() as usize).saturating_add(1).max(2);
+            let frames = ((clip.duration() * rate).ceil() as usize)
+                .saturating_add(1)
+                .max(2);
             if total + frames > 1 << 16 {
                 return Err(PaletteError::TooManyFrames(total.saturating_add(frames)));
             }
@@ -124,7 +128,11 @@ impl Palette {
             time => time.clamp(0.0, length),
         };
         let last = clip.frames - 1;
-        let at = if length > 0.0 { time / length * last as f32 } else { 0.0 };
+        let at = if length > 0.0 {
+            time / length * last as f32
+        } else {
+            0.0
+        };
         // In 256ths of a frame; the very end is 255/256 of the way to the last frame.
         let steps = ((at * 256.0).round() as u32).min(last * 256 - 1);
         PaletteFrame {
@@ -141,7 +149,15 @@ impl Palette {
 }
 
 fn rows(matrix: &Affine3A) -> [[f32; 4]; 3] {
-    let [x, y, z] = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis];
+    let [x, y, z] = [
+        matrix.matrix3.x_axis,
+        matrix.matrix3.y_axis,
+        matrix.matrix3.z_axis,
+    ];
     let t = matrix.translation;
-    [[x.x, y.x, z.x, t.x], [x.y, y.y, z.y, t.y], [x.z, y.z, z.z, t.z]]
+    [
+        [x.x, y.x, z.x, t.x],
+        [x.y, y.y, z.y, t.y],
+        [x.z, y.z, z.z, t.z],
+    ]
 }

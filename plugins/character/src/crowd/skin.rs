@@ -26,7 +26,12 @@ pub fn joint_rows(palette: &Palette, figure: &CrowdFigure, joint: u32) -> Rows {
 /// # Panics
 /// As [`joint_rows`].
 #[must_use]
-pub fn vertex_rows(palette: &Palette, figure: &CrowdFigure, joints: [u16; 4], weights: [f32; 4]) -> Rows {
+pub fn vertex_rows(
+    palette: &Palette,
+    figure: &CrowdFigure,
+    joints: [u16; 4],
+    weights: [f32; 4],
+) -> Rows {
     let mut sum = [Vec4::ZERO; 3];
     for (joint, weight) in joints.into_iter().zip(weights) {
         if weight > 0.0 {

@@ -6,7 +6,8 @@ use bevy::math::{Affine3A, Quat, Vec3};
 use dolomite_character::feet::{Limb, bend};
 use dolomite_character::gait::{ClipMotion, GaitData, LegData, OneShotData};
 use dolomite_character::{
-    Channel, Clip, ClipData, Figure, Interpolation, Joint, JointTransform, Pose, Rig, Skeleton, Skin, SkinnedMesh, Values,
+    Channel, Clip, ClipData, Figure, Interpolation, Joint, JointTransform, Pose, Rig, Skeleton,
+    Skin, SkinnedMesh, Values,
 };
 use std::f32::consts::TAU;
 
@@ -283,18 +284,37 @@ pub fn rig_with_mesh() -> Rig {
         let above = rig.skeleton.parent(joint).unwrap_or(joint) as u16;
         let first = mesh.positions.len() as u32;
         for corner in 0..8 {
-            let side = |bit: usize| if corner >> bit & 1 == 0 { -0.06_f32 } else { 0.06 };
+            let side = |bit: usize| {
+                if corner >> bit & 1 == 0 {
+                    -0.06_f32
+                } else {
+                    0.06
+                }
+            };
             let way = Vec3::new(side(0), side(1), side(2));
-            mesh.positions.push((Vec3::from(at.translation) + way).to_array());
+            mesh.positions
+                .push((Vec3::from(at.translation) + way).to_array());
             mesh.normals.push(way.normalize().to_array());
             mesh.uvs.push([side(0) * 8.0 + 0.5, side(1) * 8.0 + 0.5]);
             mesh.joints.push([joint as u16, above, 0, 1]);
-            mesh.weights.push(if corner < 4 { [0.55, 0.3, 0.1, 0.05] } else { [1.0, 0.0, 0.0, 0.0] });
+            mesh.weights.push(if corner < 4 {
+                [0.55, 0.3, 0.1, 0.05]
+            } else {
+                [1.0, 0.0, 0.0, 0.0]
+            });
         }
         // Two triangles of every side, outside in front.
-        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let quads = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
         for [a, b, c, d] in quads {
-            mesh.indices.extend([a, b, c, a, c, d].map(|corner| first + corner));
+            mesh.indices
+                .extend([a, b, c, a, c, d].map(|corner| first + corner));
         }
     }
     rig.skins = vec![Skin {
