@@ -1,5 +1,6 @@
 //! Every study, one folder each.
 
+pub mod animation;
 pub mod budget;
 pub mod lod;
 pub mod noise;
@@ -11,6 +12,7 @@ use crate::study::Study;
 
 /// All of them, in the order in which `all` runs them.
 pub const STUDIES: &[Study] = &[
+    animation::STUDY,
     budget::STUDY,
     lod::STUDY,
     noise::STUDY,

@@ -11,6 +11,7 @@ mod animation;
 mod mesh;
 mod nodes;
 mod uri;
+mod words;
 
 pub use mesh::SkinnedMesh;
 
@@ -62,6 +63,11 @@ pub enum LoadError {
     /// Not glTF 2.0.
     #[error("not a glTF 2.0 file: {0}")]
     Format(#[from] gltf::Error),
+    /// A word that glTF does not have, or the number of something that is not there.
+    #[error(
+        "{0}: what stands there is no word of glTF 2.0, or names something that the file has not"
+    )]
+    Word(String),
     /// A buffer is missing.
     #[error("buffer {buffer} ({uri}): {reason}; put it beside the file, or convert to .glb")]
     Buffer {
@@ -137,7 +143,8 @@ impl Rig {
         bytes: &[u8],
         buffer: impl FnMut(&str) -> std::io::Result<Vec<u8>>,
     ) -> Result<Self, LoadError> {
-        let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(bytes)?;
+        let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes)?;
+        words::check(document.as_json())?;
         let buffers = uri::buffers(&document, blob, buffer)?;
         let nodes::Nodes {
             skeleton,
