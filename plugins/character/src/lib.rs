@@ -10,6 +10,8 @@ pub mod load;
 mod model;
 mod plugin;
 mod pose;
+#[cfg(feature = "render")]
+pub mod render;
 mod simd;
 mod skeleton;
 

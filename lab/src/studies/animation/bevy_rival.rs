@@ -3,11 +3,12 @@
 use super::method::{Input, Method};
 use super::model::Model;
 use bevy::MinimalPlugins;
-use bevy::app::{App, TaskPoolPlugin};
+use bevy::app::App;
 use bevy::ecs::prelude::*;
 use bevy::math::{Quat, Vec3, Vec4};
 use bevy::time::TimeUpdateStrategy;
 use bevy::transform::components::Transform;
+use bevy_animation::animation_curves::AnimatedField;
 use bevy_animation::gltf_curves::{CubicKeyframeCurve, CubicRotationCurve, SteppedKeyframeCurve};
 use bevy_animation::graph::{AnimationGraph, AnimationGraphHandle, AnimationNodeIndex};
 use bevy_animation::prelude::{AnimatableCurve, AnimatableKeyframeCurve, VariableCurve};
@@ -41,12 +42,8 @@ impl Bevy {
     /// Of a model; blends are of these clips, in this order.
     pub fn new(model: &Model, clips: [usize; 3]) -> Self {
         let mut app = App::new();
-        app.add_plugins((
-            MinimalPlugins.set(TaskPoolPlugin::default()),
-            AssetPlugin::default(),
-            AnimationPlugin,
-        ))
-        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+        app.add_plugins((MinimalPlugins, AssetPlugin::default(), AnimationPlugin))
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
         let handles: Vec<Handle<AnimationClip>> = model
             .rig
             .sources
