@@ -5,6 +5,7 @@ use super::model::Model;
 use bevy::MinimalPlugins;
 use bevy::app::App;
 use bevy::ecs::prelude::*;
+use bevy::math::curve::{ConstantCurve, Interval};
 use bevy::math::{Quat, Vec3, Vec4};
 use bevy::time::TimeUpdateStrategy;
 use bevy::transform::components::Transform;
@@ -148,7 +149,9 @@ fn clip(data: &ClipData) -> AnimationClip {
                     Curve::Cubic(curve) => {
                         clip.add_curve_to_target(id, AnimatableCurve::new(field(), curve))
                     }
-                    Curve::Still => {}
+                    Curve::Still(curve) => {
+                        clip.add_curve_to_target(id, AnimatableCurve::new(field(), curve));
+                    }
                 }
             }
             Values::Scale(values) => {
@@ -163,7 +166,9 @@ fn clip(data: &ClipData) -> AnimationClip {
                     Curve::Cubic(curve) => {
                         clip.add_curve_to_target(id, AnimatableCurve::new(field(), curve))
                     }
-                    Curve::Still => {}
+                    Curve::Still(curve) => {
+                        clip.add_curve_to_target(id, AnimatableCurve::new(field(), curve));
+                    }
                 }
             }
             Values::Rotation(values) => rotations(&mut clip, id, channel, values),
@@ -176,8 +181,8 @@ enum Curve {
     Linear(AnimatableKeyframeCurve<Vec3>),
     Step(SteppedKeyframeCurve<Vec3>),
     Cubic(CubicKeyframeCurve<Vec3>),
-    /// A single key is no curve.
-    Still,
+    /// Of a single key.
+    Still(ConstantCurve<Vec3>),
 }
 
 fn vectors(channel: &Channel, values: &[[f32; 3]]) -> Curve {
@@ -196,7 +201,13 @@ fn vectors(channel: &Channel, values: &[[f32; 3]]) -> Curve {
                 .ok()
         }
     };
-    curve.unwrap_or(Curve::Still)
+    // As Bevy's loader does it.
+    curve.unwrap_or_else(|| {
+        Curve::Still(ConstantCurve::new(
+            Interval::EVERYWHERE,
+            Vec3::from(values[0]),
+        ))
+    })
 }
 
 fn rotations(
@@ -225,9 +236,11 @@ fn rotations(
                 .map(|curve| VariableCurve::new(AnimatableCurve::new(field(), curve)))
         }
     };
-    if let Some(curve) = curve {
-        clip.add_variable_curve_to_target(id, curve);
-    }
+    let curve = curve.unwrap_or_else(|| {
+        let key = ConstantCurve::new(Interval::EVERYWHERE, Quat::from_array(values[0]));
+        VariableCurve::new(AnimatableCurve::new(field(), key))
+    });
+    clip.add_variable_curve_to_target(id, curve);
 }
 
 impl Method for Bevy {
