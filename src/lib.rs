@@ -6,6 +6,8 @@
 //! | plugin | crate | gives | needs a renderer |
 //! |---|---|---|---|
 //! | [`TerrainPlugin`](terrain::TerrainPlugin) | [`terrain`] | heights, slopes and ground answers from noise and height maps, in f64 | no |
+//! | [`CharacterPlugin`](character::CharacterPlugin) | [`character`] | animated figures with feet on the ground, sampled as large as they are seen | no |
+//! | [`CrowdPlugin`](character::render::CrowdPlugin) | [`character`] | crowds drawn from a palette of poses, 16 bytes a figure | yes |
 //! | [`PatchPlugin`](tessellation::render::stage::PatchPlugin) | [`tessellation`] | patches of your own, tessellated by your control and evaluate functions | yes |
 //! | [`TerrainTessellationPlugin`](tessellation::TerrainTessellationPlugin) | [`tessellation`] | terrain refined and drawn on the GPU | yes |
 //!
@@ -23,6 +25,7 @@
 //!
 //! Coordinates everywhere: metres and radians, right-handed, +Y up, −Z forward (north).
 
+pub use dolomite_character as character;
 pub use dolomite_terrain as terrain;
 pub use dolomite_tessellation as tessellation;
 

@@ -41,6 +41,12 @@ macro_rules! files {
 
 /// Every file.
 pub const ALL: &[ShaderFile] = files![
+    "character/bindings.wgsl",
+    "character/draw.wgsl",
+    "character/figure.wgsl",
+    "character/probe.wgsl",
+    "character/skin.wgsl",
+    "character/types.wgsl",
     "classic/bounded.wgsl",
     "classic/functions.wgsl",
     "classic/look.wgsl",

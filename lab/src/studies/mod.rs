@@ -1,5 +1,6 @@
 //! Every study, one folder each.
 
+pub mod animation;
 pub mod budget;
 pub mod ground;
 pub mod lod;
@@ -12,6 +13,7 @@ use crate::study::Study;
 
 /// All of them, in the order in which `all` runs them.
 pub const STUDIES: &[Study] = &[
+    animation::STUDY,
     budget::STUDY,
     ground::STUDY,
     lod::STUDY,

@@ -1,0 +1,255 @@
+//! A crowd in Bevy's renderer: the picture is that of the same figures skinned on the CPU, and 16 bytes a
+//! figure go up.
+
+#[expect(dead_code, reason = "only its body is drawn here")]
+#[path = "../plugins/character/tests/support/person.rs"]
+mod person;
+
+use std::time::Duration;
+
+use bevy::app::{App, PluginGroup};
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::RenderTarget;
+use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass};
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::log::LogPlugin;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::render_resource::TextureFormat;
+use bevy::render::storage::ShaderBuffer;
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+use bevy::render::{RenderApp, RenderPlugin};
+use bevy::time::TimeUpdateStrategy;
+use bevy::window::{ExitCondition, WindowPlugin};
+use bevy::winit::WinitPlugin;
+use dolomite::character::SkinnedMesh;
+use dolomite::character::crowd::{CrowdFigure, Palette, skin};
+use dolomite::character::render::{Crowd, CrowdLook, CrowdMaterial, CrowdPlugin, CrowdUploads};
+use dolomite::game::device;
+
+const SIZE: u32 = 160;
+
+fn app() -> Option<App> {
+    if let Err(error) = device::probe() {
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "CI must not skip GPU tests: {error}"
+        );
+        eprintln!("skipped: {error}");
+        return None;
+    }
+    let mut app = App::new();
+    app.add_plugins(
+        DefaultPlugins
+            .build()
+            .set(WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            })
+            .set(RenderPlugin {
+                render_creation: device::wgpu_settings().into(),
+                synchronous_pipeline_compilation: true,
+                ..default()
+            })
+            .disable::<LogPlugin>()
+            .disable::<WinitPlugin>()
+            .disable::<PipelinedRenderingPlugin>(),
+    )
+    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
+        16,
+    )))
+    .add_plugins(CrowdPlugin)
+    .init_resource::<Picture>();
+    app.finish();
+    app.cleanup();
+    Some(app)
+}
+
+#[derive(Resource, Default)]
+struct Picture(Option<Image>);
+
+/// Some frames, and then what the camera saw: red, green, blue of every pixel.
+fn picture(app: &mut App, target: &Handle<Image>) -> Vec<[u8; 3]> {
+    for _ in 0..20 {
+        app.update();
+        assert_eq!(app.should_exit(), None, "rendering stopped");
+    }
+    app.world_mut().resource_mut::<Picture>().0 = None;
+    app.world_mut()
+        .spawn(Screenshot::image(target.clone()))
+        .observe(
+            |shot: On<ScreenshotCaptured>, mut picture: ResMut<Picture>| {
+                picture.0 = Some(shot.image.clone());
+            },
+        );
+    for _ in 0..200 {
+        app.update();
+        if let Some(image) = &app.world().resource::<Picture>().0 {
+            let colour = |index: u32| {
+                let pixel = image
+                    .get_color_at(index % SIZE, index / SIZE)
+                    .expect("a pixel")
+                    .to_srgba();
+                [pixel.red, pixel.green, pixel.blue].map(|part| (part * 255.0).round() as u8)
+            };
+            return (0..SIZE * SIZE).map(colour).collect();
+        }
+    }
+    panic!("no picture");
+}
+
+fn figures(palette: &Palette, time: f32) -> Vec<CrowdFigure> {
+    (0..5)
+        .map(|index| {
+            let place = Vec3::new(index as f32 - 2.0, 0.1 * index as f32, 0.2 * index as f32);
+            let frame = palette.frame(1 + index % 2, time + 0.13 * index as f32, true);
+            CrowdFigure::new(place, 0.7 * index as f32, frame, 0)
+        })
+        .collect()
+}
+
+/// The figure as the twin skins it, in the world.
+fn skinned(palette: &Palette, mesh: &SkinnedMesh, figure: &CrowdFigure, anchor: Vec3) -> Mesh {
+    let mut positions = Vec::new();
+    let mut normals = Vec::new();
+    for vertex in 0..mesh.positions.len() {
+        let rows = skin::vertex_rows(palette, figure, mesh.joints[vertex], mesh.weights[vertex]);
+        let position = skin::skinned_position(&rows, Vec3::from(mesh.positions[vertex]));
+        positions.push((figure.placed(position) + anchor).to_array());
+        let normal = skin::skinned_normal(&rows, Vec3::from(mesh.normals[vertex]));
+        normals.push(figure.turned(normal).to_array());
+    }
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::all())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, mesh.uvs.clone())
+        .with_inserted_indices(Indices::U32(mesh.indices.clone()))
+}
+
+/// Part of the pixels that are more than two levels apart.
+fn apart(a: &[[u8; 3]], b: &[[u8; 3]]) -> f64 {
+    let far = |(a, b): &(&[u8; 3], &[u8; 3])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 2);
+    a.iter().zip(b).filter(far).count() as f64 / a.len() as f64
+}
+
+fn uploaded(app: &App) -> u64 {
+    app.sub_app(RenderApp)
+        .world()
+        .resource::<CrowdUploads>()
+        .bytes
+}
+
+#[test]
+fn gpu_a_crowd_looks_as_the_twin_has_it() {
+    let Some(mut app) = app() else { return };
+    let rig = person::rig_with_mesh();
+    let clips: Vec<usize> = (0..rig.clips.len()).collect();
+    let palette = Palette::bake(&rig, 0, &clips, 30.0).unwrap();
+    let mesh = &rig.meshes[0];
+    let anchor = Vec3::new(0.5, -1.0, -6.0);
+    let target = Image::new_target_texture(SIZE, SIZE, TextureFormat::Rgba8UnormSrgb, None);
+    let target = app.world_mut().resource_mut::<Assets<Image>>().add(target);
+    app.world_mut().spawn((
+        Camera3d::default(),
+        Msaa::Off,
+        Tonemapping::None,
+        (DepthPrepass, DeferredPrepass, MotionVectorPrepass),
+        RenderTarget::Image(target.clone().into()),
+    ));
+    let light = DirectionalLight {
+        shadow_maps_enabled: true,
+        ..default()
+    };
+    let slanted = Transform::from_xyz(1.0, 2.0, 1.5).looking_at(Vec3::ZERO, Vec3::Y);
+    app.world_mut().spawn((light, slanted));
+    let floor = Mesh::from(Plane3d::default().mesh().size(20.0, 20.0));
+    let floor = app.world_mut().resource_mut::<Assets<Mesh>>().add(floor);
+    let base = StandardMaterial {
+        base_color: Color::srgb(0.8, 0.5, 0.3),
+        ..default()
+    };
+    let grey = app
+        .world_mut()
+        .resource_mut::<Assets<StandardMaterial>>()
+        .add(Color::srgb(0.5, 0.5, 0.5));
+    app.world_mut().spawn((
+        Mesh3d(floor),
+        MeshMaterial3d(grey),
+        Transform::from_xyz(0.0, -1.0, -6.0),
+    ));
+    let empty = picture(&mut app, &target);
+
+    let look = {
+        let world = app.world_mut();
+        let mut meshes = world.remove_resource::<Assets<Mesh>>().unwrap();
+        let mut materials = world.remove_resource::<Assets<CrowdMaterial>>().unwrap();
+        let mut buffers = world.remove_resource::<Assets<ShaderBuffer>>().unwrap();
+        // Room for two: it has to grow.
+        let parts = [(mesh, base.clone())];
+        let look = CrowdLook::new(
+            &palette,
+            &parts,
+            2,
+            &mut meshes,
+            &mut materials,
+            &mut buffers,
+        );
+        world.insert_resource(meshes);
+        world.insert_resource(materials);
+        world.insert_resource(buffers);
+        look
+    };
+    let crowd = Crowd {
+        anchor,
+        figures: figures(&palette, 0.0),
+    };
+    let crowd = app.world_mut().spawn((crowd, look)).id();
+    picture(&mut app, &target);
+    // Another moment: the same entities, other bytes.
+    let before = uploaded(&app);
+    app.world_mut().get_mut::<Crowd>(crowd).unwrap().figures = figures(&palette, 0.4);
+    app.update();
+    app.update();
+    assert_eq!(uploaded(&app) - before, 5 * 16);
+    let drawn = picture(&mut app, &target);
+    assert_eq!(uploaded(&app) - before, 5 * 16, "what rests is not sent");
+    // Fewer, and none.
+    app.world_mut()
+        .get_mut::<Crowd>(crowd)
+        .unwrap()
+        .figures
+        .clear();
+    let gone = picture(&mut app, &target);
+
+    let moved = figures(&palette, 0.4);
+    let material = app
+        .world_mut()
+        .resource_mut::<Assets<StandardMaterial>>()
+        .add(base);
+    for figure in &moved {
+        let mesh = skinned(&palette, mesh, figure, anchor);
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+        app.world_mut()
+            .spawn((Mesh3d(mesh), MeshMaterial3d(material.clone())));
+    }
+    let wanted = picture(&mut app, &target);
+    let covered = apart(&empty, &wanted);
+    let wrong = apart(&drawn, &wanted);
+    eprintln!(
+        "figures and shadows cover {covered:.3} of the picture; {wrong:.5} of it differs; gone {:.5}",
+        apart(&empty, &gone)
+    );
+    if let Some(folder) = std::env::var_os("DOLOMITE_PICTURES") {
+        for (name, pixels) in [("crowd", &drawn), ("twin", &wanted)] {
+            let path = std::path::Path::new(&folder).join(format!("crowd_{name}.png"));
+            let bytes: Vec<u8> = pixels.iter().flatten().copied().collect();
+            image::save_buffer(path, &bytes, SIZE, SIZE, image::ColorType::Rgb8).unwrap();
+        }
+    }
+    assert!(covered > 0.05, "{covered}");
+    // Edges of triangles whose corners differ by a rounding may fall on either side of a pixel's middle.
+    assert!(wrong < 0.002, "{wrong}");
+    assert!(apart(&empty, &gone) == 0.0);
+}
