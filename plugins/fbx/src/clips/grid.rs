@@ -1,0 +1,259 @@
+//! The times at which a clip is looked at.
+
+use crate::error::FbxError;
+use crate::options::Budget;
+use ufbx::{AnimStack, ElementType, Interpolation, Scene};
+
+/// Distance of the two sides of a jump on the file's clock, seconds: far less than a frame, far more
+/// than the clock's resolution (1/46186158000 s).
+const BESIDE: f64 = 1e-6;
+
+/// Times of samples, growing.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Grid {
+    /// On the file's clock, seconds.
+    pub(crate) times: Vec<f64>,
+    /// Seconds from the clip's start as glTF holds them, strictly growing.
+    pub(crate) labels: Vec<f32>,
+    /// Values may jump between this sample and the next.
+    pub(crate) jumps: Vec<bool>,
+}
+
+/// A time in the making.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Mark {
+    time: f64,
+    /// Values may jump just before, or just after.
+    before: bool,
+    after: bool,
+    /// The most that a rotation's angle changes from here to the next key, degrees.
+    swing: f64,
+}
+
+/// Between two keys a sample is taken for every so many degrees that an angle changes by. FBX turns
+/// three angles apart from each other, on paths that no rotation takes by itself.
+const SWING: f64 = 6.0;
+
+/// The most pieces that the time between two keys is cut into because of angles: two full turns.
+const MOST_PIECES: f64 = 120.0;
+
+impl Grid {
+    pub(crate) fn len(&self) -> usize {
+        self.labels.len()
+    }
+
+    /// Every key of the stack's curves, both sides of each step, and between them at least the middle
+    /// and `rate` samples a second; at most `most` samples, for which what lies between keys is left
+    /// out first.
+    pub(crate) fn of_stack(
+        scene: &Scene,
+        stack: &AnimStack,
+        rate: f64,
+        most: usize,
+        budget: &Budget,
+    ) -> Result<(f64, Self), FbxError> {
+        let keys = keys(scene, stack, budget)?;
+        let (begin, end) = range(stack, &keys);
+        let mut marks = vec![Mark::at(begin)];
+        marks.extend(keys.iter().copied().filter(|k| k.time > begin && k.time < end));
+        if end > begin {
+            marks.push(Mark::at(end));
+        }
+        for mark in keys.iter().filter(|k| k.time == begin || k.time == end) {
+            let same = if mark.time == begin { 0 } else { marks.len() - 1 };
+            marks[same].before |= mark.before;
+            marks[same].after |= mark.after;
+            marks[same].swing = marks[same].swing.max(mark.swing);
+        }
+        // A clip that starts between two keys swings as they do.
+        if let Some(last) = keys.iter().rfind(|k| k.time < begin) {
+            marks[0].swing = marks[0].swing.max(last.swing);
+        }
+        let dense: f64 = marks.windows(2).map(|pair| pieces(pair, rate)).sum();
+        let rate = match dense <= most as f64 {
+            true => Some(rate),
+            false => None,
+        };
+        if marks.len() > most {
+            return Err(budget.too_much("the keys of a clip"));
+        }
+        Ok((begin, Self::through(&marks, begin, rate)))
+    }
+
+    fn through(marks: &[Mark], begin: f64, rate: Option<f64>) -> Self {
+        let mut grid = Self::default();
+        for (i, mark) in marks.iter().enumerate() {
+            if i > 0 && mark.before {
+                let beside = (mark.time - BESIDE).max((marks[i - 1].time + mark.time) / 2.0);
+                let last = before(((mark.time - begin) as f32).max(0.0));
+                grid.push(beside, last, true);
+            }
+            grid.push(mark.time, (mark.time - begin) as f32, mark.after);
+            let Some(next) = marks.get(i + 1) else { break };
+            if mark.after {
+                let beside = (mark.time + BESIDE).min((next.time + mark.time) / 2.0);
+                let first = after((mark.time - begin) as f32);
+                grid.push(beside, first, false);
+            }
+            let count = rate.map_or(1.0, |rate| pieces(&[*mark, *next], rate)) as usize;
+            for piece in 1..count {
+                let time = mark.time + (next.time - mark.time) * (piece as f64 / count as f64);
+                grid.push(time, (time - begin) as f32, false);
+            }
+        }
+        grid
+    }
+
+    /// Times that glTF cannot tell apart are taken once.
+    fn push(&mut self, time: f64, label: f32, jump: bool) {
+        match self.labels.last() {
+            Some(&last) if label <= last => {
+                if let Some(flag) = self.jumps.last_mut() {
+                    *flag |= jump;
+                }
+            }
+            _ => {
+                self.times.push(time);
+                self.labels.push(label);
+                self.jumps.push(jump);
+            }
+        }
+    }
+}
+
+impl Mark {
+    fn at(time: f64) -> Self {
+        Self {
+            time,
+            before: false,
+            after: false,
+            swing: 0.0,
+        }
+    }
+}
+
+/// Into how many pieces the time between two keys is cut.
+fn pieces(pair: &[Mark], rate: f64) -> f64 {
+    // A hair less than whole numbers, which frames of 1/30 s would else miss by rounding.
+    let by_time = ((pair[1].time - pair[0].time) * rate - 1e-6).ceil();
+    let by_angle = (pair[0].swing / SWING).ceil().min(MOST_PIECES);
+    by_time.max(by_angle).max(2.0)
+}
+
+fn before(x: f32) -> f32 {
+    if x > 0.0 { f32::from_bits(x.to_bits() - 1) } else { 0.0 }
+}
+
+fn after(x: f32) -> f32 {
+    f32::from_bits(x.max(0.0).to_bits() + 1)
+}
+
+/// The stack's own range, or that of its keys where it names none.
+fn range(stack: &AnimStack, keys: &[Mark]) -> (f64, f64) {
+    let (begin, end) = (stack.time_begin, stack.time_end);
+    if begin.is_finite() && end.is_finite() && end > begin {
+        return (begin, end);
+    }
+    match (keys.first(), keys.last()) {
+        (Some(first), Some(last)) => (first.time, last.time),
+        _ => (0.0, 0.0),
+    }
+}
+
+/// Keys of everything that moves nodes or morph targets, each time once, growing.
+fn keys(scene: &Scene, stack: &AnimStack, budget: &Budget) -> Result<Vec<Mark>, FbxError> {
+    let mut all: Vec<Mark> = Vec::new();
+    for layer in &stack.layers {
+        budget.in_time("clips")?;
+        for prop in layer.anim_props.iter() {
+            let kind = prop.element.type_;
+            let moves = matches!(kind, ElementType::Node | ElementType::BlendChannel | ElementType::AnimLayer);
+            if !moves {
+                continue;
+            }
+            let turns = prop.prop_name.as_ref() == "Lcl Rotation";
+            for curve in prop.anim_value.curves.iter().flatten() {
+                merge(&mut all, &curve.keyframes, turns);
+            }
+        }
+    }
+    // Weights of layers are curves of the layer, in whichever layer they lie.
+    for value in &scene.anim_values {
+        let of_layer = value.element.connections_src.iter().any(|c| c.dst.type_ == ElementType::AnimLayer && c.dst_prop.length > 0);
+        if of_layer {
+            for curve in value.curves.iter().flatten() {
+                merge(&mut all, &curve.keyframes, false);
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// Curves of a bake have the same times: then this is one walk along both.
+fn merge(all: &mut Vec<Mark>, keys: &[ufbx::Keyframe], turns: bool) {
+    let mut at = 0;
+    let mut new: Vec<Mark> = Vec::new();
+    for (i, key) in keys.iter().enumerate().filter(|(_, key)| key.time.is_finite()) {
+        let mark = Mark {
+            time: key.time,
+            before: i > 0 && keys[i - 1].interpolation == Interpolation::ConstantPrev,
+            after: key.interpolation == Interpolation::ConstantNext,
+            swing: match keys.get(i + 1) {
+                Some(next) if turns => (next.value - key.value).abs(),
+                _ => 0.0,
+            },
+        };
+        while at < all.len() && all[at].time < mark.time {
+            at += 1;
+        }
+        match all.get_mut(at) {
+            Some(known) if known.time == mark.time => {
+                known.before |= mark.before;
+                known.after |= mark.after;
+                known.swing = known.swing.max(mark.swing);
+            }
+            _ => new.push(mark),
+        }
+    }
+    if !new.is_empty() {
+        all.append(&mut new);
+        all.sort_by(|a, b| a.time.total_cmp(&b.time));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_grow_and_steps_have_two_sides() {
+        let marks = [
+            Mark::at(1.0),
+            Mark { before: true, ..Mark::at(1.5) },
+            Mark { after: true, ..Mark::at(2.0) },
+            Mark::at(2.5),
+        ];
+        let grid = Grid::through(&marks, 1.0, Some(2.0));
+        assert!(grid.labels.windows(2).all(|w| w[0] < w[1]), "{grid:?}");
+        assert!(grid.times.windows(2).all(|w| w[0] < w[1]), "{grid:?}");
+        assert_eq!(grid.labels[0], 0.0);
+        assert_eq!(*grid.labels.last().unwrap(), 1.5);
+        let jumps: Vec<f32> = (0..grid.len()).filter(|&i| grid.jumps[i]).map(|i| grid.labels[i]).collect();
+        assert_eq!(jumps, [before(0.5), 1.0]);
+        // The far side of a step that comes after its key.
+        assert!(grid.labels.contains(&after(1.0)));
+    }
+
+    #[test]
+    fn without_a_rate_there_are_keys_alone() {
+        let grid = Grid::through(&[Mark::at(0.0), Mark::at(1.0)], 0.0, None);
+        assert_eq!(grid.labels, [0.0, 1.0]);
+    }
+
+    #[test]
+    fn times_that_f32_cannot_tell_apart_are_one() {
+        let marks = [Mark::at(1000.0), Mark::at(1000.0 + 1e-9), Mark::at(1001.0)];
+        let grid = Grid::through(&marks, 0.0, None);
+        assert_eq!(grid.labels, [1000.0, 1001.0]);
+    }
+}

@@ -1,0 +1,277 @@
+//! From samples to keys that keep to a bound.
+
+use super::choose::{Choice, Sampled, bytes, rotation, vector, weights};
+use super::metric::{Leverage, Shells};
+use super::play::{Player, Pose, play};
+use super::sample::Samples;
+use crate::error::FbxError;
+use crate::model::{Channel, Clip, Model, Property};
+use crate::options::{Budget, Options};
+use crate::report::ClipReport;
+use glam::{DAffine3, DQuat, DVec3};
+
+/// Tries at a share of the bound for each joint. Errors of joints along a chain add up, and by how
+/// much is only known once they are measured.
+const TRIES: usize = 3;
+
+/// Poses that the leverage of joints is taken over.
+const LEVER_POSES: usize = 8;
+
+/// A clip with keys, and what to say of it.
+pub(crate) struct Reduced {
+    pub(crate) clip: Clip,
+    /// For each channel of the clip: it never leaves its value at rest.
+    pub(crate) at_rest: Vec<bool>,
+    pub(crate) report: ClipReport,
+}
+
+/// Keys for a clip with at most `bound` metres of error at the skin.
+pub(crate) fn reduce(
+    samples: &Samples,
+    model: &Model,
+    shells: &Shells,
+    bound: f64,
+    options: &Options,
+    budget: &Budget,
+) -> Result<Reduced, FbxError> {
+    let work = Work::new(samples, model, shells, options);
+    let mut best: Option<(usize, f64, Vec<Choice>)> = None;
+    let mut share = 0.4;
+    for attempt in 0..TRIES + 8 {
+        budget.in_time("keys")?;
+        let choices = work.choose(share * bound, options);
+        let error = work.error(&choices, options);
+        let size = choices.iter().map(|choice| bytes(&choice.channel)).sum();
+        let good = error <= bound;
+        if good && best.as_ref().is_none_or(|(smallest, ..)| size < *smallest) {
+            best = Some((size, error, choices));
+        }
+        let enough = good && error > 0.8 * bound;
+        if enough || (best.is_some() && (attempt + 1 >= TRIES || error == 0.0)) {
+            break;
+        }
+        // A twelfth of leave, since errors do not grow quite in proportion.
+        share *= (bound / error.max(1e-12) * 0.92).clamp(0.05, 4.0);
+    }
+    let (error, choices) = match best {
+        Some((_, error, choices)) => (error, choices),
+        // What is left is the rounding of f32: every sample is a key.
+        None => {
+            let choices = work.choose(0.0, options);
+            (work.error(&choices, options), choices)
+        }
+    };
+    let keys = choices.iter().map(|choice| choice.channel.times.len()).sum();
+    let moving = choices.iter().filter(|choice| choice.channel.times.len() > 1).count();
+    let at_rest = choices.iter().map(|choice| choice.at_rest).collect();
+    let last = samples.grid.labels.last().copied().unwrap_or(0.0);
+    Ok(Reduced {
+        at_rest,
+        report: ClipReport {
+            name: samples.name.clone(),
+            seconds: f64::from(last),
+            keys,
+            baked: moving * samples.grid.len(),
+            error,
+            samples: samples.grid.len(),
+        },
+        clip: Clip {
+            name: samples.name.clone(),
+            begin: samples.begin,
+            duration: f64::from(last),
+            channels: choices.into_iter().map(|choice| choice.channel).collect(),
+        },
+    })
+}
+
+struct Work<'a> {
+    samples: &'a Samples,
+    model: &'a Model,
+    shells: &'a Shells,
+    rest: Pose,
+    leverage: Vec<Leverage>,
+    moving: Vec<bool>,
+    columns: Vec<Columns>,
+    /// Matrices of the moving nodes at each sample, as the file has them.
+    truth: Vec<DAffine3>,
+    moved: Vec<usize>,
+}
+
+/// A track's properties apart.
+struct Columns {
+    translations: Vec<DVec3>,
+    rotations: Vec<DQuat>,
+    scales: Vec<DVec3>,
+}
+
+impl<'a> Work<'a> {
+    fn new(samples: &'a Samples, model: &'a Model, shells: &'a Shells, options: &Options) -> Self {
+        let rest: Pose = model.nodes.iter().map(|node| node.rest).collect();
+        let count = samples.grid.len();
+        let picked = (0..count).step_by(count.div_ceil(LEVER_POSES).max(1));
+        let poses: Vec<Pose> = picked
+            .map(|i| {
+                let mut pose = rest.clone();
+                for track in &samples.tracks {
+                    pose[track.node] = track.poses[i];
+                }
+                pose
+            })
+            .chain([rest.clone()])
+            .collect();
+        let moving = shells.moved_by(samples.tracks.iter().map(|track| track.node));
+        let moved: Vec<usize> = (0..moving.len()).filter(|&node| moving[node]).collect();
+        let mut work = Self {
+            samples,
+            model,
+            shells,
+            leverage: shells.leverage(poses.iter()),
+            rest,
+            moving,
+            columns: samples.tracks.iter().map(|track| columns(&track.poses)).collect(),
+            truth: Vec::new(),
+            moved,
+        };
+        work.truth = work.worlds(options);
+        work
+    }
+
+    fn worlds(&self, options: &Options) -> Vec<DAffine3> {
+        let count = self.samples.grid.len();
+        let parts = self.in_parts(count, options, |range| {
+            let (mut pose, mut world) = (self.rest.clone(), Vec::new());
+            let mut out = Vec::with_capacity(range.len() * self.moved.len());
+            for i in range {
+                for track in &self.samples.tracks {
+                    pose[track.node] = track.poses[i];
+                }
+                self.shells.world(&pose, &mut world);
+                out.extend(self.moved.iter().map(|&node| world[node]));
+            }
+            out
+        });
+        parts.into_iter().flatten().collect()
+    }
+
+    /// `work` on consecutive parts of `0..count`, on as many threads as there are; results in order.
+    fn in_parts<T: Send>(
+        &self,
+        count: usize,
+        options: &Options,
+        work: impl Fn(std::ops::Range<usize>) -> T + Sync,
+    ) -> Vec<T> {
+        let threads = options.thread_count().min(count * self.samples.tracks.len() / 512).max(1);
+        let share = count.div_ceil(threads).max(1);
+        let ranges = (0..count).step_by(share).map(|at| at..(at + share).min(count));
+        std::thread::scope(|scope| {
+            let work = &work;
+            let mut ranges = ranges.collect::<Vec<_>>().into_iter();
+            let own = ranges.next();
+            let others: Vec<_> = ranges.map(|range| scope.spawn(move || work(range))).collect();
+            let own = own.map(work);
+            own.into_iter()
+                .chain(others.into_iter().map(|t| t.join().expect("nothing in it panics")))
+                .collect()
+        })
+    }
+
+    /// Keys that let each joint by itself do `error` metres wrong.
+    fn choose(&self, error: f64, options: &Options) -> Vec<Choice> {
+        let tracks = self.samples.tracks.len();
+        let parts = self.in_parts(tracks, options, |range| {
+            range.flat_map(|index| self.choose_track(index, error)).collect::<Vec<_>>()
+        });
+        let mut choices: Vec<Choice> = parts.into_iter().flatten().collect();
+        for morph in &self.samples.morphs {
+            choices.extend(self.choose_morph(morph, error));
+        }
+        choices.sort_by_key(|choice| (choice.channel.node, choice.channel.property));
+        choices
+    }
+
+    fn choose_track(&self, index: usize, error: f64) -> [Choice; 3] {
+        let (track, columns) = (&self.samples.tracks[index], &self.columns[index]);
+        let lever = self.leverage[track.node];
+        let rest = self.rest[track.node];
+        let sampled = self.sampled(track.node);
+        [
+            vector(&sampled, Property::Translation, &columns.translations, rest.translation, error / lever.translation),
+            rotation(&sampled, &columns.rotations, rest.rotation, error / lever.rotation),
+            vector(&sampled, Property::Scale, &columns.scales, rest.scale, error / lever.scale),
+        ]
+    }
+
+    fn choose_morph(&self, morph: &super::sample::MorphTrack, error: f64) -> Vec<Choice> {
+        let values: Vec<Vec<f64>> = morph.weights.chunks(morph.targets).map(<[f64]>::to_vec).collect();
+        let targets = &self.model.meshes[morph.mesh].targets;
+        let rest: Vec<f64> = targets.iter().map(|target| target.rest).collect();
+        morph
+            .nodes
+            .iter()
+            .map(|&node| {
+                // A skinned mesh may be scaled by its joints; they are as large as their shells say.
+                let scale = self.leverage[node].translation.max(1.0);
+                let reach: Vec<f64> = targets.iter().map(|target| target.reach * scale).collect();
+                weights(&self.sampled(node), &values, &rest, &reach, error)
+            })
+            .collect()
+    }
+
+    fn sampled(&self, node: usize) -> Sampled<'_> {
+        Sampled {
+            node,
+            times: &self.samples.grid.labels,
+            jumps: &self.samples.grid.jumps,
+        }
+    }
+
+    /// The largest distance of the played keys from the samples, metres: of joints, and of morph
+    /// targets.
+    fn error(&self, choices: &[Choice], options: &Options) -> f64 {
+        let channels: Vec<&Channel> = choices.iter().map(|choice| &choice.channel).collect();
+        let parts = self.in_parts(self.samples.grid.len(), options, |range| {
+            let mut players: Vec<Player> = channels.iter().map(|channel| Player::new(channel)).collect();
+            let (mut pose, mut world) = (self.rest.clone(), Vec::new());
+            let mut truth = vec![DAffine3::IDENTITY; self.rest.len()];
+            let mut farthest = 0.0_f64;
+            for i in range {
+                let time = f64::from(self.samples.grid.labels[i]);
+                let mut morphed = 0.0_f64;
+                play(&mut players, time, &mut pose, |node, weights| {
+                    morphed = morphed.max(self.morph_error(node, i, weights));
+                });
+                self.shells.world(&pose, &mut world);
+                for (slot, &node) in self.moved.iter().enumerate() {
+                    truth[node] = self.truth[i * self.moved.len() + slot];
+                }
+                farthest = farthest.max(self.shells.distance(&truth, &world, &self.moving) + morphed);
+            }
+            farthest
+        });
+        parts.into_iter().fold(0.0, f64::max)
+    }
+
+    fn morph_error(&self, node: usize, sample: usize, weights: &[f64]) -> f64 {
+        let Some(morph) = self.samples.morphs.iter().find(|morph| morph.nodes.contains(&node)) else {
+            return 0.0;
+        };
+        let truth = &morph.weights[sample * morph.targets..(sample + 1) * morph.targets];
+        let targets = &self.model.meshes[morph.mesh].targets;
+        let each = truth.iter().zip(weights).zip(targets);
+        each.map(|((a, b), target)| (a - b).abs() * target.reach).sum()
+    }
+}
+
+fn columns(poses: &[crate::model::Trs]) -> Columns {
+    let mut rotations: Vec<DQuat> = poses.iter().map(|pose| pose.rotation).collect();
+    for i in 1..rotations.len() {
+        if rotations[i].dot(rotations[i - 1]) < 0.0 {
+            rotations[i] = -rotations[i];
+        }
+    }
+    Columns {
+        translations: poses.iter().map(|pose| pose.translation).collect(),
+        rotations,
+        scales: poses.iter().map(|pose| pose.scale).collect(),
+    }
+}
