@@ -1,6 +1,6 @@
 //! The whole way from bytes of FBX to a [`Model`].
 
-use crate::clips::{Reduced, Samples, Shells, reduce, sample};
+use crate::clips::{Reduced, Samples, Shells, Source, leverage, reduce, refine, sample};
 use crate::error::FbxError;
 use crate::load::load;
 use crate::model::{Channel, Interpolation, Mesh, Model, Node, Property, Trs};
@@ -63,7 +63,7 @@ pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conve
     let jobs = hang_in(&scene, &mut model, &budget, &mut report)?;
     let shapes = shapes_of(&scene, &model);
     report_lost(&scene, &mut report);
-    let clips: Vec<Samples> = (0..scene.anim_stacks.len())
+    let mut clips: Vec<Samples> = (0..scene.anim_stacks.len())
         .map(|stack| {
             options.report("clips", stack as f64 / scene.anim_stacks.len() as f64);
             sample(&scene, stack, &model, &shapes, options, &budget)
@@ -74,13 +74,24 @@ pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conve
     report.size = size(&model, &shells);
     report.bound = options.max_error.min(options.max_relative_error * report.size);
     let mut reduced = Vec::with_capacity(clips.len());
-    for (number, clip) in clips.iter().enumerate() {
-        options.report("keys", number as f64 / clips.len() as f64);
-        reduced.push(reduce(clip, &model, &shells, report.bound, options, &budget)?);
+    let count = clips.len();
+    for (stack, clip) in clips.iter_mut().enumerate() {
+        options.report("keys", stack as f64 / count as f64);
+        let source = Source {
+            scene: &scene,
+            stack,
+            model: &model,
+            shapes: &shapes,
+            options,
+            budget: &budget,
+        };
+        let leverage = leverage(clip, &model, &shells);
+        refine(clip, &source, &leverage, report.bound)?;
+        reduced.push(reduce(clip, &model, &shells, leverage, report.bound, options, &budget)?);
     }
     take_clips(&mut model, &mut report, reduced);
     finish(&mut model);
-    count(&model, &mut report);
+    tally(&model, &mut report);
     options.report("done", 1.0);
     Ok(Conversion { model, report })
 }
@@ -287,7 +298,7 @@ fn renumber(model: &mut Model, kept: &[bool]) {
     }
 }
 
-fn count(model: &Model, report: &mut Report) {
+fn tally(model: &Model, report: &mut Report) {
     report.nodes = model.nodes.len();
     let joints: BTreeSet<usize> =
         model.skins.iter().flat_map(|skin| skin.joints.iter().copied()).collect();

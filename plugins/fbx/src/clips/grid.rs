@@ -8,6 +8,25 @@ use ufbx::{AnimStack, ElementType, Interpolation, Scene};
 /// than the clock's resolution (1/46186158000 s).
 const BESIDE: f64 = 1e-6;
 
+/// Names of properties that move a node.
+pub(crate) const MOVES: &[&str] = &[
+    "Lcl Translation",
+    "Lcl Rotation",
+    "Lcl Scaling",
+    "PreRotation",
+    "PostRotation",
+    "RotationOffset",
+    "RotationPivot",
+    "ScalingOffset",
+    "ScalingPivot",
+    "RotationOrder",
+    "RotationActive",
+    "RotationSpaceForLimitOnly",
+];
+
+/// Name of the property that is the weight of a blend channel.
+pub(crate) const BLENDS: &str = "DeformPercent";
+
 /// Times of samples, growing.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Grid {
@@ -17,6 +36,8 @@ pub(crate) struct Grid {
     pub(crate) labels: Vec<f32>,
     /// Values may jump between this sample and the next.
     pub(crate) jumps: Vec<bool>,
+    /// The sample stands on a key of the file, where curves may bend, or at an end.
+    pub(crate) keys: Vec<bool>,
 }
 
 /// A time in the making.
@@ -86,37 +107,50 @@ impl Grid {
             if i > 0 && mark.before {
                 let beside = (mark.time - BESIDE).max((marks[i - 1].time + mark.time) / 2.0);
                 let last = before(((mark.time - begin) as f32).max(0.0));
-                grid.push(beside, last, true);
+                grid.push(beside, last, true, true);
             }
-            grid.push(mark.time, (mark.time - begin) as f32, mark.after);
+            grid.push(mark.time, (mark.time - begin) as f32, mark.after, true);
             let Some(next) = marks.get(i + 1) else { break };
             if mark.after {
                 let beside = (mark.time + BESIDE).min((next.time + mark.time) / 2.0);
                 let first = after((mark.time - begin) as f32);
-                grid.push(beside, first, false);
+                grid.push(beside, first, false, true);
             }
             let count = rate.map_or(1.0, |rate| pieces(&[*mark, *next], rate)) as usize;
             for piece in 1..count {
                 let time = mark.time + (next.time - mark.time) * (piece as f64 / count as f64);
-                grid.push(time, (time - begin) as f32, false);
+                grid.push(time, (time - begin) as f32, false, false);
             }
         }
         grid
     }
 
     /// Times that glTF cannot tell apart are taken once.
-    fn push(&mut self, time: f64, label: f32, jump: bool) {
+    pub(crate) fn push(&mut self, time: f64, label: f32, jump: bool, key: bool) {
         match self.labels.last() {
             Some(&last) if label <= last => {
-                if let Some(flag) = self.jumps.last_mut() {
-                    *flag |= jump;
-                }
+                let same = self.labels.len() - 1;
+                self.jumps[same] |= jump;
+                self.keys[same] |= key;
             }
             _ => {
                 self.times.push(time);
                 self.labels.push(label);
                 self.jumps.push(jump);
+                self.keys.push(key);
             }
+        }
+    }
+
+    /// The first of up to four samples around a gap that no key lies between, and how many they are.
+    pub(crate) fn stencil(&self, gap: usize) -> (usize, usize) {
+        let first = if gap > 0 && !self.keys[gap] { gap - 1 } else { gap };
+        let last = if gap + 2 < self.len() && !self.keys[gap + 1] { gap + 2 } else { gap + 1 };
+        match (gap - first, last - gap) {
+            // At the end of a stretch the stencil leans inwards, if there is room.
+            (0, 2) if gap + 3 < self.len() && !self.keys[gap + 2] => (gap, 4),
+            (1, 1) if gap > 1 && !self.keys[gap - 1] => (gap - 2, 4),
+            _ => (first, last - first + 1),
         }
     }
 }
@@ -166,12 +200,17 @@ fn keys(scene: &Scene, stack: &AnimStack, budget: &Budget) -> Result<Vec<Mark>, 
     for layer in &stack.layers {
         budget.in_time("clips")?;
         for prop in layer.anim_props.iter() {
-            let kind = prop.element.type_;
-            let moves = matches!(kind, ElementType::Node | ElementType::BlendChannel | ElementType::AnimLayer);
+            let name: &str = &prop.prop_name;
+            let moves = match prop.element.type_ {
+                ElementType::Node => MOVES.contains(&name),
+                ElementType::BlendChannel => name == BLENDS,
+                ElementType::AnimLayer => true,
+                _ => false,
+            };
             if !moves {
                 continue;
             }
-            let turns = prop.prop_name.as_ref() == "Lcl Rotation";
+            let turns = name == "Lcl Rotation";
             for curve in prop.anim_value.curves.iter().flatten() {
                 merge(&mut all, &curve.keyframes, turns);
             }

@@ -6,10 +6,12 @@ mod grid;
 mod metric;
 mod play;
 mod reduce;
+mod refine;
 mod sample;
 mod value;
 
 pub(crate) use metric::{Shells, order};
 pub(crate) use play::{Player, play};
-pub(crate) use reduce::{Reduced, reduce};
+pub(crate) use reduce::{Reduced, leverage, reduce};
+pub(crate) use refine::{Source, refine};
 pub(crate) use sample::{Samples, sample};

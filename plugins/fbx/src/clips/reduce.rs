@@ -30,11 +30,12 @@ pub(crate) fn reduce(
     samples: &Samples,
     model: &Model,
     shells: &Shells,
+    leverage: Vec<Leverage>,
     bound: f64,
     options: &Options,
     budget: &Budget,
 ) -> Result<Reduced, FbxError> {
-    let work = Work::new(samples, model, shells, options);
+    let work = Work::new(samples, model, shells, leverage, options);
     let mut best: Option<(usize, f64, Vec<Choice>)> = None;
     let mut share = 0.4;
     for attempt in 0..TRIES + 8 {
@@ -84,6 +85,24 @@ pub(crate) fn reduce(
     })
 }
 
+/// What an error of each node comes to, over poses of a clip.
+pub(crate) fn leverage(samples: &Samples, model: &Model, shells: &Shells) -> Vec<Leverage> {
+    let rest: Pose = model.nodes.iter().map(|node| node.rest).collect();
+    let count = samples.grid.len();
+    let picked = (0..count).step_by(count.div_ceil(LEVER_POSES).max(1));
+    let poses: Vec<Pose> = picked
+        .map(|i| {
+            let mut pose = rest.clone();
+            for track in &samples.tracks {
+                pose[track.node] = track.poses[i];
+            }
+            pose
+        })
+        .chain([rest.clone()])
+        .collect();
+    shells.leverage(poses.iter())
+}
+
 struct Work<'a> {
     samples: &'a Samples,
     model: &'a Model,
@@ -105,27 +124,21 @@ struct Columns {
 }
 
 impl<'a> Work<'a> {
-    fn new(samples: &'a Samples, model: &'a Model, shells: &'a Shells, options: &Options) -> Self {
+    fn new(
+        samples: &'a Samples,
+        model: &'a Model,
+        shells: &'a Shells,
+        leverage: Vec<Leverage>,
+        options: &Options,
+    ) -> Self {
         let rest: Pose = model.nodes.iter().map(|node| node.rest).collect();
-        let count = samples.grid.len();
-        let picked = (0..count).step_by(count.div_ceil(LEVER_POSES).max(1));
-        let poses: Vec<Pose> = picked
-            .map(|i| {
-                let mut pose = rest.clone();
-                for track in &samples.tracks {
-                    pose[track.node] = track.poses[i];
-                }
-                pose
-            })
-            .chain([rest.clone()])
-            .collect();
         let moving = shells.moved_by(samples.tracks.iter().map(|track| track.node));
         let moved: Vec<usize> = (0..moving.len()).filter(|&node| moving[node]).collect();
         let mut work = Self {
             samples,
             model,
             shells,
-            leverage: shells.leverage(poses.iter()),
+            leverage,
             rest,
             moving,
             columns: samples.tracks.iter().map(|track| columns(&track.poses)).collect(),

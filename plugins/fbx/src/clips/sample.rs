@@ -1,6 +1,6 @@
 //! The poses of a clip as the FBX file has them, in f64.
 
-use super::grid::Grid;
+use super::grid::{BLENDS, Grid, MOVES};
 use crate::error::FbxError;
 use crate::model::{Model, Trs};
 use crate::options::{Budget, Options};
@@ -8,22 +8,6 @@ use crate::read::convert::trs;
 use crate::read::shapes::{shape_weights, stops};
 use crate::read::{ShapeKey, rest_of};
 use ufbx::{AnimStack, ElementType, SceneRoot};
-
-/// Names of properties that move a node.
-const MOVES: &[&str] = &[
-    "Lcl Translation",
-    "Lcl Rotation",
-    "Lcl Scaling",
-    "PreRotation",
-    "PostRotation",
-    "RotationOffset",
-    "RotationPivot",
-    "ScalingOffset",
-    "ScalingPivot",
-    "RotationOrder",
-    "RotationActive",
-    "RotationSpaceForLimitOnly",
-];
 
 /// A node that moves, and where it is at each time.
 pub(crate) struct Track {
@@ -47,6 +31,8 @@ pub(crate) struct Samples {
     pub(crate) grid: Grid,
     pub(crate) tracks: Vec<Track>,
     pub(crate) morphs: Vec<MorphTrack>,
+    /// Samples that memory allows.
+    pub(crate) most: usize,
 }
 
 /// Samples stack number `stack`. `shapes` says for each mesh of the model what its targets are.
@@ -69,7 +55,8 @@ pub(crate) fn sample(
     let most = budget.limits.memory / 4 / (columns.max(1) * 64);
     let (begin, grid) = Grid::of_stack(scene, source, options.sample_rate, most, budget)?;
 
-    let tracks = tracks(scene, stack, &moving, &grid, options, budget)?;
+    let poses = evaluate(scene, stack, &moving, &grid.times, options, budget)?;
+    let tracks = moving.iter().zip(poses).map(|(&node, poses)| Track { node, poses }).collect();
     let morphs = meshes
         .iter()
         .map(|&mesh| MorphTrack {
@@ -78,7 +65,7 @@ pub(crate) fn sample(
                 .collect(),
             mesh,
             targets: shapes[mesh].len(),
-            weights: weights(scene, source, &shapes[mesh], &grid),
+            weights: morph_weights(scene, source, &shapes[mesh], &grid.times),
         })
         .collect();
     budget.in_time("clips")?;
@@ -88,6 +75,7 @@ pub(crate) fn sample(
         grid,
         tracks,
         morphs,
+        most,
     })
 }
 
@@ -118,7 +106,7 @@ fn moving_channels(scene: &SceneRoot, stack: &AnimStack) -> Vec<bool> {
     let mut moves = vec![false; scene.blend_channels.len()];
     for layer in &stack.layers {
         for prop in layer.anim_props.iter() {
-            if prop.element.type_ == ElementType::BlendChannel && prop.prop_name.as_ref() == "DeformPercent" {
+            if prop.element.type_ == ElementType::BlendChannel && prop.prop_name.as_ref() == BLENDS {
                 moves[prop.element.typed_id as usize] = true;
             }
         }
@@ -126,37 +114,38 @@ fn moving_channels(scene: &SceneRoot, stack: &AnimStack) -> Vec<bool> {
     moves
 }
 
-fn tracks(
+/// Where each of `nodes` is at each of `times`.
+pub(crate) fn evaluate(
     scene: &SceneRoot,
     stack: usize,
-    moving: &[usize],
-    grid: &Grid,
+    nodes: &[usize],
+    times: &[f64],
     options: &Options,
     budget: &Budget,
-) -> Result<Vec<Track>, FbxError> {
-    let threads = options.thread_count().min(moving.len() * grid.len() / 256).max(1);
-    let share = moving.len().div_ceil(threads).max(1);
-    let of = |nodes: &[usize]| -> Vec<Track> {
+) -> Result<Vec<Vec<Trs>>, FbxError> {
+    let threads = options.thread_count().min(nodes.len() * times.len() / 1024).max(1);
+    let share = nodes.len().div_ceil(threads).max(1);
+    let of = |nodes: &[usize]| -> Vec<Vec<Trs>> {
         let anim: &ufbx::Anim = &scene.anim_stacks[stack].anim;
         let track = |&node: &usize| {
             let source: &ufbx::Node = &scene.nodes[node];
             let mut last = rest_of(source);
-            let poses = grid.times.iter().map(|&time| {
+            let poses = times.iter().map(|&time| {
                 let pose = trs(&ufbx::evaluate_transform(anim, source, time));
                 if pose.is_sound() {
                     last = pose;
                 }
                 last
             });
-            Track { node, poses: poses.collect() }
+            poses.collect()
         };
         let in_time = nodes.iter().take_while(|_| !budget.is_late());
         in_time.map(track).collect()
     };
-    let mut tracks = Vec::with_capacity(moving.len());
+    let mut tracks = Vec::with_capacity(nodes.len());
     std::thread::scope(|scope| {
         let mut others = Vec::new();
-        let mut shares = moving.chunks(share);
+        let mut shares = nodes.chunks(share);
         let own = shares.next().unwrap_or(&[]);
         for nodes in shares {
             let of = &of;
@@ -171,13 +160,19 @@ fn tracks(
     Ok(tracks)
 }
 
-fn weights(scene: &SceneRoot, stack: &AnimStack, shapes: &[ShapeKey], grid: &Grid) -> Vec<f64> {
-    let mut out = vec![0.0; shapes.len() * grid.len()];
+/// Weights of all targets of a mesh at each of `times`, those of a time together.
+pub(crate) fn morph_weights(
+    scene: &SceneRoot,
+    stack: &AnimStack,
+    shapes: &[ShapeKey],
+    times: &[f64],
+) -> Vec<f64> {
+    let mut out = vec![0.0; shapes.len() * times.len()];
     let mut at = 0;
     while at < shapes.len() {
         let channel: &ufbx::BlendChannel = &scene.blend_channels[shapes[at].channel];
         let stops = stops(channel);
-        for (i, &time) in grid.times.iter().enumerate() {
+        for (i, &time) in times.iter().enumerate() {
             let weight = ufbx::evaluate_blend_weight(&stack.anim, channel, time);
             let weights = shape_weights(&stops, weight);
             for (key, weight) in weights.into_iter().enumerate() {
