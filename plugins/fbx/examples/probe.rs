@@ -27,6 +27,8 @@ fn main() {
         let space = truth.space();
         let played = Played::read(&glb).unwrap();
         let sources = c.sources();
+        if let Ok(w) = std::env::var("CH") { for ch in &c.model.clips[0].channels { if c.model.nodes[ch.node].name == w { println!("{:?} {:?} short {} times {:?}", ch.property, ch.interpolation, ch.short, ch.times); println!("{:?}", ch.values); } } }
+        if let Ok(w) = std::env::var("TR") { for k in 0..20 { let t = 0.65 + 0.005 * k as f64; let (_, tp) = truth.at(Some(0), c.model.clips[0].begin + t).unwrap(); let (_, pp) = played.at(Some(0), t); println!("{t:.4} truth {:?} played {:?}", space.to_gltf(tp[&w]), pp.iter().find(|p| p.0 == w).unwrap().1); } }
         let mut worst = 0.0f64; let mut nodes_worst = 0.0f64;
         let (shapes, _) = played.at(None, 0.0);
         let (bodies, _) = truth.at(None, 0.0).unwrap();

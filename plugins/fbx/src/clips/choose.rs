@@ -9,14 +9,30 @@ use glam::{DQuat, DVec3};
 /// half of 1/32767 each, and twice that as an angle.
 const SHORT_ERROR: f64 = 2.0 * 2.0 * 0.5 / 32767.0;
 
+/// Tolerances from so many times [`SHORT_ERROR`] on have room for it.
+const SHORT_WORTH: f64 = 2.5;
+
 /// A property as it is sampled.
 pub(crate) struct Sampled<'a> {
     pub(crate) node: usize,
-    pub(crate) times: &'a [f32],
+    pub(crate) times: &'a [f64],
     pub(crate) jumps: &'a [bool],
+    /// Samples that keys may stand on.
+    pub(crate) stops: &'a [usize],
+    /// Kinds of keys that are tried; an earlier try may have told which is smaller.
+    pub(crate) kinds: Kinds,
 }
 
-/// Keys of a channel; `None` where it stands still at its rest.
+/// Kinds of keys for what moves.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(crate) enum Kinds {
+    #[default]
+    Any,
+    Linear,
+    Cubic,
+}
+
+/// Keys of a channel.
 pub(crate) struct Choice {
     pub(crate) channel: Channel,
     /// It never leaves its value at rest.
@@ -32,7 +48,7 @@ pub(crate) fn vector(
     tolerance: f64,
 ) -> Choice {
     let distance = |a: &DVec3, b: &DVec3| (*a - *b).length();
-    choose(sampled, property, values, &rest, distance, tolerance)
+    choose(sampled, property, values, &rest, distance, tolerance, false)
 }
 
 /// Keys of weights of morph targets; `reach` is metres a unit of each weight, `tolerance` metres.
@@ -47,7 +63,7 @@ pub(crate) fn weights(
         let each = a.iter().zip(b).zip(reach);
         each.map(|((a, b), reach)| (a - b).abs() * reach).sum()
     };
-    choose(sampled, Property::Weights, values, rest, distance, tolerance)
+    choose(sampled, Property::Weights, values, rest, distance, tolerance, false)
 }
 
 /// Keys of a rotation within `tolerance` radians. `values` lie on one side each of the last.
@@ -58,23 +74,10 @@ pub(crate) fn rotation(
     tolerance: f64,
 ) -> Choice {
     let distance = |a: &DQuat, b: &DQuat| angle(*a, *b);
-    let mut best = choose(sampled, Property::Rotation, values, &rest, distance, tolerance);
-    if best.channel.times.len() > 1 && tolerance > 1.5 * SHORT_ERROR {
-        let other = choose(
-            sampled,
-            Property::Rotation,
-            values,
-            &rest,
-            distance,
-            tolerance - SHORT_ERROR,
-        );
-        if let Some(short) = shortened(other.channel)
-            && bytes(&short) < bytes(&best.channel)
-        {
-            best.channel = short;
-        }
-    }
-    best
+    // Half the bytes for a part of the tolerance, where it is a small one.
+    let short = tolerance > SHORT_WORTH * SHORT_ERROR;
+    let tolerance = if short { tolerance - SHORT_ERROR } else { tolerance };
+    choose(sampled, Property::Rotation, values, &rest, distance, tolerance, short)
 }
 
 fn choose<V: Value>(
@@ -84,33 +87,40 @@ fn choose<V: Value>(
     rest: &V,
     distance: impl Fn(&V, &V) -> f64,
     tolerance: f64,
+    short: bool,
 ) -> Choice {
     let signal = Signal {
         times: sampled.times,
         jumps: sampled.jumps,
+        stops: sampled.stops,
         values,
         distance,
     };
-    let make = |keys: &Keys<V>, interpolation| channel(sampled, property, values, keys, interpolation);
+    let make = |keys: &Keys<V>, interpolation| {
+        let made = channel(sampled, property, values, keys, interpolation);
+        if short { shortened(made) } else { made }
+    };
     if let Some(value) = signal.constant(rest, tolerance) {
         let at_rest = value == *rest;
         let keys = Keys { at: vec![0], tangents: Vec::new() };
         let channel = channel(sampled, property, &[value], &keys, Interpolation::Linear);
         return Choice { channel, at_rest };
     }
-    let channel = match signal.steps(tolerance) {
-        Some(keys) => make(&keys, Interpolation::Step),
-        None => {
-            let linear = make(&signal.linear(tolerance), Interpolation::Linear);
-            // Two lines are no larger than any cubic.
-            match linear.times.len() {
-                0..=2 => linear,
-                _ => {
-                    let cubic = make(&signal.cubic(tolerance), Interpolation::Cubic);
-                    if bytes(&cubic) < bytes(&linear) { cubic } else { linear }
-                }
+    let linear = || signal.linear(tolerance).map(|keys| make(&keys, Interpolation::Linear));
+    let cubic = || make(&signal.cubic(tolerance), Interpolation::Cubic);
+    let channel = match (signal.steps(tolerance), sampled.kinds) {
+        (Some(keys), _) => make(&keys, Interpolation::Step),
+        (None, Kinds::Linear) => linear().unwrap_or_else(cubic),
+        (None, Kinds::Cubic) => cubic(),
+        (None, Kinds::Any) => match linear() {
+            // Two keys of a line are smaller than any cubic.
+            Some(linear) if linear.times.len() <= 2 => linear,
+            Some(linear) => {
+                let cubic = cubic();
+                if bytes(&cubic) < bytes(&linear) { cubic } else { linear }
             }
-        }
+            None => cubic(),
+        },
     };
     Choice { channel, at_rest: false }
 }
@@ -134,7 +144,7 @@ fn channel<V: Value>(
             continue;
         }
         // Tangents of the file format are per second.
-        let length = |a: usize, b: usize| f64::from(sampled.times[b]) - f64::from(sampled.times[a]);
+        let length = |a: usize, b: usize| sampled.times[b] - sampled.times[a];
         match i.checked_sub(1) {
             Some(last) => put(&keys.tangents[last].1, 1.0 / length(keys.at[last], at)),
             None => put(&values[at], 0.0),
@@ -149,22 +159,21 @@ fn channel<V: Value>(
         node: sampled.node,
         property,
         interpolation,
-        times: keys.at.iter().map(|&at| sampled.times[at]).collect(),
+        times: keys.at.iter().map(|&at| sampled.times[at] as f32).collect(),
         values: numbers.into_iter().map(|x| x as f32).collect(),
         short: false,
     }
 }
 
 /// The channel in 16-bit integers, if all of its numbers lie between -1 and 1.
-fn shortened(mut channel: Channel) -> Option<Channel> {
-    for value in &mut channel.values {
-        if value.abs() > 1.0 {
-            return None;
+fn shortened(mut channel: Channel) -> Channel {
+    if channel.values.iter().all(|value| value.abs() <= 1.0) {
+        for value in &mut channel.values {
+            *value = (*value * 32767.0).round() / 32767.0;
         }
-        *value = (*value * 32767.0).round() / 32767.0;
+        channel.short = true;
     }
-    channel.short = true;
-    Some(channel)
+    channel
 }
 
 /// Bytes of a channel's keys and times.

@@ -1,6 +1,6 @@
 //! The fewest keys that pass within a tolerance of every sample.
 //!
-//! Keys stand on samples and are exact there. From each key the next one is taken as far away as all
+//! Keys stand on samples (not on foretold middles) and are exact there. From each key the next one is taken as far away as all
 //! samples between stay within tolerance: found by doubling the distance, then halving the gap. A
 //! cubic's two tangents are fitted to the samples between its keys (least squares), each stretch by
 //! itself, which glTF allows: a key's tangents on its two sides are two values.
@@ -9,10 +9,12 @@ use super::value::{Value, cubic, hermite};
 
 /// Samples of one property.
 pub(crate) struct Signal<'a, V, D> {
-    /// Seconds.
-    pub(crate) times: &'a [f32],
+    /// Seconds, as f32 has them.
+    pub(crate) times: &'a [f64],
     /// Values may jump after this sample.
     pub(crate) jumps: &'a [bool],
+    /// Samples that keys may stand on; the first and the last are among them.
+    pub(crate) stops: &'a [usize],
     pub(crate) values: &'a [V],
     /// How far two values are apart, in the unit of the tolerance.
     pub(crate) distance: D,
@@ -62,69 +64,74 @@ impl<V: Value, D: Fn(&V, &V) -> f64> Signal<'_, V, D> {
         Some(Keys { at, tangents: Vec::new() })
     }
 
-    /// Keys with straight lines between them.
-    pub(crate) fn linear(&self, tolerance: f64) -> Keys<V> {
+    /// Keys with straight lines between them; `None` where none are near enough.
+    pub(crate) fn linear(&self, tolerance: f64) -> Option<Keys<V>> {
         let fits = |from: usize, to: usize| {
+            let line = V::line(&self.values[from], &self.values[to]);
+            let per_second = 1.0 / (self.times[to] - self.times[from]);
             (from + 1..to).all(|i| {
-                let mixed = V::mix(&self.values[from], &self.values[to], self.share(from, i, to));
-                (self.distance)(&mixed, &self.values[i]) <= tolerance
+                let share = (self.times[i] - self.times[from]) * per_second;
+                (self.distance)(&V::on_line(&line, share), &self.values[i]) <= tolerance
             })
         };
-        Keys {
-            at: self.walk(|from, to| fits(from, to).then_some(())).0,
-            tangents: Vec::new(),
-        }
+        let (at, found) = self.walk(|from, to| fits(from, to).then_some(()));
+        (found.len() + 1 == at.len()).then_some(Keys { at, tangents: Vec::new() })
     }
 
     /// Keys with cubics between them.
     pub(crate) fn cubic(&self, tolerance: f64) -> Keys<V> {
-        let (at, tangents) = self.walk(|from, to| self.stretch(from, to, tolerance));
+        let (at, tangents) = self.walk(|from, to| {
+            let nothing_between = self.stops.binary_search(&from).is_ok_and(|i| self.stops.get(i + 1) == Some(&to));
+            // Between neighbours there is nothing nearer than what the fit gives.
+            self.stretch(from, to, if nothing_between { f64::INFINITY } else { tolerance })
+        });
         Keys { at, tangents }
     }
 
-    fn share(&self, from: usize, at: usize, to: usize) -> f64 {
-        let [from, at, to] = [from, at, to].map(|i| f64::from(self.times[i]));
-        (at - from) / (to - from)
-    }
-
-    /// The farthest next key for which `try_stretch` gives something, again and again.
+    /// The farthest next key for which `try_stretch` gives something, again and again. Neighbours
+    /// follow each other whatever it gives.
     fn walk<T>(&self, try_stretch: impl Fn(usize, usize) -> Option<T>) -> (Vec<usize>, Vec<T>) {
-        let last = self.values.len() - 1;
+        let last = self.stops.len() - 1;
+        let attempt = |from: usize, to: usize| try_stretch(self.stops[from], self.stops[to]);
+        // No stretch goes across a jump: where the next one is, from each stop on.
+        let mut walls = vec![last; last + 1];
+        for i in (0..last).rev() {
+            walls[i] = if self.jumps[self.stops[i]] { i } else { walls[i + 1] };
+        }
         let (mut at, mut found) = (vec![0], Vec::new());
-        let mut stride = 4;
-        while let Some(&from) = at.last().filter(|&&from| from < last) {
-            // No stretch goes across a jump.
-            let wall = (from..last).find(|&i| self.jumps[i]).map_or(last, |i| i.max(from + 1));
+        let (mut from, mut stride) = (0, 4);
+        while from < last {
+            let wall = walls[from].max(from + 1);
             let mut good = from + 1;
-            let mut best = try_stretch(from, good);
+            let mut best = attempt(from, good);
             let mut bad = wall + 1;
             let mut step = stride;
             while good < wall {
                 let to = (from + step).min(wall);
-                if to <= good {
-                    step *= 2;
-                    continue;
-                }
-                match try_stretch(from, to) {
-                    Some(stretch) => (good, best) = (to, Some(stretch)),
-                    None => {
-                        bad = to;
-                        break;
+                if to > good {
+                    match attempt(from, to) {
+                        Some(stretch) => (good, best) = (to, Some(stretch)),
+                        None => {
+                            bad = to;
+                            break;
+                        }
                     }
                 }
-                step *= 2;
+                step += step.div_ceil(2);
             }
-            while bad - good > 1 && good < wall {
+            // An eighth of a stretch is not worth another look.
+            while bad - good > 1 + (good - from) / 8 && good < wall {
                 let to = (good + bad) / 2;
-                match try_stretch(from, to) {
+                match attempt(from, to) {
                     Some(stretch) => (good, best) = (to, Some(stretch)),
                     None => bad = to,
                 }
             }
             // Signals are alike along the way: the next search starts near this one's end.
-            stride = ((good - from) / 2).max(2);
+            stride = ((good - from) * 4 / 5).max(2);
             found.extend(best);
-            at.push(good);
+            at.push(self.stops[good]);
+            from = good;
         }
         (at, found)
     }
@@ -138,17 +145,20 @@ impl<V: Value, D: Fn(&V, &V) -> f64> Signal<'_, V, D> {
         if to == from + 1 {
             return Some((line.clone(), line));
         }
+        let per_second = 1.0 / (self.times[to] - self.times[from]);
+        let share = |i: usize| (self.times[i] - self.times[from]) * per_second;
         let (mut bb, mut bd, mut dd) = (0.0, 0.0, 0.0);
         let (mut rb, mut rd) = (p.zero(), p.zero());
         for i in from + 1..to {
-            let [a, b, c, d] = hermite(self.share(from, i, to));
+            let [_, b, c, d] = hermite(share(i));
             bb += b * b;
             bd += b * d;
             dd += d * d;
+            // What the line's own tangents leave: the sample less `p`, less what the cubic with
+            // them comes to, which is the share itself.
             let mut rest = self.values[i].clone();
-            V::add(&mut rest, p, -a - 0.0);
-            V::add(&mut rest, q, -c);
-            V::add(&mut rest, &line, -b - d);
+            V::add(&mut rest, p, -1.0);
+            V::add(&mut rest, &line, -(b + c + d));
             V::add(&mut rb, &rest, b);
             V::add(&mut rd, &rest, d);
         }
@@ -162,9 +172,99 @@ impl<V: Value, D: Fn(&V, &V) -> f64> Signal<'_, V, D> {
         V::add(&mut into, &rd, bb / det);
         V::add(&mut into, &rb, -bd / det);
         let fits = (from + 1..to).all(|i| {
-            let value = cubic(p, &out, q, &into, self.share(from, i, to));
+            let value = cubic(p, &out, q, &into, share(i));
             (self.distance)(&value, &self.values[i]) <= tolerance
         });
         fits.then_some((out, into))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn signal<'a>(
+        times: &'a [f64],
+        jumps: &'a [bool],
+        values: &'a [DVec3],
+    ) -> Signal<'a, DVec3, impl Fn(&DVec3, &DVec3) -> f64> {
+        let distance = |a: &DVec3, b: &DVec3| (*a - *b).length();
+        let stops: &[usize] = Box::leak((0..times.len()).collect());
+        Signal { times, jumps, stops, values, distance }
+    }
+
+    fn sampled(of: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<bool>, Vec<DVec3>) {
+        let times: Vec<f64> = (0..=100).map(|i| f64::from(i) / 100.0).collect();
+        let values = times.iter().map(|&t| DVec3::new(of(t), 1.0, -t)).collect();
+        (times, vec![false; 101], values)
+    }
+
+    #[test]
+    fn one_cubic_is_one_stretch() {
+        let (times, jumps, values) = sampled(|t| 4.0 * t * t * t - 3.0 * t * t + t);
+        let keys = signal(&times, &jumps, &values).cubic(1e-9);
+        assert_eq!(keys.at, [0, 100]);
+        let (out, into) = keys.tangents[0];
+        assert!((out - DVec3::new(1.0, 0.0, -1.0)).length() < 1e-6, "{out}");
+        assert!((into - DVec3::new(7.0, 0.0, -1.0)).length() < 1e-6, "{into}");
+    }
+
+    #[test]
+    fn a_bent_line_is_two_lines() {
+        let (times, jumps, values) = sampled(|t| (t - 0.4).max(0.0));
+        assert_eq!(signal(&times, &jumps, &values).linear(1e-9).unwrap().at, [0, 40, 100]);
+    }
+
+    #[test]
+    fn keys_keep_to_the_tolerance() {
+        let (times, jumps, values) = sampled(|t| (9.0 * t * t).fract());
+        for tolerance in [1e-1, 1e-2, 1e-3] {
+            let keys = signal(&times, &jumps, &values).cubic(tolerance);
+            for (pair, (out, into)) in keys.at.windows(2).zip(&keys.tangents) {
+                for i in pair[0]..=pair[1] {
+                    let share = (times[i] - times[pair[0]]) / (times[pair[1]] - times[pair[0]]);
+                    let value = cubic(&values[pair[0]], out, &values[pair[1]], into, share);
+                    assert!((value - values[i]).length() <= tolerance);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn keys_stand_on_stops_alone() {
+        let (times, jumps, values) = sampled(|t| (3.0 * t).powi(2));
+        let stops: Vec<usize> = (0..=100).step_by(4).collect();
+        let signal = Signal { stops: &stops, ..signal(&times, &jumps, &values) };
+        let keys = signal.linear(0.02).unwrap();
+        assert!(keys.at.iter().all(|at| at % 4 == 0));
+        // Neighbours are farther off the arc than this: 9 * (0.02)^2.
+        assert_eq!(signal.linear(0.003), None);
+        assert_eq!(signal.cubic(0.003).at, [0, 100]);
+    }
+
+    #[test]
+    fn a_jump_is_between_two_keys_and_never_inside_a_stretch() {
+        let (times, mut jumps, values) = sampled(|t| if t > 0.305 { 5.0 } else { 1.0 });
+        jumps[30] = true;
+        let signal = signal(&times, &jumps, &values);
+        let linear = signal.linear(1e-9).unwrap().at;
+        assert_eq!(linear, [0, 30, 31, 100]);
+        // Z falls all the while: no steps.
+        assert_eq!(signal.steps(1e-9), None);
+        let still: Vec<DVec3> = values.iter().map(|v| v.with_z(0.0)).collect();
+        let steps = Signal { values: &still, ..signal }.steps(1e-9).unwrap();
+        assert_eq!(steps.at, [0, 31]);
+    }
+
+    #[test]
+    fn what_stands_still_prefers_its_rest() {
+        let values = [DVec3::X * 1.0, DVec3::X * 1.01, DVec3::X * 0.99];
+        let (times, jumps) = ([0.0, 1.0, 2.0], [false; 3]);
+        let signal = signal(&times, &jumps, &values);
+        let rest = DVec3::X * 1.005;
+        assert_eq!(signal.constant(&rest, 0.1), Some(rest));
+        assert_eq!(signal.constant(&DVec3::ZERO, 0.011), Some(DVec3::X * 1.0));
+        assert_eq!(signal.constant(&DVec3::ZERO, 0.009), None);
     }
 }

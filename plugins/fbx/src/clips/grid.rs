@@ -142,16 +142,43 @@ impl Grid {
         }
     }
 
-    /// The first of up to four samples around a gap that no key lies between, and how many they are.
-    pub(crate) fn stencil(&self, gap: usize) -> (usize, usize) {
-        let first = if gap > 0 && !self.keys[gap] { gap - 1 } else { gap };
-        let last = if gap + 2 < self.len() && !self.keys[gap + 1] { gap + 2 } else { gap + 1 };
-        match (gap - first, last - gap) {
-            // At the end of a stretch the stencil leans inwards, if there is room.
-            (0, 2) if gap + 3 < self.len() && !self.keys[gap + 2] => (gap, 4),
-            (1, 1) if gap > 1 && !self.keys[gap - 1] => (gap - 2, 4),
-            _ => (first, last - first + 1),
+    /// Up to four samples that foretell the middle of a gap: its two ends first, then others that no
+    /// key lies before. They are at least half a gap apart from each other, for polynomials through
+    /// samples that crowd together go astray elsewhere.
+    pub(crate) fn stencil(&self, gap: usize) -> Vec<usize> {
+        let length = self.times[gap + 1] - self.times[gap];
+        let mut before = self.outwards(gap, length, false);
+        let mut after = self.outwards(gap + 1, length, true);
+        let mut out = vec![gap, gap + 1];
+        match (before.next(), after.next()) {
+            (Some(a), Some(b)) => out.extend([a, b]),
+            // At the end of a stretch the stencil leans inwards.
+            (Some(a), None) => out.extend([Some(a), before.next()].into_iter().flatten()),
+            (None, Some(b)) => out.extend([Some(b), after.next()].into_iter().flatten()),
+            (None, None) => {}
         }
+        out
+    }
+
+    /// Samples from `start` to one side, at least half of `length` apart, up to the next key.
+    fn outwards(&self, start: usize, length: f64, forwards: bool) -> impl Iterator<Item = usize> {
+        let mut at = start;
+        let mut last = self.times[start];
+        std::iter::from_fn(move || {
+            loop {
+                if self.keys[at] {
+                    return None;
+                }
+                at = match forwards {
+                    true => Some(at + 1).filter(|&at| at < self.len())?,
+                    false => at.checked_sub(1)?,
+                };
+                if (self.times[at] - last).abs() >= 0.49 * length {
+                    last = self.times[at];
+                    return Some(at);
+                }
+            }
+        })
     }
 }
 

@@ -79,7 +79,7 @@ impl<'a> Player<'a> {
         let (from, to) = (self.key(at), self.key(at + 1));
         if self.channel.property == Property::Rotation {
             let quat = |k: &[f32]| DQuat::from_array([0, 1, 2, 3].map(|i| f64::from(k[i]))).finish();
-            let mixed = DQuat::mix(&quat(from), &quat(to), share);
+            let mixed = DQuat::on_line(&DQuat::line(&quat(from), &quat(to)), share);
             out.copy_from_slice(&mixed.to_array());
             return;
         }

@@ -1,11 +1,11 @@
 //! From samples to keys that keep to a bound.
 
-use super::choose::{Choice, Sampled, bytes, rotation, vector, weights};
+use super::choose::{Choice, Kinds, Sampled, bytes, rotation, vector, weights};
 use super::metric::{Leverage, Shells};
 use super::play::{Player, Pose, play};
 use super::sample::Samples;
 use crate::error::FbxError;
-use crate::model::{Channel, Clip, Model, Property};
+use crate::model::{Channel, Clip, Interpolation, Model, Property};
 use crate::options::{Budget, Options};
 use crate::report::ClipReport;
 use glam::{DAffine3, DQuat, DVec3};
@@ -13,6 +13,12 @@ use glam::{DAffine3, DQuat, DVec3};
 /// Tries at a share of the bound for each joint. Errors of joints along a chain add up, and by how
 /// much is only known once they are measured.
 const TRIES: usize = 3;
+
+/// The first try's share.
+const FIRST_SHARE: f64 = 0.4;
+
+/// An error above this share of the bound is near enough to it.
+const ENOUGH: f64 = 0.7;
 
 /// Poses that the leverage of joints is taken over.
 const LEVER_POSES: usize = 8;
@@ -37,17 +43,22 @@ pub(crate) fn reduce(
 ) -> Result<Reduced, FbxError> {
     let work = Work::new(samples, model, shells, leverage, options);
     let mut best: Option<(usize, f64, Vec<Choice>)> = None;
-    let mut share = 0.4;
+    let mut share = FIRST_SHARE;
+    let mut kinds = Vec::new();
     for attempt in 0..TRIES + 8 {
         budget.in_time("keys")?;
-        let choices = work.choose(share * bound, options);
+        let choices = work.choose(share * bound, &kinds, options);
+        if kinds.is_empty() {
+            kinds = choices.iter().map(kind).collect();
+        }
         let error = work.error(&choices, options);
         let size = choices.iter().map(|choice| bytes(&choice.channel)).sum();
+        if std::env::var("TRIES").is_ok() { eprintln!("try {attempt} share {share:.3} error {:.3} bytes {size}", error / bound); }
         let good = error <= bound;
         if good && best.as_ref().is_none_or(|(smallest, ..)| size < *smallest) {
             best = Some((size, error, choices));
         }
-        let enough = good && error > 0.8 * bound;
+        let enough = good && error > ENOUGH * bound;
         if enough || (best.is_some() && (attempt + 1 >= TRIES || error == 0.0)) {
             break;
         }
@@ -58,7 +69,7 @@ pub(crate) fn reduce(
         Some((_, error, choices)) => (error, choices),
         // What is left is the rounding of f32: every sample is a key.
         None => {
-            let choices = work.choose(0.0, options);
+            let choices = work.choose(0.0, &kinds, options);
             (work.error(&choices, options), choices)
         }
     };
@@ -72,7 +83,7 @@ pub(crate) fn reduce(
             name: samples.name.clone(),
             seconds: f64::from(last),
             keys,
-            baked: moving * samples.grid.len(),
+            baked: moving * samples.first,
             error,
             samples: samples.grid.len(),
         },
@@ -83,6 +94,15 @@ pub(crate) fn reduce(
             channels: choices.into_iter().map(|choice| choice.channel).collect(),
         },
     })
+}
+
+/// The kind of keys that a try found smallest, for the tries after it.
+fn kind(choice: &Choice) -> Kinds {
+    match choice.channel.interpolation {
+        Interpolation::Cubic => Kinds::Cubic,
+        Interpolation::Linear if choice.channel.times.len() > 2 => Kinds::Linear,
+        _ => Kinds::Any,
+    }
 }
 
 /// What an error of each node comes to, over poses of a clip.
@@ -114,6 +134,8 @@ struct Work<'a> {
     /// Matrices of the moving nodes at each sample, as the file has them.
     truth: Vec<DAffine3>,
     moved: Vec<usize>,
+    /// Times of samples as f32 has them.
+    times: Vec<f64>,
 }
 
 /// A track's properties apart.
@@ -144,6 +166,7 @@ impl<'a> Work<'a> {
             columns: samples.tracks.iter().map(|track| columns(&track.poses)).collect(),
             truth: Vec::new(),
             moved,
+            times: samples.grid.labels.iter().map(|&label| f64::from(label)).collect(),
         };
         work.truth = work.worlds(options);
         work
@@ -189,28 +212,29 @@ impl<'a> Work<'a> {
     }
 
     /// Keys that let each joint by itself do `error` metres wrong.
-    fn choose(&self, error: f64, options: &Options) -> Vec<Choice> {
+    fn choose(&self, error: f64, kinds: &[Kinds], options: &Options) -> Vec<Choice> {
         let tracks = self.samples.tracks.len();
         let parts = self.in_parts(tracks, options, |range| {
-            range.flat_map(|index| self.choose_track(index, error)).collect::<Vec<_>>()
+            range.flat_map(|index| self.choose_track(index, error, kinds)).collect::<Vec<_>>()
         });
         let mut choices: Vec<Choice> = parts.into_iter().flatten().collect();
         for morph in &self.samples.morphs {
             choices.extend(self.choose_morph(morph, error));
         }
-        choices.sort_by_key(|choice| (choice.channel.node, choice.channel.property));
         choices
     }
 
-    fn choose_track(&self, index: usize, error: f64) -> [Choice; 3] {
+    fn choose_track(&self, index: usize, error: f64, kinds: &[Kinds]) -> [Choice; 3] {
         let (track, columns) = (&self.samples.tracks[index], &self.columns[index]);
         let lever = self.leverage[track.node];
         let rest = self.rest[track.node];
-        let sampled = self.sampled(track.node);
+        let sampled = |property: usize| {
+            self.sampled(track.node, kinds.get(index * 3 + property).copied().unwrap_or_default())
+        };
         [
-            vector(&sampled, Property::Translation, &columns.translations, rest.translation, error / lever.translation),
-            rotation(&sampled, &columns.rotations, rest.rotation, error / lever.rotation),
-            vector(&sampled, Property::Scale, &columns.scales, rest.scale, error / lever.scale),
+            vector(&sampled(0), Property::Translation, &columns.translations, rest.translation, error / lever.translation),
+            rotation(&sampled(1), &columns.rotations, rest.rotation, error / lever.rotation),
+            vector(&sampled(2), Property::Scale, &columns.scales, rest.scale, error / lever.scale),
         ]
     }
 
@@ -225,16 +249,18 @@ impl<'a> Work<'a> {
                 // A skinned mesh may be scaled by its joints; they are as large as their shells say.
                 let scale = self.leverage[node].translation.max(1.0);
                 let reach: Vec<f64> = targets.iter().map(|target| target.reach * scale).collect();
-                weights(&self.sampled(node), &values, &rest, &reach, error)
+                weights(&self.sampled(node, Kinds::Any), &values, &rest, &reach, error)
             })
             .collect()
     }
 
-    fn sampled(&self, node: usize) -> Sampled<'_> {
+    fn sampled(&self, node: usize, kinds: Kinds) -> Sampled<'_> {
         Sampled {
             node,
-            times: &self.samples.grid.labels,
+            times: &self.times,
             jumps: &self.samples.grid.jumps,
+            stops: &self.samples.stops,
+            kinds,
         }
     }
 

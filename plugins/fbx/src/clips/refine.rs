@@ -54,11 +54,68 @@ pub(crate) fn refine(
             .filter(|middle| is_bent(samples, middle, source.model, leverage, STRAIGHT * bound))
             .collect();
         if middles.is_empty() || grid.len() + middles.len() > samples.most {
-            return Ok(());
+            break;
         }
         open = add(samples, source, &middles, leverage, FORETOLD * bound)?;
     }
+    foretell(samples);
     Ok(())
+}
+
+/// Puts the foretold middle into every gap, so that keys are held to what lies between samples too.
+fn foretell(samples: &mut Samples) {
+    let grid = &samples.grid;
+    let gaps = 0..grid.len().saturating_sub(1);
+    let middles: Vec<Middle> = gaps
+        .filter(|&gap| !grid.jumps[gap])
+        .filter_map(|gap| Middle::of(grid, gap))
+        .collect();
+    if grid.len() + middles.len() > samples.most {
+        samples.stops = (0..grid.len()).collect();
+        return;
+    }
+    for track in &mut samples.tracks {
+        let poses = middles.iter().map(|middle| middle.pose(&track.poses)).collect();
+        track.poses = woven(&track.poses, &middles, poses, 1);
+    }
+    for morph in &mut samples.morphs {
+        let of = |middle: &Middle| {
+            (0..morph.targets).map(|target| middle.morph(&morph.weights, morph.targets, target)).collect::<Vec<_>>()
+        };
+        let weights = middles.iter().flat_map(of).collect();
+        morph.weights = woven(&morph.weights, &middles, weights, morph.targets);
+    }
+    let count = samples.grid.len();
+    weave_grid(samples, &middles);
+    // Every sample that was there stays where a key may stand; the gaps tell which those are.
+    let mut stops = Vec::with_capacity(count);
+    let mut next = middles.iter().peekable();
+    let mut at = 0;
+    for sample in 0..count {
+        stops.push(at);
+        at += 1 + usize::from(next.next_if(|middle| middle.gap == sample).is_some());
+    }
+    samples.stops = stops;
+}
+
+/// Puts middles between the samples' times; says for each gap after that which middle began it.
+fn weave_grid(samples: &mut Samples, middles: &[Middle]) -> Vec<Option<usize>> {
+    let old = std::mem::take(&mut samples.grid);
+    let mut from = Vec::with_capacity(old.len() + middles.len());
+    let mut next = 0;
+    for sample in 0..old.len() {
+        samples.grid.push(old.times[sample], old.labels[sample], old.jumps[sample], old.keys[sample]);
+        match middles.get(next).filter(|middle| middle.gap == sample) {
+            Some(middle) => {
+                samples.grid.push(middle.time, middle.label, false, false);
+                from.extend([Some(next), Some(next)]);
+                next += 1;
+            }
+            None => from.push(None),
+        }
+    }
+    from.truncate(samples.grid.len().saturating_sub(1));
+    from
 }
 
 /// The middle of a gap, and how the samples around foretell it.
@@ -66,9 +123,8 @@ struct Middle {
     gap: usize,
     time: f64,
     label: f32,
-    first: usize,
-    count: usize,
-    weights: [f64; 4],
+    /// Samples that foretell it, and their weights.
+    stencil: Vec<(usize, f64)>,
 }
 
 impl Middle {
@@ -76,23 +132,20 @@ impl Middle {
     fn of(grid: &Grid, gap: usize) -> Option<Self> {
         let (a, b) = (grid.labels[gap], grid.labels[gap + 1]);
         let label = a + (b - a) / 2.0;
-        let (first, count) = grid.stencil(gap);
-        (label > a && label < b && count > 2).then(|| Self {
+        (label > a && label < b).then(|| Self {
             gap,
             time: (grid.times[gap] + grid.times[gap + 1]) / 2.0,
             label,
-            first,
-            count,
-            weights: lagrange(grid, gap, first, count),
+            stencil: lagrange(grid, gap),
         })
     }
 
     fn pose(&self, poses: &[Trs]) -> Trs {
-        let stencil = &poses[self.first..self.first + self.count];
-        let like = stencil[0].rotation;
+        let like = poses[self.gap].rotation;
         let mut rotation = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
         let (mut translation, mut scale) = (DVec3::ZERO, DVec3::ZERO);
-        for (pose, &weight) in stencil.iter().zip(&self.weights) {
+        for &(sample, weight) in &self.stencil {
+            let pose = &poses[sample];
             translation += pose.translation * weight;
             scale += pose.scale * weight;
             rotation = rotation + same_side(pose.rotation, like) * weight;
@@ -101,23 +154,20 @@ impl Middle {
     }
 
     fn morph(&self, weights: &[f64], targets: usize, target: usize) -> f64 {
-        let stencil = (0..self.count).map(|i| weights[(self.first + i) * targets + target]);
-        stencil.zip(&self.weights).map(|(value, weight)| value * weight).sum()
+        let part = |&(sample, weight): &(usize, f64)| weights[sample * targets + target] * weight;
+        self.stencil.iter().map(part).sum()
     }
 }
 
-/// Weights of a stencil's samples in the polynomial's value at the middle of a gap.
-fn lagrange(grid: &Grid, gap: usize, first: usize, count: usize) -> [f64; 4] {
-    let time = |i: usize| grid.times[first + i];
+/// A stencil's samples and their weights in the polynomial's value at the middle of a gap.
+fn lagrange(grid: &Grid, gap: usize) -> Vec<(usize, f64)> {
+    let stencil = grid.stencil(gap);
     let at = (grid.times[gap] + grid.times[gap + 1]) / 2.0;
-    let mut out = [0.0; 4];
-    for (i, out) in out.iter_mut().enumerate().take(count) {
-        *out = 1.0;
-        for j in (0..count).filter(|&j| j != i) {
-            *out *= (at - time(j)) / (time(i) - time(j));
-        }
-    }
-    out
+    let weight = |&i: &usize| {
+        let others = stencil.iter().filter(|&&j| j != i);
+        others.map(|&j| (at - grid.times[j]) / (grid.times[i] - grid.times[j])).product()
+    };
+    stencil.iter().map(|i| (*i, weight(i))).collect()
 }
 
 /// How far two poses of a node are apart at most where its lever ends, metres.
@@ -134,6 +184,9 @@ fn is_bent(
     leverage: &[Leverage],
     near: f64,
 ) -> bool {
+    if middle.stencil.len() < 3 {
+        return false;
+    }
     let gap = middle.gap;
     let of_tracks = samples.tracks.iter().any(|track| {
         let (a, b) = (&track.poses[gap], &track.poses[gap + 1]);
@@ -186,21 +239,8 @@ fn add(
         }
         morph.weights = woven(&morph.weights, middles, looked, morph.targets);
     }
-    let old = std::mem::take(&mut samples.grid);
-    let mut open = Vec::with_capacity(old.len() + middles.len());
-    let mut next = middles.iter().zip(&missed).peekable();
-    for sample in 0..old.len() {
-        samples.grid.push(old.times[sample], old.labels[sample], old.jumps[sample], old.keys[sample]);
-        match next.next_if(|(middle, _)| middle.gap == sample) {
-            Some((middle, &missed)) => {
-                samples.grid.push(middle.time, middle.label, false, false);
-                open.extend([missed, missed]);
-            }
-            None => open.push(false),
-        }
-    }
-    open.truncate(samples.grid.len() - 1);
-    Ok(open)
+    let from = weave_grid(samples, middles);
+    Ok(from.into_iter().map(|middle| middle.is_some_and(|middle| missed[middle])).collect())
 }
 
 /// `new` rows between those of `old`, after the samples that begin their gaps.
@@ -235,9 +275,8 @@ mod tests {
         let cubic = |t: f64| 3.0 * t * t * t - t * t + 0.5;
         for gap in 0..4 {
             let middle = Middle::of(&grid, gap).unwrap();
-            assert_eq!(middle.count, 4, "gap {gap}");
-            let values = (0..4).map(|i| cubic(times[middle.first + i]));
-            let value: f64 = values.zip(middle.weights).map(|(v, w)| v * w).sum();
+            assert_eq!(middle.stencil.len(), 4, "gap {gap}");
+            let value: f64 = middle.stencil.iter().map(|&(i, weight)| cubic(times[i]) * weight).sum();
             assert!((value - cubic(middle.time)).abs() < 1e-14);
         }
     }
@@ -249,9 +288,10 @@ mod tests {
             grid.push(f64::from(i), i as f32, false, i % 2 == 0);
         }
         for gap in 0..8 {
-            let (first, count) = grid.stencil(gap);
-            assert!((first + 1..first + count - 1).all(|i| !grid.keys[i]), "gap {gap}");
-            assert_eq!(count, 3);
+            let stencil = grid.stencil(gap);
+            let span = *stencil.iter().min().unwrap()..*stencil.iter().max().unwrap();
+            assert!((span.start + 1..span.end).all(|i| !grid.keys[i]), "gap {gap}");
+            assert_eq!(stencil.len(), 3);
         }
     }
 

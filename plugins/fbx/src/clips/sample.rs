@@ -31,8 +31,12 @@ pub(crate) struct Samples {
     pub(crate) grid: Grid,
     pub(crate) tracks: Vec<Track>,
     pub(crate) morphs: Vec<MorphTrack>,
+    /// Samples that keys may stand on: those that were looked at, not foretold.
+    pub(crate) stops: Vec<usize>,
     /// Samples that memory allows.
     pub(crate) most: usize,
+    /// Samples that were looked at before keys were asked for.
+    pub(crate) first: usize,
 }
 
 /// Samples stack number `stack`. `shapes` says for each mesh of the model what its targets are.
@@ -72,6 +76,8 @@ pub(crate) fn sample(
     Ok(Samples {
         name: source.element.name.to_string(),
         begin,
+        first: grid.len(),
+        stops: (0..grid.len()).collect(),
         grid,
         tracks,
         morphs,

@@ -17,7 +17,7 @@ use gltf_json::{Index, Root, Texture};
 
 /// A material; its textures and samplers are added to `root`.
 pub(crate) fn material(root: &mut Root, material: &Material) -> gltf_json::Material {
-    let mut info = |root: &mut Root, texture: &Option<TextureUse>| {
+    let info = |root: &mut Root, texture: &Option<TextureUse>| {
         texture.as_ref().map(|texture| self::info(root, texture))
     };
     gltf_json::Material {
