@@ -10,7 +10,9 @@ fn main() {
         let origin = Origin { name: name.clone(), folder: std::path::Path::new(&path).parent().map(|p| p.to_owned()) };
         let t = Instant::now();
         let loaded = Truth::load(&bytes, &origin);
-        let load_ms = t.elapsed().as_secs_f64() * 1e3;
+        let mut load_ms = t.elapsed().as_secs_f64() * 1e3;
+        let n: usize = std::env::var("N").map_or(1, |n| n.parse().unwrap());
+        for _ in 1..n { let t = Instant::now(); let _ = Truth::load(&bytes, &origin); load_ms = load_ms.min(t.elapsed().as_secs_f64() * 1e3); }
         let mut opts = Options::default();
         if let Ok(x) = std::env::var("MAXREL") { opts.max_relative_error = x.parse().unwrap(); }
         if let Ok(x) = std::env::var("MAXERR") { opts.max_error = x.parse().unwrap(); }
@@ -21,7 +23,8 @@ fn main() {
         let t = Instant::now();
         let c = match convert(&bytes, &origin, &opts) { Ok(c) => c, Err(e) => { println!("{name}: {e}"); continue } };
         let glb = c.to_glb().unwrap();
-        let ms = t.elapsed().as_secs_f64() * 1e3;
+        let mut ms = t.elapsed().as_secs_f64() * 1e3;
+        for _ in 1..n { let t = Instant::now(); let _ = convert(&bytes, &origin, &opts).unwrap().to_glb(); ms = ms.min(t.elapsed().as_secs_f64() * 1e3); }
         if let Some(out) = &out { std::fs::write(format!("{out}/{name}.glb"), &glb).unwrap(); }
         let truth = loaded.unwrap();
         let space = truth.space();

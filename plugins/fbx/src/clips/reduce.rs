@@ -17,8 +17,11 @@ const TRIES: usize = 3;
 /// The first try's share.
 const FIRST_SHARE: f64 = 0.4;
 
-/// An error above this share of the bound is near enough to it.
-const ENOUGH: f64 = 0.7;
+/// An error above this share of the bound is near enough to it: twice the error is one key in five less.
+const ENOUGH: f64 = 0.3;
+
+/// The share of the bound that keys get. What lies between samples is known to the rest of it.
+const FOR_KEYS: f64 = 0.8;
 
 /// Poses that the leverage of joints is taken over.
 const LEVER_POSES: usize = 8;
@@ -42,6 +45,7 @@ pub(crate) fn reduce(
     budget: &Budget,
 ) -> Result<Reduced, FbxError> {
     let work = Work::new(samples, model, shells, leverage, options);
+    let bound = FOR_KEYS * bound;
     let mut best: Option<(usize, f64, Vec<Choice>)> = None;
     let mut share = FIRST_SHARE;
     let mut kinds = Vec::new();
@@ -53,7 +57,6 @@ pub(crate) fn reduce(
         }
         let error = work.error(&choices, options);
         let size = choices.iter().map(|choice| bytes(&choice.channel)).sum();
-        if std::env::var("TRIES").is_ok() { eprintln!("try {attempt} share {share:.3} error {:.3} bytes {size}", error / bound); }
         let good = error <= bound;
         if good && best.as_ref().is_none_or(|(smallest, ..)| size < *smallest) {
             best = Some((size, error, choices));

@@ -17,11 +17,11 @@ use glam::{DQuat, DVec3};
 use ufbx::SceneRoot;
 
 /// A middle that is nearer to the straight line than this share of the bound is not looked at.
-const STRAIGHT: f64 = 0.1;
+const STRAIGHT: f64 = 0.2;
 
 /// A middle that is nearer to where it was foretold than this share of the bound ends the search: the
 /// next would be sixteen times nearer.
-const FORETOLD: f64 = 0.1;
+const FORETOLD: f64 = 0.2;
 
 /// Halvings of the time between two samples at most.
 const ROUNDS: usize = 5;
