@@ -20,6 +20,7 @@ fn main() {
         let began = Instant::now(); let last = std::sync::Mutex::new(("start", 0.0f64));
         let tell = |p: Progress| { let mut l = last.lock().unwrap(); let now = began.elapsed().as_secs_f64()*1e3; if l.0 != p.stage { eprintln!("   {} {:.2}", l.0, now - l.1); *l = (p.stage, now); } };
         if std::env::var("STAGES").is_ok() { opts.progress = Some(&tell); }
+        opts.within_frames = std::env::var("WITHIN").is_ok();
         let t = Instant::now();
         let c = match convert(&bytes, &origin, &opts) { Ok(c) => c, Err(e) => { println!("{name}: {e}"); continue } };
         let glb = c.to_glb().unwrap();

@@ -49,6 +49,10 @@ pub struct Options<'a> {
     /// Samples of a clip beside the file's own keys, per second; default 30. More find shorter bumps
     /// between far keys and cost time. 1 to 1000.
     pub sample_rate: f64,
+    /// Holds what lies between two keys of the file to the bound even where they are no more than a
+    /// frame apart. By default it is not: files that are baked have a key in every frame, three angles
+    /// each, and what these angles do between two frames nobody sees or means. Costs time and bytes.
+    pub within_frames: bool,
     /// Threads that work on clips; 0 (the default) takes as many as the machine has. The result does
     /// not depend on it.
     pub threads: usize,
@@ -65,6 +69,7 @@ impl Default for Options<'_> {
             max_relative_error: 1e-5,
             weights: Weights::default(),
             sample_rate: 30.0,
+            within_frames: false,
             threads: 0,
             limits: None,
             progress: None,

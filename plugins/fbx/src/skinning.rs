@@ -58,6 +58,7 @@ pub(crate) fn write_weights(
         let mesh: &ufbx::Mesh = &scene.meshes[job.fbx_mesh];
         let mut kept = Vec::with_capacity(job.source.influences.len());
         let mut dual = Fit::default();
+        let enough = enough(mesh, options);
         for (vertex, influences) in job.source.influences.iter().enumerate() {
             if vertex % 64 == 0 {
                 budget.in_time("weights")?;
@@ -75,7 +76,7 @@ pub(crate) fn write_weights(
                     .map(|pose| blended(influences, position, |joint| at(pose, joint)))
                     .collect(),
             };
-            let (few, fit) = fit(influences, count, position, &targets, at);
+            let (few, fit) = fit(influences, count, position, &targets, enough, at);
             match bent.is_some() {
                 true => dual.error = dual.error.max(fit.error),
                 false => {
@@ -99,6 +100,17 @@ pub(crate) fn write_weights(
         give(&mut model.meshes[job.mesh], &kept, count);
     }
     Ok(())
+}
+
+/// A tenth of the error that keys are allowed: metres.
+fn enough(mesh: &ufbx::Mesh, options: &Options) -> f64 {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for vertex in mesh.vertices.iter().map(|&v| vec3(v)).filter(|v| v.is_finite()) {
+        (low, high) = (low.min(vertex), high.max(vertex));
+    }
+    let size = (high - low).length();
+    let size = if size.is_finite() { size } else { 0.0 };
+    0.1 * options.max_error.min(options.max_relative_error * size)
 }
 
 /// Poses spread evenly over all clips.

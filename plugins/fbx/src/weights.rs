@@ -13,7 +13,13 @@ use glam::{DAffine3, DVec3};
 const CANDIDATES: usize = 9;
 
 /// Rounds of weighting poses by their error.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 5;
+
+/// Choices of joints that are fitted so.
+const FINALISTS: usize = 2;
+
+/// A small symmetric matrix.
+type Gram = [[f64; CANDIDATES]; CANDIDATES];
 
 /// How much the file's own weights are preferred where poses do not tell joints apart, as a share of
 /// what joints are apart.
@@ -29,23 +35,28 @@ pub(crate) struct Fit {
 }
 
 /// At most `count` influences that bring `position` to `targets` (one a pose) as well as they can.
-/// `matrices(pose, joint)` is from the mesh to the world; `influences` go from the largest down.
+/// `matrices(pose, joint)` is from the mesh to the world; `influences` go from the largest down. A fit
+/// that is off by no more than `enough` metres is not improved.
 pub(crate) fn fit(
     influences: &[Influence],
     count: usize,
     position: DVec3,
     targets: &[DVec3],
+    enough: f64,
     matrices: impl Fn(usize, usize) -> DAffine3,
 ) -> (Vec<Influence>, Fit) {
-    let candidates = &influences[..influences.len().min(CANDIDATES.max(count))];
+    let candidates = &influences[..influences.len().min(CANDIDATES)];
     let largest = renormalised(&candidates[..candidates.len().min(count)]);
     // Row p, column i: a_i(p).
-    let offsets: Vec<Vec<DVec3>> = targets
+    let offsets: Vec<[DVec3; CANDIDATES]> = targets
         .iter()
         .enumerate()
         .map(|(pose, &target)| {
-            let of = |i: &Influence| matrices(pose, i.joint).transform_point3(position) - target;
-            candidates.iter().map(of).collect()
+            let mut row = [DVec3::ZERO; CANDIDATES];
+            for (slot, i) in row.iter_mut().zip(candidates) {
+                *slot = matrices(pose, i.joint).transform_point3(position) - target;
+            }
+            row
         })
         .collect();
     let worst = |weights: &[f64]| worst_of(&offsets, weights).0;
@@ -64,7 +75,10 @@ pub(crate) fn fit(
         })
         .collect();
     choices.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (_, subset) in choices.iter().take(3) {
+    for (_, subset) in choices.iter().take(FINALISTS) {
+        if best.0 <= enough {
+            break;
+        }
         let mut importance = vec![1.0; targets.len()];
         for _ in 0..ROUNDS {
             let gram = self::gram(&offsets, &importance, &own);
@@ -73,7 +87,7 @@ pub(crate) fn fit(
             if error < best.0 {
                 best = (error, weights);
             }
-            if error <= 1e-12 {
+            if error <= enough.max(1e-12) {
                 break;
             }
             for (importance, own) in importance.iter_mut().zip(&errors) {
@@ -107,7 +121,7 @@ pub(crate) fn renormalised(influences: &[Influence]) -> Vec<Influence> {
 }
 
 /// Largest distance over the poses, and that of each pose.
-fn worst_of(offsets: &[Vec<DVec3>], weights: &[f64]) -> (f64, Vec<f64>) {
+fn worst_of(offsets: &[[DVec3; CANDIDATES]], weights: &[f64]) -> (f64, Vec<f64>) {
     let errors: Vec<f64> = offsets
         .iter()
         .map(|row| {
@@ -119,9 +133,9 @@ fn worst_of(offsets: &[Vec<DVec3>], weights: &[f64]) -> (f64, Vec<f64>) {
 }
 
 /// `G`, with poses weighted, and a little of `|x - own|^2`, which is quadratic too where `x` sums to 1.
-fn gram(offsets: &[Vec<DVec3>], importance: &[f64], own: &[f64]) -> Vec<Vec<f64>> {
+fn gram(offsets: &[[DVec3; CANDIDATES]], importance: &[f64], own: &[f64]) -> Gram {
     let n = own.len();
-    let mut gram = vec![vec![0.0; n]; n];
+    let mut gram = [[0.0; CANDIDATES]; CANDIDATES];
     for (row, &importance) in offsets.iter().zip(importance) {
         for i in 0..n {
             for j in 0..=i {
@@ -142,8 +156,8 @@ fn gram(offsets: &[Vec<DVec3>], importance: &[f64], own: &[f64]) -> Vec<Vec<f64>
     gram
 }
 
-fn form(gram: &[Vec<f64>], x: &[f64]) -> f64 {
-    let row = |(row, xi): (&Vec<f64>, &f64)| xi * row.iter().zip(x).map(|(g, x)| g * x).sum::<f64>();
+fn form(gram: &Gram, x: &[f64]) -> f64 {
+    let row = |(row, xi): (&[f64; CANDIDATES], &f64)| xi * row.iter().zip(x).map(|(g, x)| g * x).sum::<f64>();
     gram.iter().zip(x).map(row).sum()
 }
 
@@ -166,7 +180,7 @@ fn subsets(n: usize, count: usize) -> Vec<Vec<usize>> {
 
 /// Minimises `x' G x` with `sum x = 1` and `x >= 0` outside of which `subset` x is 0: joints whose
 /// weight would be negative leave, the most negative first.
-fn on_simplex(gram: &[Vec<f64>], subset: &[usize], n: usize) -> Vec<f64> {
+fn on_simplex(gram: &Gram, subset: &[usize], n: usize) -> Vec<f64> {
     let mut active = subset.to_vec();
     loop {
         let solved = solve(gram, &active);
@@ -188,9 +202,9 @@ fn on_simplex(gram: &[Vec<f64>], subset: &[usize], n: usize) -> Vec<f64> {
 
 /// `G x = 1` on `active`, scaled to a sum of 1: the minimum without bounds. `G` is positive definite
 /// (see [`gram`]), so Cholesky's method works.
-fn solve(gram: &[Vec<f64>], active: &[usize]) -> Vec<f64> {
+fn solve(gram: &Gram, active: &[usize]) -> Vec<f64> {
     let n = active.len();
-    let mut l = vec![vec![0.0; n]; n];
+    let mut l = [[0.0; CANDIDATES]; CANDIDATES];
     for i in 0..n {
         for j in 0..=i {
             let mut sum = gram[active[i]][active[j]];
@@ -261,7 +275,7 @@ mod tests {
         let list = influences(&[0.3, 0.25, 0.2, 0.15, 0.1]);
         let position = DVec3::new(0.4, 0.7, -0.2);
         let targets: Vec<DVec3> = (0..8).map(|pose| target(&list, position, pose)).collect();
-        let (kept, fit) = fit(&list, 4, position, &targets, matrix);
+        let (kept, fit) = fit(&list, 4, position, &targets, 0.0, matrix);
         assert_eq!(kept.len(), 4);
         assert!((kept.iter().map(|i| i.weight).sum::<f64>() - 1.0).abs() < 1e-12);
         assert!(kept.iter().all(|i| i.weight > 0.0));
@@ -274,7 +288,7 @@ mod tests {
     #[test]
     fn without_poses_the_largest_stay() {
         let list = influences(&[0.4, 0.3, 0.2, 0.06, 0.04]);
-        let (kept, _) = fit(&list, 4, DVec3::ONE, &[], matrix);
+        let (kept, _) = fit(&list, 4, DVec3::ONE, &[], 0.0, matrix);
         assert_eq!(kept, renormalised(&list[..4]));
     }
 
@@ -283,7 +297,7 @@ mod tests {
         let list = influences(&[0.5, 0.3, 0.2]);
         let same = |pose: usize, _: usize| matrix(pose, 0);
         let targets: Vec<DVec3> = (0..4).map(|p| same(p, 0).transform_point3(DVec3::X)).collect();
-        let (kept, fit) = fit(&list, 4, DVec3::X, &targets, same);
+        let (kept, fit) = fit(&list, 4, DVec3::X, &targets, 0.0, same);
         assert!(fit.error < 1e-12);
         for (a, b) in kept.iter().zip(&list) {
             assert!((a.weight - b.weight).abs() < 1e-6, "{kept:?}");

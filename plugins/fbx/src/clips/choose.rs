@@ -19,6 +19,8 @@ pub(crate) struct Sampled<'a> {
     pub(crate) jumps: &'a [bool],
     /// Samples that keys may stand on.
     pub(crate) stops: &'a [usize],
+    /// Samples on the file's own keys: channels that have theirs on all of them share their times.
+    pub(crate) common: &'a [usize],
     /// Kinds of keys that are tried; an earlier try may have told which is smaller.
     pub(crate) kinds: Kinds,
 }
@@ -121,6 +123,12 @@ fn choose<V: Value>(
             }
             None => cubic(),
         },
+    };
+    // Keys of which the times are kept anyway.
+    let on_common = signal.linear_on(sampled.common, tolerance).map(|keys| make(&keys, Interpolation::Linear));
+    let channel = match on_common.filter(|other| bytes(other) - other.times.len() * 4 < bytes(&channel)) {
+        Some(other) => other,
+        None => channel,
     };
     Choice { channel, at_rest: false }
 }

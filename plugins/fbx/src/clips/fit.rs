@@ -7,6 +7,9 @@
 
 use super::value::{Value, cubic, hermite};
 
+/// Stretches of fewer samples than this are fitted only where these are spread evenly.
+const CROWD: usize = 6;
+
 /// Samples of one property.
 pub(crate) struct Signal<'a, V, D> {
     /// Seconds, as f32 has them.
@@ -64,18 +67,28 @@ impl<V: Value, D: Fn(&V, &V) -> f64> Signal<'_, V, D> {
         Some(Keys { at, tangents: Vec::new() })
     }
 
+    /// Keys on all of `wanted`, with straight lines between them; `None` where these are not near enough.
+    pub(crate) fn linear_on(&self, wanted: &[usize], tolerance: f64) -> Option<Keys<V>> {
+        let fits = |pair: &[usize]| self.is_straight(pair[0], pair[1], tolerance);
+        wanted.windows(2).all(fits).then(|| Keys { at: wanted.to_vec(), tangents: Vec::new() })
+    }
+
     /// Keys with straight lines between them; `None` where none are near enough.
     pub(crate) fn linear(&self, tolerance: f64) -> Option<Keys<V>> {
-        let fits = |from: usize, to: usize| {
-            let line = V::line(&self.values[from], &self.values[to]);
-            let per_second = 1.0 / (self.times[to] - self.times[from]);
-            (from + 1..to).all(|i| {
-                let share = (self.times[i] - self.times[from]) * per_second;
-                (self.distance)(&V::on_line(&line, share), &self.values[i]) <= tolerance
-            })
-        };
-        let (at, found) = self.walk(|from, to| fits(from, to).then_some(()));
+        let (at, found) = self.walk(|from, to| self.is_straight(from, to, tolerance).then_some(()));
         (found.len() + 1 == at.len()).then_some(Keys { at, tangents: Vec::new() })
+    }
+
+    fn is_straight(&self, from: usize, to: usize, tolerance: f64) -> bool {
+        if to == from + 1 {
+            return true;
+        }
+        let line = V::line(&self.values[from], &self.values[to]);
+        let per_second = 1.0 / (self.times[to] - self.times[from]);
+        (from + 1..to).all(|i| {
+            let share = (self.times[i] - self.times[from]) * per_second;
+            (self.distance)(&V::on_line(&line, share), &self.values[i]) <= tolerance
+        })
     }
 
     /// Keys with cubics between them.
@@ -145,8 +158,16 @@ impl<V: Value, D: Fn(&V, &V) -> f64> Signal<'_, V, D> {
         if to == from + 1 {
             return Some((line.clone(), line));
         }
-        let per_second = 1.0 / (self.times[to] - self.times[from]);
+        let length = self.times[to] - self.times[from];
+        let per_second = 1.0 / length;
         let share = |i: usize| (self.times[i] - self.times[from]) * per_second;
+        // Few samples that crowd together would let the cubic swing between the others.
+        if to - from < CROWD && tolerance.is_finite() {
+            let even = length / (to - from) as f64;
+            if (from..to).any(|i| self.times[i + 1] - self.times[i] < 0.4 * even) {
+                return None;
+            }
+        }
         let (mut bb, mut bd, mut dd) = (0.0, 0.0, 0.0);
         let (mut rb, mut rd) = (p.zero(), p.zero());
         for i in from + 1..to {

@@ -1,7 +1,7 @@
 //! The times at which a clip is looked at.
 
 use crate::error::FbxError;
-use crate::options::Budget;
+use crate::options::{Budget, Options};
 use ufbx::{AnimStack, ElementType, Interpolation, Scene};
 
 /// Distance of the two sides of a jump on the file's clock, seconds: far less than a frame, far more
@@ -38,6 +38,8 @@ pub(crate) struct Grid {
     pub(crate) jumps: Vec<bool>,
     /// The sample stands on a key of the file, where curves may bend, or at an end.
     pub(crate) keys: Vec<bool>,
+    /// What lies between this sample and the next counts: they are keys no frame apart.
+    pub(crate) whole: Vec<bool>,
 }
 
 /// A time in the making.
@@ -49,6 +51,9 @@ struct Mark {
     after: bool,
     /// The most that a rotation's angle changes from here to the next key, degrees.
     swing: f64,
+    /// The same where one angle alone changes much: a wheel turns, and no path of angles is told
+    /// again in others.
+    spin: f64,
 }
 
 /// Between two keys a sample is taken for every so many degrees that an angle changes by. FBX turns
@@ -58,21 +63,58 @@ const SWING: f64 = 6.0;
 /// The most pieces that the time between two keys is cut into because of angles: two full turns.
 const MOST_PIECES: f64 = 120.0;
 
+/// An angle that changes by so many degrees within a frame changes much. Bakers that tell the same
+/// rotation in three other angles change at least two of them by as much.
+const SPIN: f64 = 60.0;
+
+/// How finely a clip is looked at.
+#[derive(Debug, Clone, Copy)]
+struct Rate {
+    /// Samples a second.
+    samples: f64,
+    /// Seconds of a frame; what lies within one does not count.
+    frame: f64,
+}
+
+impl Rate {
+    fn of(scene: &Scene, options: &Options) -> Self {
+        let frames = scene.settings.frames_per_second;
+        let frames = if frames.is_finite() { frames.clamp(1.0, 1000.0) } else { 30.0 };
+        Self {
+            samples: options.sample_rate,
+            frame: if options.within_frames { 0.0 } else { 1.0 / frames },
+        }
+    }
+
+    /// Into how many pieces the time between two keys is cut.
+    fn pieces(self, pair: &[Mark]) -> f64 {
+        let length = pair[1].time - pair[0].time;
+        if length <= self.frame * 1.001 && pair[0].spin < SPIN {
+            return 1.0;
+        }
+        // A hair less than whole numbers, which frames of 1/30 s would else miss by rounding.
+        let by_time = (length * self.samples - 1e-6).ceil();
+        let by_angle = (pair[0].swing / SWING).ceil().min(MOST_PIECES);
+        by_time.max(by_angle).max(2.0)
+    }
+}
+
 impl Grid {
     pub(crate) fn len(&self) -> usize {
         self.labels.len()
     }
 
-    /// Every key of the stack's curves, both sides of each step, and between them at least the middle
-    /// and `rate` samples a second; at most `most` samples, for which what lies between keys is left
-    /// out first.
+    /// Every key of the stack's curves, both sides of each step, and between keys that are more than a
+    /// frame apart at least the middle and so many samples a second as `asked` says; at most `most`
+    /// samples, for which what lies between keys is left out first.
     pub(crate) fn of_stack(
         scene: &Scene,
         stack: &AnimStack,
-        rate: f64,
+        asked: &Options,
         most: usize,
         budget: &Budget,
     ) -> Result<(f64, Self), FbxError> {
+        let rate = Rate::of(scene, asked);
         let keys = keys(scene, stack, budget)?;
         let (begin, end) = range(stack, &keys);
         let mut marks = vec![Mark::at(begin)];
@@ -85,12 +127,14 @@ impl Grid {
             marks[same].before |= mark.before;
             marks[same].after |= mark.after;
             marks[same].swing = marks[same].swing.max(mark.swing);
+            marks[same].spin = marks[same].spin.max(mark.spin);
         }
         // A clip that starts between two keys swings as they do.
         if let Some(last) = keys.iter().rfind(|k| k.time < begin) {
             marks[0].swing = marks[0].swing.max(last.swing);
+            marks[0].spin = marks[0].spin.max(last.spin);
         }
-        let dense: f64 = marks.windows(2).map(|pair| pieces(pair, rate)).sum();
+        let dense: f64 = marks.windows(2).map(|pair| rate.pieces(pair)).sum();
         let rate = match dense <= most as f64 {
             true => Some(rate),
             false => None,
@@ -101,7 +145,7 @@ impl Grid {
         Ok((begin, Self::through(&marks, begin, rate)))
     }
 
-    fn through(marks: &[Mark], begin: f64, rate: Option<f64>) -> Self {
+    fn through(marks: &[Mark], begin: f64, rate: Option<Rate>) -> Self {
         let mut grid = Self::default();
         for (i, mark) in marks.iter().enumerate() {
             if i > 0 && mark.before {
@@ -116,7 +160,10 @@ impl Grid {
                 let first = after((mark.time - begin) as f32);
                 grid.push(beside, first, false, true);
             }
-            let count = rate.map_or(1.0, |rate| pieces(&[*mark, *next], rate)) as usize;
+            let count = rate.map_or(1.0, |rate| rate.pieces(&[*mark, *next])) as usize;
+            if count == 1 && !mark.after {
+                grid.whole[grid.times.len() - 1] = false;
+            }
             for piece in 1..count {
                 let time = mark.time + (next.time - mark.time) * (piece as f64 / count as f64);
                 grid.push(time, (time - begin) as f32, false, false);
@@ -138,6 +185,7 @@ impl Grid {
                 self.labels.push(label);
                 self.jumps.push(jump);
                 self.keys.push(key);
+                self.whole.push(true);
             }
         }
     }
@@ -189,16 +237,9 @@ impl Mark {
             before: false,
             after: false,
             swing: 0.0,
+            spin: 0.0,
         }
     }
-}
-
-/// Into how many pieces the time between two keys is cut.
-fn pieces(pair: &[Mark], rate: f64) -> f64 {
-    // A hair less than whole numbers, which frames of 1/30 s would else miss by rounding.
-    let by_time = ((pair[1].time - pair[0].time) * rate - 1e-6).ceil();
-    let by_angle = (pair[0].swing / SWING).ceil().min(MOST_PIECES);
-    by_time.max(by_angle).max(2.0)
 }
 
 fn before(x: f32) -> f32 {
@@ -238,8 +279,12 @@ fn keys(scene: &Scene, stack: &AnimStack, budget: &Budget) -> Result<Vec<Mark>, 
                 continue;
             }
             let turns = name == "Lcl Rotation";
-            for curve in prop.anim_value.curves.iter().flatten() {
-                merge(&mut all, &curve.keyframes, turns);
+            let curves: Vec<&[ufbx::Keyframe]> =
+                prop.anim_value.curves.iter().flatten().map(|curve| &*curve.keyframes).collect();
+            for (number, keys) in curves.iter().enumerate() {
+                let others = curves.iter().enumerate().filter(|(other, _)| *other != number);
+                let others: Vec<&[ufbx::Keyframe]> = others.map(|(_, keys)| *keys).collect();
+                merge(&mut all, keys, turns.then_some(&others));
             }
         }
     }
@@ -248,15 +293,20 @@ fn keys(scene: &Scene, stack: &AnimStack, budget: &Budget) -> Result<Vec<Mark>, 
         let of_layer = value.element.connections_src.iter().any(|c| c.dst.type_ == ElementType::AnimLayer && c.dst_prop.length > 0);
         if of_layer {
             for curve in value.curves.iter().flatten() {
-                merge(&mut all, &curve.keyframes, false);
+                merge(&mut all, &curve.keyframes, None);
             }
         }
     }
     Ok(all)
 }
 
-/// Curves of a bake have the same times: then this is one walk along both.
-fn merge(all: &mut Vec<Mark>, keys: &[ufbx::Keyframe], turns: bool) {
+/// Curves of a bake have the same times: then this is one walk along both. `others` are the two other
+/// angles of a rotation.
+fn merge(all: &mut Vec<Mark>, keys: &[ufbx::Keyframe], others: Option<&Vec<&[ufbx::Keyframe]>>) {
+    let change = |keys: &[ufbx::Keyframe], i: usize| match (keys.get(i), keys.get(i + 1)) {
+        (Some(key), Some(next)) => (next.value - key.value).abs(),
+        _ => 0.0,
+    };
     let mut at = 0;
     let mut new: Vec<Mark> = Vec::new();
     for (i, key) in keys.iter().enumerate().filter(|(_, key)| key.time.is_finite()) {
@@ -264,8 +314,9 @@ fn merge(all: &mut Vec<Mark>, keys: &[ufbx::Keyframe], turns: bool) {
             time: key.time,
             before: i > 0 && keys[i - 1].interpolation == Interpolation::ConstantPrev,
             after: key.interpolation == Interpolation::ConstantNext,
-            swing: match keys.get(i + 1) {
-                Some(next) if turns => (next.value - key.value).abs(),
+            swing: if others.is_some() { change(keys, i) } else { 0.0 },
+            spin: match others {
+                Some(others) if !others.iter().any(|other| change(other, i) > SPIN) => change(keys, i),
                 _ => 0.0,
             },
         };
@@ -277,6 +328,7 @@ fn merge(all: &mut Vec<Mark>, keys: &[ufbx::Keyframe], turns: bool) {
                 known.before |= mark.before;
                 known.after |= mark.after;
                 known.swing = known.swing.max(mark.swing);
+                known.spin = known.spin.max(mark.spin);
             }
             _ => new.push(mark),
         }
@@ -299,7 +351,7 @@ mod tests {
             Mark { after: true, ..Mark::at(2.0) },
             Mark::at(2.5),
         ];
-        let grid = Grid::through(&marks, 1.0, Some(2.0));
+        let grid = Grid::through(&marks, 1.0, Some(Rate { samples: 2.0, frame: 0.0 }));
         assert!(grid.labels.windows(2).all(|w| w[0] < w[1]), "{grid:?}");
         assert!(grid.times.windows(2).all(|w| w[0] < w[1]), "{grid:?}");
         assert_eq!(grid.labels[0], 0.0);
@@ -314,6 +366,17 @@ mod tests {
     fn without_a_rate_there_are_keys_alone() {
         let grid = Grid::through(&[Mark::at(0.0), Mark::at(1.0)], 0.0, None);
         assert_eq!(grid.labels, [0.0, 1.0]);
+        assert!(!grid.whole[0], "what lies between them does not count");
+    }
+
+    #[test]
+    fn keys_of_one_frame_have_nothing_between_them() {
+        let frame = 1.0 / 30.0;
+        let rate = Rate { samples: 60.0, frame };
+        let marks = [Mark::at(0.0), Mark::at(frame), Mark::at(3.0 * frame)];
+        let grid = Grid::through(&marks, 0.0, Some(rate));
+        assert_eq!(grid.len(), 6, "{grid:?}");
+        assert!(!grid.whole[0] && grid.whole[1..5].iter().all(|&whole| whole));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! From samples to keys that keep to a bound.
 
-use super::choose::{Choice, Kinds, Sampled, bytes, rotation, vector, weights};
+use super::choose::{Choice, Kinds, Sampled, rotation, vector, weights};
 use super::metric::{Leverage, Shells};
 use super::play::{Player, Pose, play};
 use super::sample::Samples;
@@ -9,6 +9,7 @@ use crate::model::{Channel, Clip, Interpolation, Model, Property};
 use crate::options::{Budget, Options};
 use crate::report::ClipReport;
 use glam::{DAffine3, DQuat, DVec3};
+use std::collections::BTreeSet;
 
 /// Tries at a share of the bound for each joint. Errors of joints along a chain add up, and by how
 /// much is only known once they are measured.
@@ -56,7 +57,7 @@ pub(crate) fn reduce(
             kinds = choices.iter().map(kind).collect();
         }
         let error = work.error(&choices, options);
-        let size = choices.iter().map(|choice| bytes(&choice.channel)).sum();
+        let size = bytes_of(&choices);
         let good = error <= bound;
         if good && best.as_ref().is_none_or(|(smallest, ..)| size < *smallest) {
             best = Some((size, error, choices));
@@ -99,6 +100,12 @@ pub(crate) fn reduce(
     })
 }
 
+/// Bytes of all channels; equal times are kept once.
+fn bytes_of(choices: &[Choice]) -> usize {
+    let mut known = BTreeSet::new();
+    choices.iter().map(|choice| choice.channel.bytes(&mut known)).sum()
+}
+
 /// The kind of keys that a try found smallest, for the tries after it.
 fn kind(choice: &Choice) -> Kinds {
     match choice.channel.interpolation {
@@ -139,6 +146,8 @@ struct Work<'a> {
     moved: Vec<usize>,
     /// Times of samples as f32 has them.
     times: Vec<f64>,
+    /// Samples on the file's own keys.
+    common: Vec<usize>,
 }
 
 /// A track's properties apart.
@@ -168,6 +177,7 @@ impl<'a> Work<'a> {
             moving,
             columns: samples.tracks.iter().map(|track| columns(&track.poses)).collect(),
             truth: Vec::new(),
+            common: samples.stops.iter().copied().filter(|&stop| samples.grid.keys[stop]).collect(),
             moved,
             times: samples.grid.labels.iter().map(|&label| f64::from(label)).collect(),
         };
@@ -263,6 +273,7 @@ impl<'a> Work<'a> {
             times: &self.times,
             jumps: &self.samples.grid.jumps,
             stops: &self.samples.stops,
+            common: &self.common,
             kinds,
         }
     }

@@ -105,6 +105,9 @@ fn weave_grid(samples: &mut Samples, middles: &[Middle]) -> Vec<Option<usize>> {
     let mut next = 0;
     for sample in 0..old.len() {
         samples.grid.push(old.times[sample], old.labels[sample], old.jumps[sample], old.keys[sample]);
+        if let Some(whole) = samples.grid.whole.last_mut() {
+            *whole = old.whole[sample];
+        }
         match middles.get(next).filter(|middle| middle.gap == sample) {
             Some(middle) => {
                 samples.grid.push(middle.time, middle.label, false, false);
@@ -130,6 +133,9 @@ struct Middle {
 impl Middle {
     /// `None` where too few samples say anything, or f32 has no number between.
     fn of(grid: &Grid, gap: usize) -> Option<Self> {
+        if !grid.whole[gap] {
+            return None;
+        }
         let (a, b) = (grid.labels[gap], grid.labels[gap + 1]);
         let label = a + (b - a) / 2.0;
         (label > a && label < b).then(|| Self {

@@ -57,7 +57,7 @@ pub(crate) fn sample(
     // A pose is 80 bytes here and about four times that while keys are chosen.
     let columns = moving.len() * 5 + meshes.iter().map(|&m| shapes[m].len()).sum::<usize>();
     let most = budget.limits.memory / 4 / (columns.max(1) * 64);
-    let (begin, grid) = Grid::of_stack(scene, source, options.sample_rate, most, budget)?;
+    let (begin, grid) = Grid::of_stack(scene, source, options, most, budget)?;
 
     let poses = evaluate(scene, stack, &moving, &grid.times, options, budget)?;
     let tracks = moving.iter().zip(poses).map(|(&node, poses)| Track { node, poses }).collect();
