@@ -209,6 +209,10 @@ fn take_clips(model: &mut Model, report: &mut Report, reduced: Vec<Reduced>) {
             }
         }
     }
+    // A stack that moves nothing is a clip all the same.
+    if moves.is_empty() && model.nodes.len() > 1 {
+        moves.insert((1, Property::Translation));
+    }
     for mut one in reduced {
         one.clip.channels.retain(|c| moves.contains(&(c.node, c.property)));
         for &(node, property) in &moves {

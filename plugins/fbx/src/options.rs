@@ -42,7 +42,7 @@ pub struct Options<'a> {
     pub max_error: f64,
     /// The same as a share of the model's size (the diagonal of its box); the smaller of the two holds,
     /// so that a figure of two centimetres is not converted as coarsely as a house. Above 0; default
-    /// 1e-5; infinite to do without.
+    /// 5e-6; infinite to do without.
     pub max_relative_error: f64,
     /// Joints a vertex.
     pub weights: Weights,
@@ -66,7 +66,7 @@ impl Default for Options<'_> {
     fn default() -> Self {
         Self {
             max_error: 1e-4,
-            max_relative_error: 1e-5,
+            max_relative_error: 5e-6,
             weights: Weights::default(),
             sample_rate: 30.0,
             within_frames: false,

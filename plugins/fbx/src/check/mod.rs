@@ -4,9 +4,11 @@
 //! f64, as glTF's specification says. [`Truth`] reads the FBX file in its own axes and unit and lets
 //! ufbx deform it. [`Space`] goes from one to the other.
 
+mod frames;
 mod played;
 mod truth;
 
+pub use frames::{CheckError, FileCheck, Frame, box_size, check_file, read_frames, read_obj};
 pub use played::{Played, PlayedError, Shape};
 pub use truth::{Body, Space, Truth};
 

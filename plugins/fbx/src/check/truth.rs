@@ -76,6 +76,12 @@ impl Truth {
         }
     }
 
+    /// Frames a second, at least 1.
+    pub fn frames_per_second(&self) -> f64 {
+        let frames = self.scene.settings.frames_per_second;
+        if frames.is_finite() { frames.clamp(1.0, 1000.0) } else { 30.0 }
+    }
+
     /// Names and ranges (seconds on the file's clock) of the animation stacks.
     pub fn stacks(&self) -> Vec<(String, f64, f64)> {
         (&self.scene.anim_stacks)
