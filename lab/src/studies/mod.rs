@@ -1,6 +1,7 @@
 //! Every study, one folder each.
 
 pub mod budget;
+pub mod fbx;
 pub mod lod;
 pub mod noise;
 pub mod tessellation;
@@ -12,6 +13,7 @@ use crate::study::Study;
 /// All of them, in the order in which `all` runs them.
 pub const STUDIES: &[Study] = &[
     budget::STUDY,
+    fbx::STUDY,
     lod::STUDY,
     noise::STUDY,
     tessellation::STUDY,

@@ -57,11 +57,21 @@ pub(crate) fn load_unchanged(
     load_with(bytes, budget, options, Space::File)
 }
 
+/// Reads `bytes` by ufbx's own defaults. For timing.
+pub(crate) fn load_plainly(
+    bytes: &[u8],
+    budget: &Budget,
+    options: &Options,
+) -> Result<SceneRoot, FbxError> {
+    load_with(bytes, budget, options, Space::Plain)
+}
+
 /// In whose axes and unit.
 #[derive(Clone, Copy)]
 enum Space {
     Gltf,
     File,
+    Plain,
 }
 
 fn load_with(
@@ -94,6 +104,7 @@ fn load_with(
         load_external_files: false,
         ..match space {
             Space::Gltf => conversion_options(),
+            Space::Plain => LoadOpts::default(),
             Space::File => LoadOpts {
                 evaluate_skinning: true,
                 ..LoadOpts::default()

@@ -12,7 +12,7 @@ use glam::{DAffine3, DMat4, DVec3};
 use ufbx::{EvaluateOpts, SceneRoot, SkinDeformer};
 
 /// Poses that weights are fitted to, over all clips.
-const POSES: usize = 32;
+const POSES: usize = 20;
 
 /// A mesh, its skin and what the file says of them.
 pub(crate) struct SkinJob {

@@ -67,15 +67,18 @@ pub(crate) fn fit(
     let mut fit = Fit { error: best.0, largest: best.0 };
     let own: Vec<f64> = renormalised(candidates).iter().map(|i| i.weight).collect();
     let gram = gram(&offsets, &vec![1.0; targets.len()], &own);
-    let mut choices: Vec<(f64, Vec<usize>)> = subsets(candidates.len(), count)
-        .into_iter()
-        .map(|subset| {
-            let weights = on_simplex(&gram, &subset, candidates.len());
-            (form(&gram, &weights), subset)
-        })
-        .collect();
-    choices.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (_, subset) in choices.iter().take(FINALISTS) {
+    // The best choices, best first.
+    let mut finalists: Vec<(f64, Subset)> = Vec::with_capacity(FINALISTS + 1);
+    for subset in subsets(candidates.len(), count) {
+        let weights = on_simplex(&gram, subset, candidates.len());
+        let value = form(&gram, &weights[..candidates.len()]);
+        let at = finalists.iter().take_while(|(other, _)| *other <= value).count();
+        if at < FINALISTS {
+            finalists.insert(at, (value, subset));
+            finalists.truncate(FINALISTS);
+        }
+    }
+    for &(_, subset) in &finalists {
         if best.0 <= enough {
             break;
         }
@@ -83,9 +86,10 @@ pub(crate) fn fit(
         for _ in 0..ROUNDS {
             let gram = self::gram(&offsets, &importance, &own);
             let weights = on_simplex(&gram, subset, candidates.len());
-            let (error, errors) = worst_of(&offsets, &weights);
+            let weights = &weights[..candidates.len()];
+            let (error, errors) = worst_of(&offsets, weights);
             if error < best.0 {
-                best = (error, weights);
+                best = (error, weights.to_vec());
             }
             if error <= enough.max(1e-12) {
                 break;
@@ -161,53 +165,43 @@ fn form(gram: &Gram, x: &[f64]) -> f64 {
     gram.iter().zip(x).map(row).sum()
 }
 
+/// Joints by bit.
+type Subset = u32;
+
 /// All choices of `count` of `n`, in order.
-fn subsets(n: usize, count: usize) -> Vec<Vec<usize>> {
-    let count = count.min(n);
-    let mut out = Vec::new();
-    let mut pick: Vec<usize> = (0..count).collect();
-    loop {
-        out.push(pick.clone());
-        let Some(at) = (0..count).rev().find(|&i| pick[i] < n - count + i) else {
-            return out;
-        };
-        pick[at] += 1;
-        for i in at + 1..count {
-            pick[i] = pick[i - 1] + 1;
-        }
-    }
+fn subsets(n: usize, count: usize) -> impl Iterator<Item = Subset> {
+    let count = count.min(n) as u32;
+    (0..1_u32 << n).filter(move |subset| subset.count_ones() == count)
 }
 
 /// Minimises `x' G x` with `sum x = 1` and `x >= 0` outside of which `subset` x is 0: joints whose
 /// weight would be negative leave, the most negative first.
-fn on_simplex(gram: &Gram, subset: &[usize], n: usize) -> Vec<f64> {
-    let mut active = subset.to_vec();
+fn on_simplex(gram: &Gram, subset: Subset, n: usize) -> [f64; CANDIDATES] {
+    let mut active = subset;
     loop {
-        let solved = solve(gram, &active);
-        let least = (0..active.len()).min_by(|&a, &b| solved[a].total_cmp(&solved[b]));
-        match least.filter(|&i| solved[i] < 0.0 && active.len() > 1) {
-            Some(i) => {
-                active.remove(i);
-            }
-            None => {
-                let mut out = vec![0.0; n];
-                for (&joint, &weight) in active.iter().zip(&solved) {
-                    out[joint] = weight;
-                }
-                return out;
-            }
+        let solved = solve(gram, active, n);
+        let of = |&i: &usize| active >> i & 1 == 1;
+        let least = (0..n).filter(of).min_by(|&a, &b| solved[a].total_cmp(&solved[b]));
+        match least.filter(|&i| solved[i] < 0.0 && active.count_ones() > 1) {
+            Some(i) => active &= !(1 << i),
+            None => return solved,
         }
     }
 }
 
 /// `G x = 1` on `active`, scaled to a sum of 1: the minimum without bounds. `G` is positive definite
 /// (see [`gram`]), so Cholesky's method works.
-fn solve(gram: &Gram, active: &[usize]) -> Vec<f64> {
-    let n = active.len();
+fn solve(gram: &Gram, active: Subset, joints: usize) -> [f64; CANDIDATES] {
+    let mut at = [0; CANDIDATES];
+    let mut n = 0;
+    for joint in (0..joints).filter(|&joint| active >> joint & 1 == 1) {
+        at[n] = joint;
+        n += 1;
+    }
     let mut l = [[0.0; CANDIDATES]; CANDIDATES];
     for i in 0..n {
         for j in 0..=i {
-            let mut sum = gram[active[i]][active[j]];
+            let mut sum: f64 = gram[at[i]][at[j]];
             for (a, b) in l[i][..j].iter().zip(&l[j][..j]) {
                 sum -= a * b;
             }
@@ -217,7 +211,7 @@ fn solve(gram: &Gram, active: &[usize]) -> Vec<f64> {
             };
         }
     }
-    let mut y = vec![0.0; n];
+    let mut y = [0.0; CANDIDATES];
     for i in 0..n {
         let known: f64 = (0..i).map(|k| l[i][k] * y[k]).sum();
         y[i] = (1.0 - known) / l[i][i];
@@ -226,11 +220,15 @@ fn solve(gram: &Gram, active: &[usize]) -> Vec<f64> {
         let known: f64 = (i + 1..n).map(|k| l[k][i] * y[k]).sum();
         y[i] = (y[i] - known) / l[i][i];
     }
-    let sum: f64 = y.iter().sum();
-    match sum.is_finite() && sum > 0.0 {
-        true => y.into_iter().map(|x| x / sum).collect(),
-        false => vec![1.0 / n as f64; n],
+    let sum: f64 = y[..n].iter().sum();
+    let mut out = [0.0; CANDIDATES];
+    for i in 0..n {
+        out[at[i]] = match sum.is_finite() && sum > 0.0 {
+            true => y[i] / sum,
+            false => 1.0 / n as f64,
+        };
     }
+    out
 }
 
 /// Lists of four joints and weights, as many as `count` needs, in f32: the largest takes up what
@@ -306,11 +304,10 @@ mod tests {
 
     #[test]
     fn every_choice_is_made_once() {
-        let all = subsets(6, 4);
+        let all: Vec<Subset> = subsets(6, 4).collect();
         assert_eq!(all.len(), 15);
-        assert_eq!(all[0], [0, 1, 2, 3]);
-        assert_eq!(all[14], [2, 3, 4, 5]);
-        assert_eq!(subsets(3, 4), [[0, 1, 2]]);
+        assert_eq!((all[0], all[14]), (0b1111, 0b11_1100));
+        assert_eq!(subsets(3, 4).collect::<Vec<_>>(), [0b111]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use crate::model::{Channel, Clip, Interpolation, Node, Property, Skin, Trs};
 use glam::{DMat4, DVec3, Mat4, Quat, Vec3};
 use gltf::animation::Interpolation as GltfInterpolation;
 use gltf::animation::util::ReadOutputs;
+use std::collections::BTreeMap;
 
 /// Why a .glb cannot be played.
 #[derive(Debug, thiserror::Error)]
@@ -24,6 +25,7 @@ pub struct Played {
     meshes: Vec<Mesh>,
     skins: Vec<Skin>,
     clips: Vec<Clip>,
+    animation_bytes: usize,
 }
 
 struct Mesh {
@@ -64,6 +66,7 @@ impl Played {
         let nodes: Vec<Node> = document.nodes().map(|node| read_node(&node, &parents)).collect();
         let meshes = document.meshes().map(|mesh| read_mesh(&mesh, &blob)).collect::<Result<_, _>>()?;
         Ok(Self {
+            animation_bytes: animation_bytes(&document),
             order: order(&parents),
             nodes,
             meshes,
@@ -75,6 +78,11 @@ impl Played {
     /// Names and seconds of the clips.
     pub fn clips(&self) -> Vec<(String, f64)> {
         self.clips.iter().map(|clip| (clip.name.clone(), clip.duration)).collect()
+    }
+
+    /// Bytes of all keys and times; accessors that several channels share count once.
+    pub fn animation_bytes(&self) -> usize {
+        self.animation_bytes
     }
 
     /// Every mesh where a node shows it, and where every node is, at `time` seconds of a clip; `None`
@@ -129,6 +137,16 @@ impl Played {
         }
         Some(Shape { mesh: number, points })
     }
+}
+
+fn animation_bytes(document: &gltf::Document) -> usize {
+    let samplers = document.animations().flat_map(|clip| {
+        let samplers: Vec<_> = clip.samplers().collect();
+        samplers.into_iter().flat_map(|sampler| [sampler.input(), sampler.output()])
+    });
+    let sizes: BTreeMap<usize, usize> =
+        samplers.map(|accessor| (accessor.index(), accessor.count() * accessor.size())).collect();
+    sizes.values().sum()
 }
 
 fn vec3(v: [f32; 3]) -> DVec3 {

@@ -117,6 +117,9 @@ fn choose<V: Value>(
         (None, Kinds::Any) => match linear() {
             // Two keys of a line are smaller than any cubic.
             Some(linear) if linear.times.len() <= 2 => linear,
+            // Nor are cubics through what lines need most samples for: their keys are three times
+            // as large, and nothing so rough is told in a third of the keys.
+            Some(linear) if linear.times.len() * 3 > sampled.stops.len() * 2 => linear,
             Some(linear) => {
                 let cubic = cubic();
                 if bytes(&cubic) < bytes(&linear) { cubic } else { linear }

@@ -209,7 +209,7 @@ impl<'a> Work<'a> {
         options: &Options,
         work: impl Fn(std::ops::Range<usize>) -> T + Sync,
     ) -> Vec<T> {
-        let threads = options.thread_count().min(count * self.samples.tracks.len() / 512).max(1);
+        let threads = options.thread_count().min(self.samples.grid.len() * self.samples.tracks.len() / 4096).max(1);
         let share = count.div_ceil(threads).max(1);
         let ranges = (0..count).step_by(share).map(|at| at..(at + share).min(count));
         std::thread::scope(|scope| {

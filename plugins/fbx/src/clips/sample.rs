@@ -129,7 +129,7 @@ pub(crate) fn evaluate(
     options: &Options,
     budget: &Budget,
 ) -> Result<Vec<Vec<Trs>>, FbxError> {
-    let threads = options.thread_count().min(nodes.len() * times.len() / 1024).max(1);
+    let threads = options.thread_count().min(nodes.len() * times.len() / 4096).max(1);
     let share = nodes.len().div_ceil(threads).max(1);
     let of = |nodes: &[usize]| -> Vec<Vec<Trs>> {
         let anim: &ufbx::Anim = &scene.anim_stacks[stack].anim;
