@@ -7,6 +7,7 @@
 //! |---|---|---|---|
 //! | [`TerrainPlugin`](terrain::TerrainPlugin) | [`terrain`] | heights, slopes and ground answers from noise and height maps, in f64 | no |
 //! | [`PatchPlugin`](tessellation::render::stage::PatchPlugin) | [`tessellation`] | patches of your own, tessellated by your control and evaluate functions | yes |
+//! | [`FbxPlugin`](fbx::FbxPlugin) | [`fbx`] | `load("hero.fbx")` as if it were a .glb, converted with a stated error | no |
 //! | [`TerrainTessellationPlugin`](tessellation::TerrainTessellationPlugin) | [`tessellation`] | terrain refined and drawn on the GPU | yes |
 //!
 //! [`DolomitePlugins`] adds all of them, [`DolomiteMinimalPlugins`] those that need no renderer.
@@ -23,6 +24,7 @@
 //!
 //! Coordinates everywhere: metres and radians, right-handed, +Y up, −Z forward (north).
 
+pub use dolomite_fbx as fbx;
 pub use dolomite_terrain as terrain;
 pub use dolomite_tessellation as tessellation;
 
@@ -38,6 +40,7 @@ impl PluginGroup for DolomitePlugins {
         PluginGroupBuilder::start::<Self>()
             .add_group(DolomiteMinimalPlugins)
             .add(tessellation::TerrainTessellationPlugin)
+            .add(fbx::FbxPlugin)
     }
 }
 

@@ -101,7 +101,10 @@ where
     if arguments.folder.is_some() && arguments.study != OF_FOLDER {
         return Err(Arguments::command().error(
             ErrorKind::ArgumentConflict,
-            format!("a folder goes with the study {OF_FOLDER} alone, not with {}", arguments.study),
+            format!(
+                "a folder goes with the study {OF_FOLDER} alone, not with {}",
+                arguments.study
+            ),
         ));
     }
     Ok(arguments)

@@ -7,9 +7,7 @@ use crate::model::{Channel, Interpolation, Mesh, Model, Node, Property, Trs};
 use crate::options::{Budget, Limits, Options, Origin};
 use crate::read::devices::{read_camera, read_light};
 use crate::read::textures::Textures;
-use crate::read::{
-    Meshes, ShapeKey, Shapes, read_materials, read_nodes, read_skin, report_lost,
-};
+use crate::read::{Meshes, ShapeKey, Shapes, read_materials, read_nodes, read_skin, report_lost};
 use crate::report::Report;
 use crate::skinning::{SkinJob, write_weights};
 use glam::DVec3;
@@ -30,7 +28,10 @@ impl Conversion {
     /// for [`check::vertex_error`](crate::check::vertex_error).
     pub fn sources(&self) -> BTreeMap<usize, (u32, Vec<u32>)> {
         let of = |mesh: &Mesh| {
-            let sources = mesh.parts.iter().flat_map(|part| part.sources.iter().copied());
+            let sources = mesh
+                .parts
+                .iter()
+                .flat_map(|part| part.sources.iter().copied());
             (mesh.source, sources.collect())
         };
         self.model.meshes.iter().map(of).enumerate().collect()
@@ -43,7 +44,9 @@ impl Conversion {
 /// [`FbxError`]: no FBX file, a broken one, one beyond the limits, or an option out of range.
 pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conversion, FbxError> {
     options.check()?;
-    let limits = options.limits.unwrap_or_else(|| Limits::of_file(bytes.len()));
+    let limits = options
+        .limits
+        .unwrap_or_else(|| Limits::of_file(bytes.len()));
     let budget = Budget::new(&origin.name, limits);
     let scene = load(bytes, &budget, options)?;
     let mut report = Report {
@@ -52,7 +55,7 @@ pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conve
         unit: scene.settings.original_unit_meters,
         ..Report::default()
     };
-    let mut textures = Textures::new(origin.folder.as_deref(), limits.memory);
+    let mut textures = Textures::new(origin, limits.memory);
     let mut model = Model {
         nodes: read_nodes(&scene),
         materials: read_materials(&scene, &mut textures, &mut report),
@@ -69,10 +72,20 @@ pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conve
             sample(&scene, stack, &model, &shapes, options, &budget)
         })
         .collect::<Result<_, _>>()?;
-    write_weights(&scene, &mut model, &jobs, &clips, options, &budget, &mut report)?;
+    write_weights(
+        &scene,
+        &mut model,
+        &jobs,
+        &clips,
+        options,
+        &budget,
+        &mut report,
+    )?;
     let shells = Shells::of(&model);
     report.size = size(&model, &shells);
-    report.bound = options.max_error.min(options.max_relative_error * report.size);
+    report.bound = options
+        .max_error
+        .min(options.max_relative_error * report.size);
     let mut reduced = Vec::with_capacity(clips.len());
     let count = clips.len();
     for (stack, clip) in clips.iter_mut().enumerate() {
@@ -87,7 +100,15 @@ pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conve
         };
         let leverage = leverage(clip, &model, &shells);
         refine(clip, &source, &leverage, report.bound)?;
-        reduced.push(reduce(clip, &model, &shells, leverage, report.bound, options, &budget)?);
+        reduced.push(reduce(
+            clip,
+            &model,
+            &shells,
+            leverage,
+            report.bound,
+            options,
+            &budget,
+        )?);
     }
     take_clips(&mut model, &mut report, reduced);
     finish(&mut model);
@@ -107,12 +128,18 @@ fn hang_in(
     let mut meshes = Meshes::default();
     let mut jobs = Vec::new();
     for (number, node) in scene.nodes.iter().enumerate() {
-        if let Some(light) = node.light.as_ref().and_then(|light| read_light(light, report)) {
+        if let Some(light) = node
+            .light
+            .as_ref()
+            .and_then(|light| read_light(light, report))
+        {
             model.lights.push(light);
             model.nodes[number].light = Some(model.lights.len() - 1);
         }
         if let Some(camera) = &node.camera {
-            model.cameras.push(read_camera(camera, scene.metadata.geometry_scale));
+            model
+                .cameras
+                .push(read_camera(camera, scene.metadata.geometry_scale));
             model.nodes[number].camera = Some(model.cameras.len() - 1);
         }
         let Some(mesh) = &node.mesh else { continue };
@@ -195,7 +222,11 @@ fn size(model: &Model, shells: &Shells) -> f64 {
         }
     }
     let size = (high - low).length();
-    if size.is_finite() && size > 1e-9 { size } else { 1.0 }
+    if size.is_finite() && size > 1e-9 {
+        size
+    } else {
+        1.0
+    }
 }
 
 /// Channels that no clip moves away from rest are left out of all. Where one clip does, the others
@@ -214,7 +245,9 @@ fn take_clips(model: &mut Model, report: &mut Report, reduced: Vec<Reduced>) {
         moves.insert((1, Property::Translation));
     }
     for mut one in reduced {
-        one.clip.channels.retain(|c| moves.contains(&(c.node, c.property)));
+        one.clip
+            .channels
+            .retain(|c| moves.contains(&(c.node, c.property)));
         for &(node, property) in &moves {
             let there = |c: &Channel| (c.node, c.property) == (node, property);
             if !one.clip.channels.iter().any(there) {
@@ -231,12 +264,18 @@ fn take_clips(model: &mut Model, report: &mut Report, reduced: Vec<Reduced>) {
 /// A channel of one key that keeps a node at rest.
 fn still(model: &Model, node: usize, property: Property) -> Channel {
     let rest = model.nodes[node].rest;
-    let targets = model.nodes[node].mesh.map(|mesh| &model.meshes[mesh].targets);
+    let targets = model.nodes[node]
+        .mesh
+        .map(|mesh| &model.meshes[mesh].targets);
     let values: Vec<f64> = match property {
         Property::Translation => rest.translation.to_array().to_vec(),
         Property::Rotation => rest.rotation.to_array().to_vec(),
         Property::Scale => rest.scale.to_array().to_vec(),
-        Property::Weights => targets.into_iter().flatten().map(|target| target.rest).collect(),
+        Property::Weights => targets
+            .into_iter()
+            .flatten()
+            .map(|target| target.rest)
+            .collect(),
     };
     Channel {
         node,
@@ -253,8 +292,17 @@ fn still(model: &Model, node: usize, property: Property) -> Channel {
 fn finish(model: &mut Model) {
     let count = model.nodes.len();
     let mut kept = vec![false; count];
-    let animated = model.clips.iter().flat_map(|clip| &clip.channels).map(|c| c.node);
-    for node in animated.chain(model.skins.iter().flat_map(|skin| skin.joints.iter().copied())) {
+    let animated = model
+        .clips
+        .iter()
+        .flat_map(|clip| &clip.channels)
+        .map(|c| c.node);
+    for node in animated.chain(
+        model
+            .skins
+            .iter()
+            .flat_map(|skin| skin.joints.iter().copied()),
+    ) {
         kept[node] = true;
     }
     let skinned: Vec<String> = model
@@ -274,7 +322,11 @@ fn finish(model: &mut Model) {
         let emptied = !shows && children[number] == 0 && skinned.contains(&node.name);
         kept[number] |= !emptied;
     }
-    let tops = model.nodes.iter().filter(|node| node.parent == Some(0)).count();
+    let tops = model
+        .nodes
+        .iter()
+        .filter(|node| node.parent == Some(0))
+        .count();
     kept[0] = tops > 1 && !model.skins.is_empty() || model.nodes.len() == 1;
     renumber(model, &kept);
 }
@@ -290,7 +342,9 @@ fn renumber(model: &mut Model, kept: &[bool]) {
         .collect();
     let of = |old: usize| numbers[old].expect("what is referred to is kept");
     let mut keep = kept.iter();
-    model.nodes.retain(|_| *keep.next().expect("one flag for each node"));
+    model
+        .nodes
+        .retain(|_| *keep.next().expect("one flag for each node"));
     for node in &mut model.nodes {
         node.parent = node.parent.and_then(|parent| numbers[parent]);
     }
@@ -298,18 +352,28 @@ fn renumber(model: &mut Model, kept: &[bool]) {
         skin.joints.iter_mut().for_each(|joint| *joint = of(*joint));
     }
     for clip in &mut model.clips {
-        clip.channels.iter_mut().for_each(|channel| channel.node = of(channel.node));
+        clip.channels
+            .iter_mut()
+            .for_each(|channel| channel.node = of(channel.node));
     }
 }
 
 fn tally(model: &Model, report: &mut Report) {
     report.nodes = model.nodes.len();
-    let joints: BTreeSet<usize> =
-        model.skins.iter().flat_map(|skin| skin.joints.iter().copied()).collect();
+    let joints: BTreeSet<usize> = model
+        .skins
+        .iter()
+        .flat_map(|skin| skin.joints.iter().copied())
+        .collect();
     report.joints = joints.len();
     let parts = || model.meshes.iter().flat_map(|mesh| &mesh.parts);
     report.vertices = parts().map(|part| part.positions.len()).sum();
     let mut animation = BTreeSet::new();
-    report.animation_bytes = model.clips.iter().flat_map(|clip| &clip.channels).map(|c| c.bytes(&mut animation)).sum();
+    report.animation_bytes = model
+        .clips
+        .iter()
+        .flat_map(|clip| &clip.channels)
+        .map(|c| c.bytes(&mut animation))
+        .sum();
     report.triangles = parts().map(|part| part.indices.len() / 3).sum();
 }

@@ -44,7 +44,9 @@ pub enum FbxError {
         detail: String,
     },
     /// The contents need more memory than [`Limits`](crate::Limits) allow.
-    #[error("{file}: {what} need more than {limit} bytes; raise the limit on memory if you trust it")]
+    #[error(
+        "{file}: {what} need more than {limit} bytes; raise the limit on memory if you trust it"
+    )]
     Memory {
         /// Name of the file.
         file: String,
@@ -54,7 +56,9 @@ pub enum FbxError {
         limit: usize,
     },
     /// It took longer than [`Limits`](crate::Limits) allow.
-    #[error("{file}: {during} took longer than {seconds} s; raise the limit on time if you trust it")]
+    #[error(
+        "{file}: {during} took longer than {seconds} s; raise the limit on time if you trust it"
+    )]
     Time {
         /// Name of the file.
         file: String,

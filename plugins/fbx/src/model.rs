@@ -271,7 +271,11 @@ impl Channel {
     /// times are kept once.
     pub(crate) fn bytes(&self, known: &mut BTreeSet<Vec<u32>>) -> usize {
         let times: Vec<u32> = self.times.iter().map(|time| time.to_bits()).collect();
-        let of_times = if known.insert(times) { self.times.len() * 4 } else { 0 };
+        let of_times = if known.insert(times) {
+            self.times.len() * 4
+        } else {
+            0
+        };
         of_times + self.values.len() * if self.short { 2 } else { 4 }
     }
 }

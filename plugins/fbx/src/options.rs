@@ -1,6 +1,7 @@
 //! What a user may ask for, and how much a file may cost.
 
 use crate::error::FbxError;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -83,16 +84,28 @@ impl Options<'_> {
     pub fn check(&self) -> Result<(), FbxError> {
         let wrong = |option, value: f64, range| {
             let value = value.to_string();
-            Err(FbxError::Option { option, value, range })
+            Err(FbxError::Option {
+                option,
+                value,
+                range,
+            })
         };
         if !(self.max_error > 0.0 && self.max_error.is_finite()) {
             return wrong("max error", self.max_error, "metres above 0");
         }
         if self.max_relative_error.is_nan() || self.max_relative_error <= 0.0 {
-            return wrong("max relative error", self.max_relative_error, "a share above 0");
+            return wrong(
+                "max relative error",
+                self.max_relative_error,
+                "a share above 0",
+            );
         }
         if !(1.0..=1000.0).contains(&self.sample_rate) {
-            return wrong("sample rate", self.sample_rate, "1 to 1000 samples a second");
+            return wrong(
+                "sample rate",
+                self.sample_rate,
+                "1 to 1000 samples a second",
+            );
         }
         Ok(())
     }
@@ -137,6 +150,8 @@ impl Limits {
 pub struct Origin {
     /// Its name, for messages.
     pub name: String,
+    /// Pictures that lie beside it, by the last part of their name; looked in before the folder.
+    pub files: BTreeMap<String, Vec<u8>>,
     /// The folder that textures which are not embedded are looked for in; `None` looks nowhere.
     pub folder: Option<PathBuf>,
 }

@@ -62,7 +62,10 @@ pub(crate) fn write_weights(
         for (vertex, influences) in job.source.influences.iter().enumerate() {
             if vertex % 64 == 0 {
                 budget.in_time("weights")?;
-                options.report("weights", vertex as f64 / job.source.influences.len() as f64);
+                options.report(
+                    "weights",
+                    vertex as f64 / job.source.influences.len() as f64,
+                );
             }
             if bent.is_none() && influences.len() <= count {
                 kept.push(packed(influences, count));
@@ -105,7 +108,12 @@ pub(crate) fn write_weights(
 /// A tenth of the error that keys are allowed: metres.
 fn enough(mesh: &ufbx::Mesh, options: &Options) -> f64 {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for vertex in mesh.vertices.iter().map(|&v| vec3(v)).filter(|v| v.is_finite()) {
+    for vertex in mesh
+        .vertices
+        .iter()
+        .map(|&v| vec3(v))
+        .filter(|v| v.is_finite())
+    {
         (low, high) = (low.min(vertex), high.max(vertex));
     }
     let size = (high - low).length();
@@ -145,7 +153,9 @@ fn joint_matrices(model: &Model, job: &SkinJob, moments: &[Moment]) -> Vec<Vec<D
     let bind: Vec<DAffine3> = skin.inverse_bind.iter().map(affine).collect();
     let of = |moment: &Moment| {
         let joints = skin.joints.iter().zip(&bind);
-        joints.map(|(&node, bind)| moment.world[node] * *bind).collect()
+        joints
+            .map(|(&node, bind)| moment.world[node] * *bind)
+            .collect()
     };
     moments.iter().map(of).collect()
 }
@@ -168,7 +178,8 @@ fn bent_by_ufbx(
     let mut out = Vec::with_capacity(moments.len());
     for moment in moments {
         let anim: &ufbx::Anim = &scene.anim_stacks[moment.stack].anim;
-        let Ok(posed) = ufbx::evaluate_scene(scene, anim, moment.time, EvaluateOpts::default()) else {
+        let Ok(posed) = ufbx::evaluate_scene(scene, anim, moment.time, EvaluateOpts::default())
+        else {
             continue;
         };
         let mesh: &ufbx::Mesh = &posed.meshes[mesh];

@@ -64,7 +64,10 @@ pub(crate) fn fit(
         .map(|i| largest.get(i).map_or(0.0, |influence| influence.weight))
         .collect();
     let mut best = (worst(&kept), kept);
-    let mut fit = Fit { error: best.0, largest: best.0 };
+    let mut fit = Fit {
+        error: best.0,
+        largest: best.0,
+    };
     let own: Vec<f64> = renormalised(candidates).iter().map(|i| i.weight).collect();
     let gram = gram(&offsets, &vec![1.0; targets.len()], &own);
     // The best choices, best first.
@@ -72,7 +75,10 @@ pub(crate) fn fit(
     for subset in subsets(candidates.len(), count) {
         let weights = on_simplex(&gram, subset, candidates.len());
         let value = form(&gram, &weights[..candidates.len()]);
-        let at = finalists.iter().take_while(|(other, _)| *other <= value).count();
+        let at = finalists
+            .iter()
+            .take_while(|(other, _)| *other <= value)
+            .count();
         if at < FINALISTS {
             finalists.insert(at, (value, subset));
             finalists.truncate(FINALISTS);
@@ -106,7 +112,10 @@ pub(crate) fn fit(
         .iter()
         .zip(&best.1)
         .filter(|(_, weight)| **weight > 0.0)
-        .map(|(influence, &weight)| Influence { joint: influence.joint, weight })
+        .map(|(influence, &weight)| Influence {
+            joint: influence.joint,
+            weight,
+        })
         .collect();
     kept.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.joint.cmp(&b.joint)));
     (kept, fit)
@@ -161,7 +170,9 @@ fn gram(offsets: &[[DVec3; CANDIDATES]], importance: &[f64], own: &[f64]) -> Gra
 }
 
 fn form(gram: &Gram, x: &[f64]) -> f64 {
-    let row = |(row, xi): (&[f64; CANDIDATES], &f64)| xi * row.iter().zip(x).map(|(g, x)| g * x).sum::<f64>();
+    let row = |(row, xi): (&[f64; CANDIDATES], &f64)| {
+        xi * row.iter().zip(x).map(|(g, x)| g * x).sum::<f64>()
+    };
     gram.iter().zip(x).map(row).sum()
 }
 
@@ -181,7 +192,9 @@ fn on_simplex(gram: &Gram, subset: Subset, n: usize) -> [f64; CANDIDATES] {
     loop {
         let solved = solve(gram, active, n);
         let of = |&i: &usize| active >> i & 1 == 1;
-        let least = (0..n).filter(of).min_by(|&a, &b| solved[a].total_cmp(&solved[b]));
+        let least = (0..n)
+            .filter(of)
+            .min_by(|&a, &b| solved[a].total_cmp(&solved[b]));
         match least.filter(|&i| solved[i] < 0.0 && active.count_ones() > 1) {
             Some(i) => active &= !(1 << i),
             None => return solved,
@@ -253,12 +266,14 @@ mod tests {
 
     fn influences(weights: &[f64]) -> Vec<Influence> {
         let each = weights.iter().enumerate();
-        each.map(|(joint, &weight)| Influence { joint, weight }).collect()
+        each.map(|(joint, &weight)| Influence { joint, weight })
+            .collect()
     }
 
     /// Joint `i` in pose `p` is turned about an axis of its own.
     fn matrix(pose: usize, joint: usize) -> DAffine3 {
-        let axis = DVec3::new(1.0 + joint as f64, 2.0 - joint as f64, 0.5 * joint as f64).normalize();
+        let axis =
+            DVec3::new(1.0 + joint as f64, 2.0 - joint as f64, 0.5 * joint as f64).normalize();
         let angle = 0.3 * pose as f64 * (1.0 + 0.1 * joint as f64);
         DAffine3::from_axis_angle(axis, angle)
     }
@@ -279,7 +294,10 @@ mod tests {
         assert!(kept.iter().all(|i| i.weight > 0.0));
         assert!(fit.error < 0.5 * fit.largest, "{fit:?}");
         // The error that is claimed is the error there is.
-        let far = targets.iter().enumerate().map(|(pose, t)| (target(&kept, position, pose) - *t).length());
+        let far = targets
+            .iter()
+            .enumerate()
+            .map(|(pose, t)| (target(&kept, position, pose) - *t).length());
         assert!((far.fold(0.0, f64::max) - fit.error).abs() < 1e-12);
     }
 
@@ -294,7 +312,9 @@ mod tests {
     fn joints_that_move_alike_keep_the_files_weights() {
         let list = influences(&[0.5, 0.3, 0.2]);
         let same = |pose: usize, _: usize| matrix(pose, 0);
-        let targets: Vec<DVec3> = (0..4).map(|p| same(p, 0).transform_point3(DVec3::X)).collect();
+        let targets: Vec<DVec3> = (0..4)
+            .map(|p| same(p, 0).transform_point3(DVec3::X))
+            .collect();
         let (kept, fit) = fit(&list, 4, DVec3::X, &targets, 0.0, same);
         assert!(fit.error < 1e-12);
         for (a, b) in kept.iter().zip(&list) {

@@ -23,7 +23,10 @@ static ALONE: Mutex<()> = Mutex::new(());
 
 struct Counting;
 
-#[expect(unsafe_code, reason = "an allocator that counts is the one way to see every allocation, ufbx's too")]
+#[expect(
+    unsafe_code,
+    reason = "an allocator that counts is the one way to see every allocation, ufbx's too"
+)]
 // SAFETY: every call is handed on to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
@@ -59,7 +62,10 @@ impl Tally {
         let base = IN_USE.load(Ordering::Relaxed);
         PEAK.store(base, Ordering::Relaxed);
         let began = Instant::now();
-        let origin = Origin { name: name.to_owned(), folder: None };
+        let origin = Origin {
+            name: name.to_owned(),
+            ..Origin::default()
+        };
         let result = std::panic::catch_unwind(|| {
             convert(bytes, &origin, &Options::default()).and_then(|made| made.to_glb())
         });
@@ -70,7 +76,10 @@ impl Tally {
             Ok(glb) => drop(glb),
             Err(error) => {
                 self.refused += 1;
-                assert!(error.to_string().contains(name), "{error} does not name {name}");
+                assert!(
+                    error.to_string().contains(name),
+                    "{error} does not name {name}"
+                );
                 assert!(!matches!(error, FbxError::Option { .. }));
             }
         }
@@ -105,7 +114,10 @@ const FIVE: [&str; 5] = [
 ];
 
 fn five(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
-    FIVE.iter().map(|name| folder.join(name)).map(|path| (path.clone(), std::fs::read(path).unwrap())).collect()
+    FIVE.iter()
+        .map(|name| folder.join(name))
+        .map(|path| (path.clone(), std::fs::read(path).unwrap()))
+        .collect()
 }
 
 fn truncations(step: usize) -> Option<Tally> {
@@ -155,7 +167,9 @@ fn broken_files_are_refused_or_converted() {
 
 #[test]
 fn truncated_files_are_refused_or_converted() {
-    let Some(tally) = truncations(4096) else { return };
+    let Some(tally) = truncations(4096) else {
+        return;
+    };
     eprintln!("{tally:?}");
     assert!(tally.cases > 100);
 }
@@ -182,9 +196,22 @@ fn full_flips() {
 /// What is no FBX file at all.
 #[test]
 fn other_files_are_told_apart() {
-    let of = |bytes: &[u8]| convert(bytes, &Origin { name: "x.fbx".into(), folder: None }, &Options::default()).unwrap_err();
+    let of = |bytes: &[u8]| {
+        convert(
+            bytes,
+            &Origin {
+                name: "x.fbx".into(),
+                ..Origin::default()
+            },
+            &Options::default(),
+        )
+        .unwrap_err()
+    };
     assert!(matches!(of(b""), FbxError::NotFbx { .. }));
-    assert!(matches!(of(b"glTF"), FbxError::NotFbx { .. } | FbxError::Broken { .. }));
+    assert!(matches!(
+        of(b"glTF"),
+        FbxError::NotFbx { .. } | FbxError::Broken { .. }
+    ));
     let refusal = of(&[0; 4096]).to_string();
     assert!(refusal.starts_with("x.fbx"), "{refusal}");
 }

@@ -18,7 +18,10 @@ fn reference_frames_are_within_tolerance() {
     let mut by_file: BTreeMap<String, Vec<(PathBuf, Frame)>> = BTreeMap::new();
     for frame in frames {
         let obj = folder.join(&frame.obj);
-        by_file.entry(frame.fbx.clone()).or_default().push((obj, frame));
+        by_file
+            .entry(frame.fbx.clone())
+            .or_default()
+            .push((obj, frame));
     }
     let mut shares = Vec::new();
     for (name, frames) in &by_file {
@@ -31,7 +34,11 @@ fn reference_frames_are_within_tolerance() {
             check.max_error,
             check.max_error_over_size,
             check.over_tolerance,
-            if dual.is_some() { ", dual quaternions" } else { "" },
+            if dual.is_some() {
+                ", dual quaternions"
+            } else {
+                ""
+            },
         );
         assert_eq!(check.frames, frames.len());
         if dual.is_none() {
@@ -60,7 +67,11 @@ fn every_file_is_as_ufbx_deforms_it() {
         // Vertices of refitted weights are held at other poses than those they were fitted to.
         let allowed = report.bound + 2.0 * report.weight_error + 1e-6 * report.size;
         let error = check.max_error * report.unit;
-        assert!(error <= allowed, "{}: {error:e} m, {allowed:e} allowed", path.display());
+        assert!(
+            error <= allowed,
+            "{}: {error:e} m, {allowed:e} allowed",
+            path.display()
+        );
         held += 1;
     }
     assert!(held > 30, "{held} files were held");
@@ -70,11 +81,20 @@ fn every_file_is_as_ufbx_deforms_it() {
 #[test]
 fn the_same_bytes_on_any_number_of_threads() {
     let Some(folder) = shared_fbx() else { return };
-    for name in ["ufbx/maya_kenney_character_7700_binary.fbx", "mesh2motion/91_48.fbx"] {
+    for name in [
+        "ufbx/maya_kenney_character_7700_binary.fbx",
+        "mesh2motion/91_48.fbx",
+    ] {
         let bytes = std::fs::read(folder.join(name)).unwrap();
         let with = |threads: usize| {
-            let options = Options { threads, ..Options::default() };
-            convert(&bytes, &Default::default(), &options).unwrap().to_glb().unwrap()
+            let options = Options {
+                threads,
+                ..Options::default()
+            };
+            convert(&bytes, &Default::default(), &options)
+                .unwrap()
+                .to_glb()
+                .unwrap()
         };
         let one = with(1);
         for threads in [1, 2, 5] {
@@ -88,7 +108,12 @@ fn the_same_bytes_on_any_number_of_threads() {
 fn fitted_weights_halve_the_error() {
     let Some(folder) = shared_fbx() else { return };
     let bytes = std::fs::read(folder.join("assimp/animation_with_skeleton.fbx")).unwrap();
-    let report = convert(&bytes, &Default::default(), &Options::default()).unwrap().report;
+    let report = convert(&bytes, &Default::default(), &Options::default())
+        .unwrap()
+        .report;
     assert_eq!(report.refitted, 721);
-    assert!(report.weight_error <= 0.5 * report.largest_weights_error, "{report:?}");
+    assert!(
+        report.weight_error <= 0.5 * report.largest_weights_error,
+        "{report:?}"
+    );
 }

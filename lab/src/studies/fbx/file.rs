@@ -24,10 +24,15 @@ pub fn files_below(folder: &Path) -> Result<Vec<FbxFile>, String> {
     while let Some(next) = folders.pop() {
         let entries = std::fs::read_dir(&next).map_err(|e| format!("{}: {e}", next.display()))?;
         for entry in entries {
-            let path = entry.map_err(|e| format!("{}: {e}", next.display()))?.path();
+            let path = entry
+                .map_err(|e| format!("{}: {e}", next.display()))?
+                .path();
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("fbx")) {
+            } else if path
+                .extension()
+                .is_some_and(|ending| ending.eq_ignore_ascii_case("fbx"))
+            {
                 paths.push(path);
             }
         }
@@ -43,7 +48,9 @@ pub fn files_below(folder: &Path) -> Result<Vec<FbxFile>, String> {
         let name = below.to_string_lossy().replace('\\', "/");
         let own = frames.iter().filter(|frame| frame.fbx == name);
         FbxFile {
-            frames: own.map(|frame| (folder.join(&frame.obj), frame.clone())).collect(),
+            frames: own
+                .map(|frame| (folder.join(&frame.obj), frame.clone()))
+                .collect(),
             name,
             path,
         }

@@ -53,11 +53,17 @@ impl Line {
     /// Converts a file and looks at what came out; writes the .glb into the lab's folder.
     pub fn of(file: &FbxFile, rivals: &Rivals, lab: &LabOptions, poses: usize) -> Self {
         let began = Instant::now();
-        let options = Options { weights: Weights::Four, ..Options::default() };
+        let options = Options {
+            weights: Weights::Four,
+            ..Options::default()
+        };
         let result = catch_unwind(AssertUnwindSafe(|| {
             check_file(&file.path, &file.frames, poses, &options)
         }));
-        let mut line = Self { file: file.name.clone(), ..Self::default() };
+        let mut line = Self {
+            file: file.name.clone(),
+            ..Self::default()
+        };
         match result {
             Ok(Ok(check)) => {
                 line.fill(&check);
@@ -89,13 +95,19 @@ impl Line {
         self.ms = check.ms;
         self.stated_error = report.error();
         self.unit = report.unit;
-        self.lost = report.lost.iter().map(|lost| lost.what.to_owned()).collect();
+        self.lost = report
+            .lost
+            .iter()
+            .map(|lost| lost.what.to_owned())
+            .collect();
         self.lost.dedup();
     }
 
     fn write(&mut self, glb: &[u8], lab: &LabOptions) {
         let Some(out) = &lab.out else { return };
-        let path = out.join("fbx").join(format!("{}.glb", self.file.replace('/', "__")));
+        let path = out
+            .join("fbx")
+            .join(format!("{}.glb", self.file.replace('/', "__")));
         let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
         if let Err(error) = folder.and_then(|()| std::fs::write(&path, glb)) {
             eprintln!("fbx: {}: {error}", path.display());

@@ -68,7 +68,10 @@ fn report(lines: &[Line], notes: Vec<String>, folder: &Path) -> Report {
     let framed: Vec<&&Line> = good.iter().filter(|line| line.frames > 0).collect();
     let dual = |line: &Line| line.lost.iter().any(|lost| lost == "dual-quaternion");
     let ratio = |pick: fn(&Line) -> (f64, f64)| {
-        let (a, b) = good.iter().map(|line| pick(line)).fold((0.0, 0.0), |s, p| (s.0 + p.0, s.1 + p.1));
+        let (a, b) = good
+            .iter()
+            .map(|line| pick(line))
+            .fold((0.0, 0.0), |s, p| (s.0 + p.0, s.1 + p.1));
         if b > 0.0 { a / b } else { 0.0 }
     };
     let summary = json!({
@@ -102,7 +105,11 @@ fn rows(line: &Line) -> Vec<Row> {
         parameter: String::new(),
         parameter_value: 0.0,
         quantity: "position over size".into(),
-        error: error.map(|max| ErrorNumbers { max, rms: f64::NAN, p99: f64::NAN }),
+        error: error.map(|max| ErrorNumbers {
+            max,
+            rms: f64::NAN,
+            p99: f64::NAN,
+        }),
         error_unit: "diagonal of the model".into(),
         time_ns: ms.map(|ms| ms * 1e6),
         bytes,
@@ -119,7 +126,11 @@ fn rows(line: &Line) -> Vec<Row> {
         Some(line.timed_ms),
         Some(line.bytes),
     )];
-    rows.extend(line.rivals.iter().map(|rival| row(rival.name, rival.error_over_size, None, rival.bytes)));
+    rows.extend(
+        line.rivals
+            .iter()
+            .map(|rival| row(rival.name, rival.error_over_size, None, rival.bytes)),
+    );
     rows
 }
 
@@ -129,10 +140,20 @@ mod tests {
 
     #[test]
     fn a_folder_that_is_not_there_is_a_note() {
-        let options = Options { folder: Some("no/such/folder".into()), ..Options::default() };
+        let options = Options {
+            folder: Some("no/such/folder".into()),
+            ..Options::default()
+        };
         let report = run(&options);
         assert!(report.rows.is_empty());
-        assert!(report.notes.iter().any(|note| note.contains("no/such/folder")), "{:?}", report.notes);
+        assert!(
+            report
+                .notes
+                .iter()
+                .any(|note| note.contains("no/such/folder")),
+            "{:?}",
+            report.notes
+        );
     }
 
     #[test]
@@ -141,9 +162,19 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         std::fs::write(folder.join("broken.fbx"), "no FBX").unwrap();
         let files = files_below(&folder).unwrap();
-        let line = Line::of(&files[0], &rivals::Rivals::default(), &Options::default(), 1);
+        let line = Line::of(
+            &files[0],
+            &rivals::Rivals::default(),
+            &Options::default(),
+            1,
+        );
         assert_eq!(line.file, "broken.fbx");
-        assert!(line.error.as_ref().is_some_and(|error| error.contains("broken.fbx")), "{line:?}");
+        assert!(
+            line.error
+                .as_ref()
+                .is_some_and(|error| error.contains("broken.fbx")),
+            "{line:?}"
+        );
         assert_eq!(line.to_json()["ok"], false);
         std::fs::remove_dir_all(folder).unwrap();
     }

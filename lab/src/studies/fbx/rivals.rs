@@ -2,8 +2,8 @@
 
 use super::file::FbxFile;
 use super::line::Line;
-use dolomite_fbx::check::{FileCheck, Played, Truth, box_size, hausdorff, read_obj};
 use dolomite_fbx::Origin;
+use dolomite_fbx::check::{FileCheck, Played, Truth, box_size, hausdorff, read_obj};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -53,12 +53,16 @@ struct Pose {
 impl Rivals {
     /// Looks for the rivals; says what is missing.
     pub fn find(notes: &mut Vec<String>) -> Self {
-        let fbx2gltf = std::env::var_os("FBX2GLTF").map(PathBuf::from).filter(|path| path.is_file());
+        let fbx2gltf = std::env::var_os("FBX2GLTF")
+            .map(PathBuf::from)
+            .filter(|path| path.is_file());
         if fbx2gltf.is_none() {
             notes.push("FBX2glTF is left out: FBX2GLTF names no file (npm: fbx2gltf)".into());
         }
         let on_path = std::env::var_os("PATH").unwrap_or_default();
-        let assimp = std::env::split_paths(&on_path).map(|folder| folder.join("assimp")).find(|path| path.is_file());
+        let assimp = std::env::split_paths(&on_path)
+            .map(|folder| folder.join("assimp"))
+            .find(|path| path.is_file());
         if assimp.is_none() {
             notes.push("Assimp is left out: no `assimp` on the path (Debian: assimp-utils)".into());
         }
@@ -83,14 +87,24 @@ impl Rivals {
         let mut run = |name: &'static str, command: &mut Command| {
             // A file that is left from the one before would be taken for the result.
             let _ = std::fs::remove_file(&out);
-            let ran = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status();
-            let glb = ran.ok().filter(std::process::ExitStatus::success).and_then(|_| std::fs::read(&out).ok());
+            let ran = command
+                .stdin(Stdio::null())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .status();
+            let glb = ran
+                .ok()
+                .filter(std::process::ExitStatus::success)
+                .and_then(|_| std::fs::read(&out).ok());
             let played = glb.as_deref().and_then(|glb| Played::read(glb).ok());
             results.push(Rival {
                 name,
                 error_over_size: played.as_ref().and_then(|played| {
                     // A result in the file's own unit is forgiven: it is held as one in metres.
-                    let (a, b) = (farthest(played, &poses, 1.0)?, farthest(played, &poses, unit)?);
+                    let (a, b) = (
+                        farthest(played, &poses, 1.0)?,
+                        farthest(played, &poses, unit)?,
+                    );
                     Some(a.min(b))
                 }),
                 ours_over_size,
@@ -103,10 +117,25 @@ impl Rivals {
             command
         };
         if let Some(program) = &self.fbx2gltf {
-            run("FBX2glTF", limited(program).arg("-b").arg("-i").arg(&file.path).arg("-o").arg(&out));
+            run(
+                "FBX2glTF",
+                limited(program)
+                    .arg("-b")
+                    .arg("-i")
+                    .arg(&file.path)
+                    .arg("-o")
+                    .arg(&out),
+            );
         }
         if let Some(program) = &self.assimp {
-            run("Assimp", limited(program).arg("export").arg(&file.path).arg(&out).arg("-fglb2"));
+            run(
+                "Assimp",
+                limited(program)
+                    .arg("export")
+                    .arg(&file.path)
+                    .arg(&out)
+                    .arg("-fglb2"),
+            );
         }
         let _ = std::fs::remove_file(&out);
         results
@@ -116,7 +145,14 @@ impl Rivals {
 /// Reference frames, or ufbx's poses at the file's frames.
 fn poses(file: &FbxFile, ours: &FileCheck, count: usize) -> Option<Vec<Pose>> {
     let bytes = std::fs::read(&file.path).ok()?;
-    let truth = Truth::load(&bytes, &Origin { name: file.name.clone(), folder: None }).ok()?;
+    let truth = Truth::load(
+        &bytes,
+        &Origin {
+            name: file.name.clone(),
+            ..Origin::default()
+        },
+    )
+    .ok()?;
     let space = truth.space();
     let clips = &ours.conversion.model.clips;
     let mut out = Vec::new();
@@ -129,7 +165,11 @@ fn poses(file: &FbxFile, ours: &FileCheck, count: usize) -> Option<Vec<Pose>> {
             clip,
             name: clip.map_or_else(String::new, |clip| clips[clip].name.clone()),
             time: frame.seconds - clip.map_or(0.0, |clip| clips[clip].begin),
-            points: read_obj(obj).ok()?.into_iter().map(|p| space.to_gltf(p)).collect(),
+            points: read_obj(obj)
+                .ok()?
+                .into_iter()
+                .map(|p| space.to_gltf(p))
+                .collect(),
         });
     }
     if out.is_empty() {
@@ -155,8 +195,17 @@ fn poses(file: &FbxFile, ours: &FileCheck, count: usize) -> Option<Vec<Pose>> {
 fn pose(truth: &Truth, clip: Option<usize>, name: &str, time: f64, begin: f64) -> Option<Pose> {
     let space = truth.space();
     let (bodies, _) = truth.at(clip, begin + time).ok()?;
-    let points = bodies.iter().flat_map(|body| &body.points).map(|p| space.to_gltf(*p)).collect();
-    Some(Pose { clip, name: name.to_owned(), time, points })
+    let points = bodies
+        .iter()
+        .flat_map(|body| &body.points)
+        .map(|p| space.to_gltf(*p))
+        .collect();
+    Some(Pose {
+        clip,
+        name: name.to_owned(),
+        time,
+        points,
+    })
 }
 
 /// The largest error over all poses, over the size of the model, of a result that is `scale` times too
@@ -170,7 +219,12 @@ fn farthest(played: &Played, poses: &[Pose], scale: f64) -> Option<f64> {
             Some(_) if names.is_empty() => None,
             Some(number) => {
                 let same = |(name, _): &(String, f64)| *name == pose.name;
-                Some(names.iter().position(same).unwrap_or(number.min(names.len() - 1)))
+                Some(
+                    names
+                        .iter()
+                        .position(same)
+                        .unwrap_or(number.min(names.len() - 1)),
+                )
             }
         };
         let (shapes, _) = played.at(clip, pose.time);
@@ -198,16 +252,35 @@ pub(super) fn compared(lines: &[&Line]) -> Value {
             .iter()
             .flat_map(|line| &line.rivals)
             .filter(|rival| rival.name == name)
-            .map(|rival| (rival.ours_over_size, rival.error_over_size.unwrap_or(f64::INFINITY)))
+            .map(|rival| {
+                (
+                    rival.ours_over_size,
+                    rival.error_over_size.unwrap_or(f64::INFINITY),
+                )
+            })
             .collect();
-        let near = pairs.iter().filter(|(ours, theirs)| *ours <= theirs.max(EQUAL)).count();
-        let worse = pairs.iter().filter(|(ours, theirs)| *ours > WRONG && *theirs <= WRONG).count();
+        let near = pairs
+            .iter()
+            .filter(|(ours, theirs)| *ours <= theirs.max(EQUAL))
+            .count();
+        let worse = pairs
+            .iter()
+            .filter(|(ours, theirs)| *ours > WRONG && *theirs <= WRONG)
+            .count();
         let bytes = |pick: fn(&Line) -> usize| -> usize {
-            let both = lines.iter().filter(|line| line.rivals.iter().any(|r| r.name == name && r.bytes.is_some()));
+            let both = lines.iter().filter(|line| {
+                line.rivals
+                    .iter()
+                    .any(|r| r.name == name && r.bytes.is_some())
+            });
             both.map(|line| pick(line)).sum()
         };
-        let theirs: usize =
-            lines.iter().flat_map(|line| &line.rivals).filter(|r| r.name == name).filter_map(|r| r.bytes).sum();
+        let theirs: usize = lines
+            .iter()
+            .flat_map(|line| &line.rivals)
+            .filter(|r| r.name == name)
+            .filter_map(|r| r.bytes)
+            .sum();
         json!({
             "files": pairs.len(),
             "ours_at_least_as_near": near,

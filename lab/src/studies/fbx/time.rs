@@ -14,6 +14,7 @@ pub(super) fn timed(path: &Path, repeats: usize) -> (f64, f64) {
     let origin = Origin {
         name: path.display().to_string(),
         folder: path.parent().map(Path::to_owned),
+        ..Origin::default()
     };
     let median = |work: &dyn Fn()| {
         let run = |_| {

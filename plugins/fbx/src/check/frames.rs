@@ -98,7 +98,10 @@ pub fn read_obj(path: &Path) -> Result<Vec<DVec3>, CheckError> {
         let mut next = || numbers.next()?.ok();
         Some(DVec3::new(next()?, next()?, next()?))
     };
-    Ok(text.lines().filter_map(|line| vertex(line.trim_start())).collect())
+    Ok(text
+        .lines()
+        .filter_map(|line| vertex(line.trim_start()))
+        .collect())
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, CheckError> {
@@ -112,7 +115,11 @@ fn read(path: &Path) -> Result<Vec<u8>, CheckError> {
 pub fn box_size(points: &[DVec3]) -> f64 {
     let low = points.iter().fold(DVec3::INFINITY, |a, b| a.min(*b));
     let high = points.iter().fold(DVec3::NEG_INFINITY, |a, b| a.max(*b));
-    if points.is_empty() { 0.0 } else { (high - low).length() }
+    if points.is_empty() {
+        0.0
+    } else {
+        (high - low).length()
+    }
 }
 
 /// Converts `path`, reads the result back and holds it against those of `frames` that are its own;
@@ -130,6 +137,7 @@ pub fn check_file(
     let origin = Origin {
         name: path.display().to_string(),
         folder: path.parent().map(Path::to_owned),
+        ..Origin::default()
     };
     let began = Instant::now();
     let conversion = convert(&bytes, &origin, options)?;
@@ -193,17 +201,21 @@ impl FileCheck {
         truth: &Truth,
     ) -> Result<(), CheckError> {
         let (sources, space) = (self.conversion.sources(), truth.space());
-        let mut hold = |clip: Option<usize>, time: f64, on_the_clock: f64| -> Result<(), CheckError> {
-            let (shapes, _) = played.at(clip, time);
-            let (bodies, _) = truth.at(clip, on_the_clock)?;
-            let error = vertex_error(&shapes, &bodies, &space, &sources) / space.unit;
-            let all: Vec<DVec3> = bodies.iter().flat_map(|body| body.points.iter().copied()).collect();
-            self.max_error = self.max_error.max(error);
-            if error > 0.0 {
-                self.max_error_over_size = self.max_error_over_size.max(error / box_size(&all));
-            }
-            Ok(())
-        };
+        let mut hold =
+            |clip: Option<usize>, time: f64, on_the_clock: f64| -> Result<(), CheckError> {
+                let (shapes, _) = played.at(clip, time);
+                let (bodies, _) = truth.at(clip, on_the_clock)?;
+                let error = vertex_error(&shapes, &bodies, &space, &sources) / space.unit;
+                let all: Vec<DVec3> = bodies
+                    .iter()
+                    .flat_map(|body| body.points.iter().copied())
+                    .collect();
+                self.max_error = self.max_error.max(error);
+                if error > 0.0 {
+                    self.max_error_over_size = self.max_error_over_size.max(error / box_size(&all));
+                }
+                Ok(())
+            };
         hold(None, 0.0, 0.0)?;
         for (number, clip) in self.conversion.model.clips.iter().enumerate() {
             let frames = (clip.duration * truth.frames_per_second()).round().max(1.0);

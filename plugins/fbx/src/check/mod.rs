@@ -84,7 +84,10 @@ mod tests {
     fn the_farthest_of_the_nearest_counts_both_ways() {
         let a = [DVec3::ZERO, DVec3::X];
         assert_eq!(hausdorff(&a, &a), 0.0);
-        assert_eq!(hausdorff(&a, &[DVec3::X, DVec3::ZERO, DVec3::new(1.0, 2.0, 0.0)]), 2.0);
+        assert_eq!(
+            hausdorff(&a, &[DVec3::X, DVec3::ZERO, DVec3::new(1.0, 2.0, 0.0)]),
+            2.0
+        );
         assert_eq!(hausdorff(&a, &[]), f64::INFINITY);
         assert_eq!(hausdorff(&[], &[]), 0.0);
     }

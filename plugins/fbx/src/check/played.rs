@@ -63,21 +63,36 @@ impl Played {
                 parents[child.index()] = Some(node.index());
             }
         }
-        let nodes: Vec<Node> = document.nodes().map(|node| read_node(&node, &parents)).collect();
-        let meshes = document.meshes().map(|mesh| read_mesh(&mesh, &blob)).collect::<Result<_, _>>()?;
+        let nodes: Vec<Node> = document
+            .nodes()
+            .map(|node| read_node(&node, &parents))
+            .collect();
+        let meshes = document
+            .meshes()
+            .map(|mesh| read_mesh(&mesh, &blob))
+            .collect::<Result<_, _>>()?;
         Ok(Self {
             animation_bytes: animation_bytes(&document),
             order: order(&parents),
             nodes,
             meshes,
-            skins: document.skins().map(|skin| read_skin(&skin, &blob)).collect::<Result<_, _>>()?,
-            clips: document.animations().map(|clip| read_clip(&clip, &blob)).collect::<Result<_, _>>()?,
+            skins: document
+                .skins()
+                .map(|skin| read_skin(&skin, &blob))
+                .collect::<Result<_, _>>()?,
+            clips: document
+                .animations()
+                .map(|clip| read_clip(&clip, &blob))
+                .collect::<Result<_, _>>()?,
         })
     }
 
     /// Names and seconds of the clips.
     pub fn clips(&self) -> Vec<(String, f64)> {
-        self.clips.iter().map(|clip| (clip.name.clone(), clip.duration)).collect()
+        self.clips
+            .iter()
+            .map(|clip| (clip.name.clone(), clip.duration))
+            .collect()
     }
 
     /// Bytes of all keys and times; accessors that several channels share count once.
@@ -92,7 +107,9 @@ impl Played {
         let mut weights: Vec<Option<Vec<f64>>> = vec![None; self.nodes.len()];
         if let Some(clip) = clip.and_then(|clip| self.clips.get(clip)) {
             let mut players: Vec<Player> = clip.channels.iter().map(Player::new).collect();
-            play(&mut players, time, &mut pose, |node, w| weights[node] = Some(w.to_vec()));
+            play(&mut players, time, &mut pose, |node, w| {
+                weights[node] = Some(w.to_vec())
+            });
         }
         let mut world = vec![DMat4::IDENTITY; self.nodes.len()];
         for &node in &self.order {
@@ -135,17 +152,23 @@ impl Played {
                 });
             }
         }
-        Some(Shape { mesh: number, points })
+        Some(Shape {
+            mesh: number,
+            points,
+        })
     }
 }
 
 fn animation_bytes(document: &gltf::Document) -> usize {
     let samplers = document.animations().flat_map(|clip| {
         let samplers: Vec<_> = clip.samplers().collect();
-        samplers.into_iter().flat_map(|sampler| [sampler.input(), sampler.output()])
+        samplers
+            .into_iter()
+            .flat_map(|sampler| [sampler.input(), sampler.output()])
     });
-    let sizes: BTreeMap<usize, usize> =
-        samplers.map(|accessor| (accessor.index(), accessor.count() * accessor.size())).collect();
+    let sizes: BTreeMap<usize, usize> = samplers
+        .map(|accessor| (accessor.index(), accessor.count() * accessor.size()))
+        .collect();
     sizes.values().sum()
 }
 
@@ -174,16 +197,23 @@ fn read_mesh(mesh: &gltf::Mesh, blob: &[u8]) -> Result<Mesh, PlayedError> {
     let mut parts = Vec::new();
     for primitive in mesh.primitives() {
         let reader = primitive.reader(|_| Some(blob));
-        let positions = reader.read_positions().ok_or(PlayedError::Missing("positions"))?;
+        let positions = reader
+            .read_positions()
+            .ok_or(PlayedError::Missing("positions"))?;
         let positions: Vec<DVec3> = positions.map(vec3).collect();
         let mut joints = vec![Vec::new(); positions.len()];
         for set in 0..2 {
-            let (Some(numbers), Some(weights)) = (reader.read_joints(set), reader.read_weights(set)) else {
+            let (Some(numbers), Some(weights)) =
+                (reader.read_joints(set), reader.read_weights(set))
+            else {
                 continue;
             };
             let pairs = numbers.into_u16().zip(weights.into_f32());
             for (list, (numbers, weights)) in joints.iter_mut().zip(pairs) {
-                let pairs = numbers.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0);
+                let pairs = numbers
+                    .into_iter()
+                    .zip(weights)
+                    .filter(|(_, weight)| *weight > 0.0);
                 list.extend(pairs.map(|(joint, weight)| (usize::from(joint), f64::from(weight))));
             }
         }
@@ -192,19 +222,32 @@ fn read_mesh(mesh: &gltf::Mesh, blob: &[u8]) -> Result<Mesh, PlayedError> {
             let moved = moved.ok_or(PlayedError::Missing("positions of a target"))?;
             offsets.push(moved.map(vec3).collect());
         }
-        parts.push(Part { positions, offsets, joints });
+        parts.push(Part {
+            positions,
+            offsets,
+            joints,
+        });
     }
-    let weights = mesh.weights().unwrap_or(&[]).iter().map(|&w| f64::from(w)).collect();
+    let weights = mesh
+        .weights()
+        .unwrap_or(&[])
+        .iter()
+        .map(|&w| f64::from(w))
+        .collect();
     Ok(Mesh { weights, parts })
 }
 
 fn read_skin(skin: &gltf::Skin, blob: &[u8]) -> Result<Skin, PlayedError> {
     let reader = skin.reader(|_| Some(blob));
-    let matrices = reader.read_inverse_bind_matrices().ok_or(PlayedError::Missing("bind matrices"))?;
+    let matrices = reader
+        .read_inverse_bind_matrices()
+        .ok_or(PlayedError::Missing("bind matrices"))?;
     Ok(Skin {
         name: skin.name().unwrap_or_default().to_owned(),
         joints: skin.joints().map(|joint| joint.index()).collect(),
-        inverse_bind: matrices.map(|m| Mat4::from_cols_array_2d(&m).as_dmat4()).collect(),
+        inverse_bind: matrices
+            .map(|m| Mat4::from_cols_array_2d(&m).as_dmat4())
+            .collect(),
     })
 }
 
@@ -212,13 +255,22 @@ fn read_clip(clip: &gltf::Animation, blob: &[u8]) -> Result<Clip, PlayedError> {
     let mut channels = Vec::new();
     for channel in clip.channels() {
         let reader = channel.reader(|_| Some(blob));
-        let times: Vec<f32> = reader.read_inputs().ok_or(PlayedError::Missing("times"))?.collect();
+        let times: Vec<f32> = reader
+            .read_inputs()
+            .ok_or(PlayedError::Missing("times"))?
+            .collect();
         let outputs = reader.read_outputs().ok_or(PlayedError::Missing("keys"))?;
         let (property, values): (_, Vec<f32>) = match outputs {
-            ReadOutputs::Translations(values) => (Property::Translation, values.flatten().collect()),
-            ReadOutputs::Rotations(values) => (Property::Rotation, values.into_f32().flatten().collect()),
+            ReadOutputs::Translations(values) => {
+                (Property::Translation, values.flatten().collect())
+            }
+            ReadOutputs::Rotations(values) => {
+                (Property::Rotation, values.into_f32().flatten().collect())
+            }
             ReadOutputs::Scales(values) => (Property::Scale, values.flatten().collect()),
-            ReadOutputs::MorphTargetWeights(values) => (Property::Weights, values.into_f32().collect()),
+            ReadOutputs::MorphTargetWeights(values) => {
+                (Property::Weights, values.into_f32().collect())
+            }
         };
         channels.push(Channel {
             node: channel.target().node().index(),
@@ -233,7 +285,9 @@ fn read_clip(clip: &gltf::Animation, blob: &[u8]) -> Result<Clip, PlayedError> {
             short: false,
         });
     }
-    let last = channels.iter().filter_map(|channel| channel.times.last().copied());
+    let last = channels
+        .iter()
+        .filter_map(|channel| channel.times.last().copied());
     Ok(Clip {
         name: clip.name().unwrap_or_default().to_owned(),
         begin: 0.0,

@@ -89,14 +89,24 @@ impl Truth {
     /// Frames a second, at least 1.
     pub fn frames_per_second(&self) -> f64 {
         let frames = self.scene.settings.frames_per_second;
-        if frames.is_finite() { frames.clamp(1.0, 1000.0) } else { 30.0 }
+        if frames.is_finite() {
+            frames.clamp(1.0, 1000.0)
+        } else {
+            30.0
+        }
     }
 
     /// Names and ranges (seconds on the file's clock) of the animation stacks.
     pub fn stacks(&self) -> Vec<(String, f64, f64)> {
         (&self.scene.anim_stacks)
             .into_iter()
-            .map(|stack| (stack.element.name.to_string(), stack.time_begin, stack.time_end))
+            .map(|stack| {
+                (
+                    stack.element.name.to_string(),
+                    stack.time_begin,
+                    stack.time_end,
+                )
+            })
             .collect()
     }
 
@@ -115,7 +125,10 @@ impl Truth {
             detail: error.description.to_string(),
         };
         let posed;
-        let options = EvaluateOpts { evaluate_skinning: true, ..EvaluateOpts::default() };
+        let options = EvaluateOpts {
+            evaluate_skinning: true,
+            ..EvaluateOpts::default()
+        };
         let scene: &ufbx::Scene = match stack {
             Some(stack) => {
                 let anim: &ufbx::Anim = &self.scene.anim_stacks[stack].anim;
@@ -149,7 +162,9 @@ impl Truth {
                 points: points.iter().map(place).collect(),
             });
         }
-        let places = places.into_iter().filter_map(|(name, place)| Some((name, place?)));
+        let places = places
+            .into_iter()
+            .filter_map(|(name, place)| Some((name, place?)));
         Ok((bodies, places.collect()))
     }
 }

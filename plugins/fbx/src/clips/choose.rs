@@ -65,21 +65,36 @@ pub(crate) fn weights(
         let each = a.iter().zip(b).zip(reach);
         each.map(|((a, b), reach)| (a - b).abs() * reach).sum()
     };
-    choose(sampled, Property::Weights, values, rest, distance, tolerance, false)
+    choose(
+        sampled,
+        Property::Weights,
+        values,
+        rest,
+        distance,
+        tolerance,
+        false,
+    )
 }
 
 /// Keys of a rotation within `tolerance` radians. `values` lie on one side each of the last.
-pub(crate) fn rotation(
-    sampled: &Sampled,
-    values: &[DQuat],
-    rest: DQuat,
-    tolerance: f64,
-) -> Choice {
+pub(crate) fn rotation(sampled: &Sampled, values: &[DQuat], rest: DQuat, tolerance: f64) -> Choice {
     let distance = |a: &DQuat, b: &DQuat| angle(*a, *b);
     // Half the bytes for a part of the tolerance, where it is a small one.
     let short = tolerance > SHORT_WORTH * SHORT_ERROR;
-    let tolerance = if short { tolerance - SHORT_ERROR } else { tolerance };
-    choose(sampled, Property::Rotation, values, &rest, distance, tolerance, short)
+    let tolerance = if short {
+        tolerance - SHORT_ERROR
+    } else {
+        tolerance
+    };
+    choose(
+        sampled,
+        Property::Rotation,
+        values,
+        &rest,
+        distance,
+        tolerance,
+        short,
+    )
 }
 
 fn choose<V: Value>(
@@ -104,11 +119,18 @@ fn choose<V: Value>(
     };
     if let Some(value) = signal.constant(rest, tolerance) {
         let at_rest = value == *rest;
-        let keys = Keys { at: vec![0], tangents: Vec::new() };
+        let keys = Keys {
+            at: vec![0],
+            tangents: Vec::new(),
+        };
         let channel = channel(sampled, property, &[value], &keys, Interpolation::Linear);
         return Choice { channel, at_rest };
     }
-    let linear = || signal.linear(tolerance).map(|keys| make(&keys, Interpolation::Linear));
+    let linear = || {
+        signal
+            .linear(tolerance)
+            .map(|keys| make(&keys, Interpolation::Linear))
+    };
     let cubic = || make(&signal.cubic(tolerance), Interpolation::Cubic);
     let channel = match (signal.steps(tolerance), sampled.kinds) {
         (Some(keys), _) => make(&keys, Interpolation::Step),
@@ -122,18 +144,28 @@ fn choose<V: Value>(
             Some(linear) if linear.times.len() * 3 > sampled.stops.len() * 2 => linear,
             Some(linear) => {
                 let cubic = cubic();
-                if bytes(&cubic) < bytes(&linear) { cubic } else { linear }
+                if bytes(&cubic) < bytes(&linear) {
+                    cubic
+                } else {
+                    linear
+                }
             }
             None => cubic(),
         },
     };
     // Keys of which the times are kept anyway.
-    let on_common = signal.linear_on(sampled.common, tolerance).map(|keys| make(&keys, Interpolation::Linear));
-    let channel = match on_common.filter(|other| bytes(other) - other.times.len() * 4 < bytes(&channel)) {
-        Some(other) => other,
-        None => channel,
-    };
-    Choice { channel, at_rest: false }
+    let on_common = signal
+        .linear_on(sampled.common, tolerance)
+        .map(|keys| make(&keys, Interpolation::Linear));
+    let channel =
+        match on_common.filter(|other| bytes(other) - other.times.len() * 4 < bytes(&channel)) {
+            Some(other) => other,
+            None => channel,
+        };
+    Choice {
+        channel,
+        at_rest: false,
+    }
 }
 
 fn channel<V: Value>(

@@ -34,13 +34,21 @@ pub(crate) struct Keys<V> {
 impl<V: Value, D: Fn(&V, &V) -> f64> Signal<'_, V, D> {
     /// One value within `tolerance` of all samples: `wanted` if it is, else one of the signal's own.
     pub(crate) fn constant(&self, wanted: &V, tolerance: f64) -> Option<V> {
-        let near = |value: &V| self.values.iter().all(|v| (self.distance)(v, value) <= tolerance);
+        let near = |value: &V| {
+            self.values
+                .iter()
+                .all(|v| (self.distance)(v, value) <= tolerance)
+        };
         if near(wanted) {
             return Some(wanted.clone());
         }
         let first = self.values.first()?;
         // Cheap to refuse: most signals that move leave the tolerance at once.
-        if !self.values.iter().all(|v| (self.distance)(v, first) <= 2.0 * tolerance) {
+        if !self
+            .values
+            .iter()
+            .all(|v| (self.distance)(v, first) <= 2.0 * tolerance)
+        {
             return None;
         }
         let mut mean = first.zero();
@@ -64,19 +72,28 @@ impl<V: Value, D: Fn(&V, &V) -> f64> Signal<'_, V, D> {
             }
             at.push(i);
         }
-        Some(Keys { at, tangents: Vec::new() })
+        Some(Keys {
+            at,
+            tangents: Vec::new(),
+        })
     }
 
     /// Keys on all of `wanted`, with straight lines between them; `None` where these are not near enough.
     pub(crate) fn linear_on(&self, wanted: &[usize], tolerance: f64) -> Option<Keys<V>> {
         let fits = |pair: &[usize]| self.is_straight(pair[0], pair[1], tolerance);
-        wanted.windows(2).all(fits).then(|| Keys { at: wanted.to_vec(), tangents: Vec::new() })
+        wanted.windows(2).all(fits).then(|| Keys {
+            at: wanted.to_vec(),
+            tangents: Vec::new(),
+        })
     }
 
     /// Keys with straight lines between them; `None` where none are near enough.
     pub(crate) fn linear(&self, tolerance: f64) -> Option<Keys<V>> {
         let (at, found) = self.walk(|from, to| self.is_straight(from, to, tolerance).then_some(()));
-        (found.len() + 1 == at.len()).then_some(Keys { at, tangents: Vec::new() })
+        (found.len() + 1 == at.len()).then_some(Keys {
+            at,
+            tangents: Vec::new(),
+        })
     }
 
     fn is_straight(&self, from: usize, to: usize, tolerance: f64) -> bool {
@@ -94,9 +111,20 @@ impl<V: Value, D: Fn(&V, &V) -> f64> Signal<'_, V, D> {
     /// Keys with cubics between them.
     pub(crate) fn cubic(&self, tolerance: f64) -> Keys<V> {
         let (at, tangents) = self.walk(|from, to| {
-            let nothing_between = self.stops.binary_search(&from).is_ok_and(|i| self.stops.get(i + 1) == Some(&to));
+            let nothing_between = self
+                .stops
+                .binary_search(&from)
+                .is_ok_and(|i| self.stops.get(i + 1) == Some(&to));
             // Between neighbours there is nothing nearer than what the fit gives.
-            self.stretch(from, to, if nothing_between { f64::INFINITY } else { tolerance })
+            self.stretch(
+                from,
+                to,
+                if nothing_between {
+                    f64::INFINITY
+                } else {
+                    tolerance
+                },
+            )
         });
         Keys { at, tangents }
     }
@@ -109,7 +137,11 @@ impl<V: Value, D: Fn(&V, &V) -> f64> Signal<'_, V, D> {
         // No stretch goes across a jump: where the next one is, from each stop on.
         let mut walls = vec![last; last + 1];
         for i in (0..last).rev() {
-            walls[i] = if self.jumps[self.stops[i]] { i } else { walls[i + 1] };
+            walls[i] = if self.jumps[self.stops[i]] {
+                i
+            } else {
+                walls[i + 1]
+            };
         }
         let (mut at, mut found) = (vec![0], Vec::new());
         let (mut from, mut stride) = (0, 4);
@@ -212,7 +244,13 @@ mod tests {
     ) -> Signal<'a, DVec3, impl Fn(&DVec3, &DVec3) -> f64> {
         let distance = |a: &DVec3, b: &DVec3| (*a - *b).length();
         let stops: &[usize] = Box::leak((0..times.len()).collect());
-        Signal { times, jumps, stops, values, distance }
+        Signal {
+            times,
+            jumps,
+            stops,
+            values,
+            distance,
+        }
     }
 
     fn sampled(of: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<bool>, Vec<DVec3>) {
@@ -228,13 +266,19 @@ mod tests {
         assert_eq!(keys.at, [0, 100]);
         let (out, into) = keys.tangents[0];
         assert!((out - DVec3::new(1.0, 0.0, -1.0)).length() < 1e-6, "{out}");
-        assert!((into - DVec3::new(7.0, 0.0, -1.0)).length() < 1e-6, "{into}");
+        assert!(
+            (into - DVec3::new(7.0, 0.0, -1.0)).length() < 1e-6,
+            "{into}"
+        );
     }
 
     #[test]
     fn a_bent_line_is_two_lines() {
         let (times, jumps, values) = sampled(|t| (t - 0.4).max(0.0));
-        assert_eq!(signal(&times, &jumps, &values).linear(1e-9).unwrap().at, [0, 40, 100]);
+        assert_eq!(
+            signal(&times, &jumps, &values).linear(1e-9).unwrap().at,
+            [0, 40, 100]
+        );
     }
 
     #[test]
@@ -256,7 +300,10 @@ mod tests {
     fn keys_stand_on_stops_alone() {
         let (times, jumps, values) = sampled(|t| (3.0 * t).powi(2));
         let stops: Vec<usize> = (0..=100).step_by(4).collect();
-        let signal = Signal { stops: &stops, ..signal(&times, &jumps, &values) };
+        let signal = Signal {
+            stops: &stops,
+            ..signal(&times, &jumps, &values)
+        };
         let keys = signal.linear(0.02).unwrap();
         assert!(keys.at.iter().all(|at| at % 4 == 0));
         // Neighbours are farther off the arc than this: 9 * (0.02)^2.
@@ -274,7 +321,12 @@ mod tests {
         // Z falls all the while: no steps.
         assert_eq!(signal.steps(1e-9), None);
         let still: Vec<DVec3> = values.iter().map(|v| v.with_z(0.0)).collect();
-        let steps = Signal { values: &still, ..signal }.steps(1e-9).unwrap();
+        let steps = Signal {
+            values: &still,
+            ..signal
+        }
+        .steps(1e-9)
+        .unwrap();
         assert_eq!(steps.at, [0, 31]);
     }
 

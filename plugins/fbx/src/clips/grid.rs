@@ -79,10 +79,18 @@ struct Rate {
 impl Rate {
     fn of(scene: &Scene, options: &Options) -> Self {
         let frames = scene.settings.frames_per_second;
-        let frames = if frames.is_finite() { frames.clamp(1.0, 1000.0) } else { 30.0 };
+        let frames = if frames.is_finite() {
+            frames.clamp(1.0, 1000.0)
+        } else {
+            30.0
+        };
         Self {
             samples: options.sample_rate,
-            frame: if options.within_frames { 0.0 } else { 1.0 / frames },
+            frame: if options.within_frames {
+                0.0
+            } else {
+                1.0 / frames
+            },
         }
     }
 
@@ -118,12 +126,20 @@ impl Grid {
         let keys = keys(scene, stack, budget)?;
         let (begin, end) = range(stack, &keys);
         let mut marks = vec![Mark::at(begin)];
-        marks.extend(keys.iter().copied().filter(|k| k.time > begin && k.time < end));
+        marks.extend(
+            keys.iter()
+                .copied()
+                .filter(|k| k.time > begin && k.time < end),
+        );
         if end > begin {
             marks.push(Mark::at(end));
         }
         for mark in keys.iter().filter(|k| k.time == begin || k.time == end) {
-            let same = if mark.time == begin { 0 } else { marks.len() - 1 };
+            let same = if mark.time == begin {
+                0
+            } else {
+                marks.len() - 1
+            };
             marks[same].before |= mark.before;
             marks[same].after |= mark.after;
             marks[same].swing = marks[same].swing.max(mark.swing);
@@ -243,7 +259,11 @@ impl Mark {
 }
 
 fn before(x: f32) -> f32 {
-    if x > 0.0 { f32::from_bits(x.to_bits() - 1) } else { 0.0 }
+    if x > 0.0 {
+        f32::from_bits(x.to_bits() - 1)
+    } else {
+        0.0
+    }
 }
 
 fn after(x: f32) -> f32 {
@@ -279,10 +299,18 @@ fn keys(scene: &Scene, stack: &AnimStack, budget: &Budget) -> Result<Vec<Mark>, 
                 continue;
             }
             let turns = name == "Lcl Rotation";
-            let curves: Vec<&[ufbx::Keyframe]> =
-                prop.anim_value.curves.iter().flatten().map(|curve| &*curve.keyframes).collect();
+            let curves: Vec<&[ufbx::Keyframe]> = prop
+                .anim_value
+                .curves
+                .iter()
+                .flatten()
+                .map(|curve| &*curve.keyframes)
+                .collect();
             for (number, keys) in curves.iter().enumerate() {
-                let others = curves.iter().enumerate().filter(|(other, _)| *other != number);
+                let others = curves
+                    .iter()
+                    .enumerate()
+                    .filter(|(other, _)| *other != number);
                 let others: Vec<&[ufbx::Keyframe]> = others.map(|(_, keys)| *keys).collect();
                 merge(&mut all, keys, turns.then_some(&others));
             }
@@ -290,7 +318,11 @@ fn keys(scene: &Scene, stack: &AnimStack, budget: &Budget) -> Result<Vec<Mark>, 
     }
     // Weights of layers are curves of the layer, in whichever layer they lie.
     for value in &scene.anim_values {
-        let of_layer = value.element.connections_src.iter().any(|c| c.dst.type_ == ElementType::AnimLayer && c.dst_prop.length > 0);
+        let of_layer = value
+            .element
+            .connections_src
+            .iter()
+            .any(|c| c.dst.type_ == ElementType::AnimLayer && c.dst_prop.length > 0);
         if of_layer {
             for curve in value.curves.iter().flatten() {
                 merge(&mut all, &curve.keyframes, None);
@@ -309,14 +341,24 @@ fn merge(all: &mut Vec<Mark>, keys: &[ufbx::Keyframe], others: Option<&Vec<&[ufb
     };
     let mut at = 0;
     let mut new: Vec<Mark> = Vec::new();
-    for (i, key) in keys.iter().enumerate().filter(|(_, key)| key.time.is_finite()) {
+    for (i, key) in keys
+        .iter()
+        .enumerate()
+        .filter(|(_, key)| key.time.is_finite())
+    {
         let mark = Mark {
             time: key.time,
             before: i > 0 && keys[i - 1].interpolation == Interpolation::ConstantPrev,
             after: key.interpolation == Interpolation::ConstantNext,
-            swing: if others.is_some() { change(keys, i) } else { 0.0 },
+            swing: if others.is_some() {
+                change(keys, i)
+            } else {
+                0.0
+            },
             spin: match others {
-                Some(others) if !others.iter().any(|other| change(other, i) > SPIN) => change(keys, i),
+                Some(others) if !others.iter().any(|other| change(other, i) > SPIN) => {
+                    change(keys, i)
+                }
                 _ => 0.0,
             },
         };
@@ -347,16 +389,32 @@ mod tests {
     fn times_grow_and_steps_have_two_sides() {
         let marks = [
             Mark::at(1.0),
-            Mark { before: true, ..Mark::at(1.5) },
-            Mark { after: true, ..Mark::at(2.0) },
+            Mark {
+                before: true,
+                ..Mark::at(1.5)
+            },
+            Mark {
+                after: true,
+                ..Mark::at(2.0)
+            },
             Mark::at(2.5),
         ];
-        let grid = Grid::through(&marks, 1.0, Some(Rate { samples: 2.0, frame: 0.0 }));
+        let grid = Grid::through(
+            &marks,
+            1.0,
+            Some(Rate {
+                samples: 2.0,
+                frame: 0.0,
+            }),
+        );
         assert!(grid.labels.windows(2).all(|w| w[0] < w[1]), "{grid:?}");
         assert!(grid.times.windows(2).all(|w| w[0] < w[1]), "{grid:?}");
         assert_eq!(grid.labels[0], 0.0);
         assert_eq!(*grid.labels.last().unwrap(), 1.5);
-        let jumps: Vec<f32> = (0..grid.len()).filter(|&i| grid.jumps[i]).map(|i| grid.labels[i]).collect();
+        let jumps: Vec<f32> = (0..grid.len())
+            .filter(|&i| grid.jumps[i])
+            .map(|i| grid.labels[i])
+            .collect();
         assert_eq!(jumps, [before(0.5), 1.0]);
         // The far side of a step that comes after its key.
         assert!(grid.labels.contains(&after(1.0)));
@@ -372,7 +430,10 @@ mod tests {
     #[test]
     fn keys_of_one_frame_have_nothing_between_them() {
         let frame = 1.0 / 30.0;
-        let rate = Rate { samples: 60.0, frame };
+        let rate = Rate {
+            samples: 60.0,
+            frame,
+        };
         let marks = [Mark::at(0.0), Mark::at(frame), Mark::at(3.0 * frame)];
         let grid = Grid::through(&marks, 0.0, Some(rate));
         assert_eq!(grid.len(), 6, "{grid:?}");

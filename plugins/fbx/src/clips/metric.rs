@@ -41,7 +41,10 @@ impl Shells {
             };
             let morph: f64 = mesh.targets.iter().map(|target| target.reach).sum();
             for part in &mesh.parts {
-                let positions = part.positions.iter().map(|p| glam::Vec3::from(*p).as_dvec3());
+                let positions = part
+                    .positions
+                    .iter()
+                    .map(|p| glam::Vec3::from(*p).as_dvec3());
                 let Some(skin) = node.skin.map(|skin| &model.skins[skin]) else {
                     let far = positions.map(DVec3::length).fold(0.0, f64::max);
                     vertices[number] = vertices[number].max(far + morph);
@@ -62,7 +65,11 @@ impl Shells {
                 }
             }
         }
-        Self { order: order(&parents), parents, vertices }
+        Self {
+            order: order(&parents),
+            parents,
+            vertices,
+        }
     }
 
     /// Matrices to the world, for nodes in `order`.
@@ -70,7 +77,8 @@ impl Shells {
         out.resize(pose.len(), DAffine3::IDENTITY);
         for &node in &self.order {
             let own = pose[node];
-            let own = DAffine3::from_scale_rotation_translation(own.scale, own.rotation, own.translation);
+            let own =
+                DAffine3::from_scale_rotation_translation(own.scale, own.rotation, own.translation);
             out[node] = match self.parents[node] {
                 Some(parent) => out[parent] * own,
                 None => own,
@@ -88,7 +96,9 @@ impl Shells {
                 let (c, d) = (m.matrix3.col(axis), n.matrix3.col(axis));
                 let shell = self.vertices[node].max(SHELL / c.length().max(1e-9));
                 let swing = (d - c) * shell;
-                let far = (shift + swing).length_squared().max((shift - swing).length_squared());
+                let far = (shift + swing)
+                    .length_squared()
+                    .max((shift - swing).length_squared());
                 farthest = farthest.max(far);
             }
         }
@@ -110,7 +120,11 @@ impl Shells {
     /// For each node, the most that its properties move of what hangs on it, over `poses`.
     pub(crate) fn leverage<'a>(&self, poses: impl Iterator<Item = &'a Pose>) -> Vec<Leverage> {
         let mut out = vec![
-            Leverage { translation: 1e-9, rotation: 1e-9, scale: 1e-9 };
+            Leverage {
+                translation: 1e-9,
+                rotation: 1e-9,
+                scale: 1e-9
+            };
             self.parents.len()
         ];
         let mut world = Vec::new();

@@ -21,7 +21,11 @@ impl<'a> Player<'a> {
             _ => 1,
         };
         let width = channel.values.len() / (channel.times.len() * values).max(1);
-        Self { channel, width, at: 0 }
+        Self {
+            channel,
+            width,
+            at: 0,
+        }
     }
 
     /// Numbers of a value.
@@ -41,7 +45,10 @@ impl<'a> Player<'a> {
         }
         let at = self.at;
         let begin = f64::from(times[at]);
-        if at + 1 == times.len() || time <= begin || self.channel.interpolation == Interpolation::Step {
+        if at + 1 == times.len()
+            || time <= begin
+            || self.channel.interpolation == Interpolation::Step
+        {
             self.copy(at, out);
             return;
         }
@@ -78,7 +85,8 @@ impl<'a> Player<'a> {
     fn linear(&self, at: usize, share: f64, out: &mut [f64]) {
         let (from, to) = (self.key(at), self.key(at + 1));
         if self.channel.property == Property::Rotation {
-            let quat = |k: &[f32]| DQuat::from_array([0, 1, 2, 3].map(|i| f64::from(k[i]))).finish();
+            let quat =
+                |k: &[f32]| DQuat::from_array([0, 1, 2, 3].map(|i| f64::from(k[i]))).finish();
             let mixed = DQuat::on_line(&DQuat::line(&quat(from), &quat(to)), share);
             out.copy_from_slice(&mixed.to_array());
             return;

@@ -77,8 +77,14 @@ pub(crate) fn reduce(
             (work.error(&choices, options), choices)
         }
     };
-    let keys = choices.iter().map(|choice| choice.channel.times.len()).sum();
-    let moving = choices.iter().filter(|choice| choice.channel.times.len() > 1).count();
+    let keys = choices
+        .iter()
+        .map(|choice| choice.channel.times.len())
+        .sum();
+    let moving = choices
+        .iter()
+        .filter(|choice| choice.channel.times.len() > 1)
+        .count();
     let at_rest = choices.iter().map(|choice| choice.at_rest).collect();
     let last = samples.grid.labels.last().copied().unwrap_or(0.0);
     Ok(Reduced {
@@ -103,7 +109,10 @@ pub(crate) fn reduce(
 /// Bytes of all channels; equal times are kept once.
 fn bytes_of(choices: &[Choice]) -> usize {
     let mut known = BTreeSet::new();
-    choices.iter().map(|choice| choice.channel.bytes(&mut known)).sum()
+    choices
+        .iter()
+        .map(|choice| choice.channel.bytes(&mut known))
+        .sum()
 }
 
 /// The kind of keys that a try found smallest, for the tries after it.
@@ -175,11 +184,25 @@ impl<'a> Work<'a> {
             leverage,
             rest,
             moving,
-            columns: samples.tracks.iter().map(|track| columns(&track.poses)).collect(),
+            columns: samples
+                .tracks
+                .iter()
+                .map(|track| columns(&track.poses))
+                .collect(),
             truth: Vec::new(),
-            common: samples.stops.iter().copied().filter(|&stop| samples.grid.keys[stop]).collect(),
+            common: samples
+                .stops
+                .iter()
+                .copied()
+                .filter(|&stop| samples.grid.keys[stop])
+                .collect(),
             moved,
-            times: samples.grid.labels.iter().map(|&label| f64::from(label)).collect(),
+            times: samples
+                .grid
+                .labels
+                .iter()
+                .map(|&label| f64::from(label))
+                .collect(),
         };
         work.truth = work.worlds(options);
         work
@@ -209,17 +232,28 @@ impl<'a> Work<'a> {
         options: &Options,
         work: impl Fn(std::ops::Range<usize>) -> T + Sync,
     ) -> Vec<T> {
-        let threads = options.thread_count().min(self.samples.grid.len() * self.samples.tracks.len() / 4096).max(1);
+        let threads = options
+            .thread_count()
+            .min(self.samples.grid.len() * self.samples.tracks.len() / 4096)
+            .max(1);
         let share = count.div_ceil(threads).max(1);
-        let ranges = (0..count).step_by(share).map(|at| at..(at + share).min(count));
+        let ranges = (0..count)
+            .step_by(share)
+            .map(|at| at..(at + share).min(count));
         std::thread::scope(|scope| {
             let work = &work;
             let mut ranges = ranges.collect::<Vec<_>>().into_iter();
             let own = ranges.next();
-            let others: Vec<_> = ranges.map(|range| scope.spawn(move || work(range))).collect();
+            let others: Vec<_> = ranges
+                .map(|range| scope.spawn(move || work(range)))
+                .collect();
             let own = own.map(work);
             own.into_iter()
-                .chain(others.into_iter().map(|t| t.join().expect("nothing in it panics")))
+                .chain(
+                    others
+                        .into_iter()
+                        .map(|t| t.join().expect("nothing in it panics")),
+                )
                 .collect()
         })
     }
@@ -228,7 +262,9 @@ impl<'a> Work<'a> {
     fn choose(&self, error: f64, kinds: &[Kinds], options: &Options) -> Vec<Choice> {
         let tracks = self.samples.tracks.len();
         let parts = self.in_parts(tracks, options, |range| {
-            range.flat_map(|index| self.choose_track(index, error, kinds)).collect::<Vec<_>>()
+            range
+                .flat_map(|index| self.choose_track(index, error, kinds))
+                .collect::<Vec<_>>()
         });
         let mut choices: Vec<Choice> = parts.into_iter().flatten().collect();
         for morph in &self.samples.morphs {
@@ -242,17 +278,41 @@ impl<'a> Work<'a> {
         let lever = self.leverage[track.node];
         let rest = self.rest[track.node];
         let sampled = |property: usize| {
-            self.sampled(track.node, kinds.get(index * 3 + property).copied().unwrap_or_default())
+            self.sampled(
+                track.node,
+                kinds.get(index * 3 + property).copied().unwrap_or_default(),
+            )
         };
         [
-            vector(&sampled(0), Property::Translation, &columns.translations, rest.translation, error / lever.translation),
-            rotation(&sampled(1), &columns.rotations, rest.rotation, error / lever.rotation),
-            vector(&sampled(2), Property::Scale, &columns.scales, rest.scale, error / lever.scale),
+            vector(
+                &sampled(0),
+                Property::Translation,
+                &columns.translations,
+                rest.translation,
+                error / lever.translation,
+            ),
+            rotation(
+                &sampled(1),
+                &columns.rotations,
+                rest.rotation,
+                error / lever.rotation,
+            ),
+            vector(
+                &sampled(2),
+                Property::Scale,
+                &columns.scales,
+                rest.scale,
+                error / lever.scale,
+            ),
         ]
     }
 
     fn choose_morph(&self, morph: &super::sample::MorphTrack, error: f64) -> Vec<Choice> {
-        let values: Vec<Vec<f64>> = morph.weights.chunks(morph.targets).map(<[f64]>::to_vec).collect();
+        let values: Vec<Vec<f64>> = morph
+            .weights
+            .chunks(morph.targets)
+            .map(<[f64]>::to_vec)
+            .collect();
         let targets = &self.model.meshes[morph.mesh].targets;
         let rest: Vec<f64> = targets.iter().map(|target| target.rest).collect();
         morph
@@ -262,7 +322,13 @@ impl<'a> Work<'a> {
                 // A skinned mesh may be scaled by its joints; they are as large as their shells say.
                 let scale = self.leverage[node].translation.max(1.0);
                 let reach: Vec<f64> = targets.iter().map(|target| target.reach * scale).collect();
-                weights(&self.sampled(node, Kinds::Any), &values, &rest, &reach, error)
+                weights(
+                    &self.sampled(node, Kinds::Any),
+                    &values,
+                    &rest,
+                    &reach,
+                    error,
+                )
             })
             .collect()
     }
@@ -283,7 +349,10 @@ impl<'a> Work<'a> {
     fn error(&self, choices: &[Choice], options: &Options) -> f64 {
         let channels: Vec<&Channel> = choices.iter().map(|choice| &choice.channel).collect();
         let parts = self.in_parts(self.samples.grid.len(), options, |range| {
-            let mut players: Vec<Player> = channels.iter().map(|channel| Player::new(channel)).collect();
+            let mut players: Vec<Player> = channels
+                .iter()
+                .map(|channel| Player::new(channel))
+                .collect();
             let (mut pose, mut world) = (self.rest.clone(), Vec::new());
             let mut truth = vec![DAffine3::IDENTITY; self.rest.len()];
             let mut farthest = 0.0_f64;
@@ -297,7 +366,8 @@ impl<'a> Work<'a> {
                 for (slot, &node) in self.moved.iter().enumerate() {
                     truth[node] = self.truth[i * self.moved.len() + slot];
                 }
-                farthest = farthest.max(self.shells.distance(&truth, &world, &self.moving) + morphed);
+                farthest =
+                    farthest.max(self.shells.distance(&truth, &world, &self.moving) + morphed);
             }
             farthest
         });
@@ -305,13 +375,19 @@ impl<'a> Work<'a> {
     }
 
     fn morph_error(&self, node: usize, sample: usize, weights: &[f64]) -> f64 {
-        let Some(morph) = self.samples.morphs.iter().find(|morph| morph.nodes.contains(&node)) else {
+        let Some(morph) = self
+            .samples
+            .morphs
+            .iter()
+            .find(|morph| morph.nodes.contains(&node))
+        else {
             return 0.0;
         };
         let truth = &morph.weights[sample * morph.targets..(sample + 1) * morph.targets];
         let targets = &self.model.meshes[morph.mesh].targets;
         let each = truth.iter().zip(weights).zip(targets);
-        each.map(|((a, b), target)| (a - b).abs() * target.reach).sum()
+        each.map(|((a, b), target)| (a - b).abs() * target.reach)
+            .sum()
     }
 }
 

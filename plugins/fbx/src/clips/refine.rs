@@ -75,12 +75,17 @@ fn foretell(samples: &mut Samples) {
         return;
     }
     for track in &mut samples.tracks {
-        let poses = middles.iter().map(|middle| middle.pose(&track.poses)).collect();
+        let poses = middles
+            .iter()
+            .map(|middle| middle.pose(&track.poses))
+            .collect();
         track.poses = woven(&track.poses, &middles, poses, 1);
     }
     for morph in &mut samples.morphs {
         let of = |middle: &Middle| {
-            (0..morph.targets).map(|target| middle.morph(&morph.weights, morph.targets, target)).collect::<Vec<_>>()
+            (0..morph.targets)
+                .map(|target| middle.morph(&morph.weights, morph.targets, target))
+                .collect::<Vec<_>>()
         };
         let weights = middles.iter().flat_map(of).collect();
         morph.weights = woven(&morph.weights, &middles, weights, morph.targets);
@@ -104,7 +109,12 @@ fn weave_grid(samples: &mut Samples, middles: &[Middle]) -> Vec<Option<usize>> {
     let mut from = Vec::with_capacity(old.len() + middles.len());
     let mut next = 0;
     for sample in 0..old.len() {
-        samples.grid.push(old.times[sample], old.labels[sample], old.jumps[sample], old.keys[sample]);
+        samples.grid.push(
+            old.times[sample],
+            old.labels[sample],
+            old.jumps[sample],
+            old.keys[sample],
+        );
         if let Some(whole) = samples.grid.whole.last_mut() {
             *whole = old.whole[sample];
         }
@@ -156,7 +166,11 @@ impl Middle {
             scale += pose.scale * weight;
             rotation = rotation + same_side(pose.rotation, like) * weight;
         }
-        Trs { translation, rotation: rotation.finish(), scale }
+        Trs {
+            translation,
+            rotation: rotation.finish(),
+            scale,
+        }
     }
 
     fn morph(&self, weights: &[f64], targets: usize, target: usize) -> f64 {
@@ -171,7 +185,9 @@ fn lagrange(grid: &Grid, gap: usize) -> Vec<(usize, f64)> {
     let at = (grid.times[gap] + grid.times[gap + 1]) / 2.0;
     let weight = |&i: &usize| {
         let others = stencil.iter().filter(|&&j| j != i);
-        others.map(|&j| (at - grid.times[j]) / (grid.times[i] - grid.times[j])).product()
+        others
+            .map(|&j| (at - grid.times[j]) / (grid.times[i] - grid.times[j]))
+            .product()
     };
     stencil.iter().map(|i| (*i, weight(i))).collect()
 }
@@ -225,7 +241,14 @@ fn add(
 ) -> Result<Vec<bool>, FbxError> {
     let times: Vec<f64> = middles.iter().map(|middle| middle.time).collect();
     let nodes: Vec<usize> = samples.tracks.iter().map(|track| track.node).collect();
-    let looked = evaluate(source.scene, source.stack, &nodes, &times, source.options, source.budget)?;
+    let looked = evaluate(
+        source.scene,
+        source.stack,
+        &nodes,
+        &times,
+        source.options,
+        source.budget,
+    )?;
     let mut missed = vec![false; middles.len()];
     for (track, poses) in samples.tracks.iter_mut().zip(looked) {
         for ((middle, pose), missed) in middles.iter().zip(&poses).zip(&mut missed) {
@@ -246,7 +269,10 @@ fn add(
         morph.weights = woven(&morph.weights, middles, looked, morph.targets);
     }
     let from = weave_grid(samples, middles);
-    Ok(from.into_iter().map(|middle| middle.is_some_and(|middle| missed[middle])).collect())
+    Ok(from
+        .into_iter()
+        .map(|middle| middle.is_some_and(|middle| missed[middle]))
+        .collect())
 }
 
 /// `new` rows between those of `old`, after the samples that begin their gaps.
@@ -282,7 +308,11 @@ mod tests {
         for gap in 0..4 {
             let middle = Middle::of(&grid, gap).unwrap();
             assert_eq!(middle.stencil.len(), 4, "gap {gap}");
-            let value: f64 = middle.stencil.iter().map(|&(i, weight)| cubic(times[i]) * weight).sum();
+            let value: f64 = middle
+                .stencil
+                .iter()
+                .map(|&(i, weight)| cubic(times[i]) * weight)
+                .sum();
             assert!((value - cubic(middle.time)).abs() < 1e-14);
         }
     }
@@ -296,7 +326,10 @@ mod tests {
         for gap in 0..8 {
             let stencil = grid.stencil(gap);
             let span = *stencil.iter().min().unwrap()..*stencil.iter().max().unwrap();
-            assert!((span.start + 1..span.end).all(|i| !grid.keys[i]), "gap {gap}");
+            assert!(
+                (span.start + 1..span.end).all(|i| !grid.keys[i]),
+                "gap {gap}"
+            );
             assert_eq!(stencil.len(), 3);
         }
     }
@@ -306,7 +339,10 @@ mod tests {
         let mut grid = Grid::default();
         (0..4).for_each(|i| grid.push(f64::from(i), i as f32, false, false));
         let middles = [Middle::of(&grid, 0).unwrap(), Middle::of(&grid, 2).unwrap()];
-        assert_eq!(woven(&[0, 1, 2, 3], &middles, vec![10, 12], 1), [0, 10, 1, 2, 12, 3]);
+        assert_eq!(
+            woven(&[0, 1, 2, 3], &middles, vec![10, 12], 1),
+            [0, 10, 1, 2, 12, 3]
+        );
         let wide = woven(&[0, 0, 1, 1, 2, 2, 3, 3], &middles, vec![10, 10, 12, 12], 2);
         assert_eq!(wide, [0, 0, 10, 10, 1, 1, 2, 2, 12, 12, 3, 3]);
     }

@@ -60,7 +60,11 @@ pub(crate) fn sample(
     let (begin, grid) = Grid::of_stack(scene, source, options, most, budget)?;
 
     let poses = evaluate(scene, stack, &moving, &grid.times, options, budget)?;
-    let tracks = moving.iter().zip(poses).map(|(&node, poses)| Track { node, poses }).collect();
+    let tracks = moving
+        .iter()
+        .zip(poses)
+        .map(|(&node, poses)| Track { node, poses })
+        .collect();
     let morphs = meshes
         .iter()
         .map(|&mesh| MorphTrack {
@@ -91,7 +95,11 @@ fn moving_nodes(scene: &SceneRoot, stack: &AnimStack) -> Vec<usize> {
     let mut moves = vec![false; scene.nodes.len()];
     let mut helpers = false;
     for layer in &stack.layers {
-        for prop in layer.anim_props.iter().filter(|p| p.element.type_ == ElementType::Node) {
+        for prop in layer
+            .anim_props
+            .iter()
+            .filter(|p| p.element.type_ == ElementType::Node)
+        {
             if MOVES.contains(&&*prop.prop_name) {
                 let node = prop.element.typed_id as usize;
                 moves[node] = true;
@@ -101,7 +109,10 @@ fn moving_nodes(scene: &SceneRoot, stack: &AnimStack) -> Vec<usize> {
     }
     if helpers {
         for node in &scene.nodes {
-            let beside = node.parent.as_ref().is_some_and(|parent| parent.scale_helper.is_some());
+            let beside = node
+                .parent
+                .as_ref()
+                .is_some_and(|parent| parent.scale_helper.is_some());
             moves[node.element.typed_id as usize] |= beside || node.is_scale_helper;
         }
     }
@@ -112,7 +123,8 @@ fn moving_channels(scene: &SceneRoot, stack: &AnimStack) -> Vec<bool> {
     let mut moves = vec![false; scene.blend_channels.len()];
     for layer in &stack.layers {
         for prop in layer.anim_props.iter() {
-            if prop.element.type_ == ElementType::BlendChannel && prop.prop_name.as_ref() == BLENDS {
+            if prop.element.type_ == ElementType::BlendChannel && prop.prop_name.as_ref() == BLENDS
+            {
                 moves[prop.element.typed_id as usize] = true;
             }
         }
@@ -129,7 +141,10 @@ pub(crate) fn evaluate(
     options: &Options,
     budget: &Budget,
 ) -> Result<Vec<Vec<Trs>>, FbxError> {
-    let threads = options.thread_count().min(nodes.len() * times.len() / 4096).max(1);
+    let threads = options
+        .thread_count()
+        .min(nodes.len() * times.len() / 4096)
+        .max(1);
     let share = nodes.len().div_ceil(threads).max(1);
     let of = |nodes: &[usize]| -> Vec<Vec<Trs>> {
         let anim: &ufbx::Anim = &scene.anim_stacks[stack].anim;

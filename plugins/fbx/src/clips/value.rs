@@ -66,9 +66,17 @@ impl Value for DQuat {
         let aside = to - *from * cosine;
         let sine = aside.length();
         if sine < 1e-12 {
-            return Arc { from: *from, aside: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0), angle: 0.0 };
+            return Arc {
+                from: *from,
+                aside: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0),
+                angle: 0.0,
+            };
         }
-        Arc { from: *from, aside: aside * (1.0 / sine), angle: DVec2::new(cosine, sine).to_angle() }
+        Arc {
+            from: *from,
+            aside: aside * (1.0 / sine),
+            angle: DVec2::new(cosine, sine).to_angle(),
+        }
     }
 
     fn on_line(arc: &Arc, share: f64) -> Self {
@@ -113,7 +121,10 @@ impl Value for Vec<f64> {
     type Line = (Self, Self);
 
     fn line(from: &Self, to: &Self) -> Self::Line {
-        (from.clone(), to.iter().zip(from).map(|(b, a)| b - a).collect())
+        (
+            from.clone(),
+            to.iter().zip(from).map(|(b, a)| b - a).collect(),
+        )
     }
 
     fn on_line((from, way): &Self::Line, share: f64) -> Self {

@@ -13,7 +13,11 @@ pub(crate) fn read_light(light: &ufbx::Light, report: &mut Report) -> Option<Lig
         LightType::Point => LightKind::Point,
         LightType::Spot => spot(light),
         LightType::Area | LightType::Volume => {
-            report.lose("light-kind", &name, "area and volume lights are not in glTF");
+            report.lose(
+                "light-kind",
+                &name,
+                "area and volume lights are not in glTF",
+            );
             return None;
         }
     };

@@ -25,8 +25,14 @@ pub(crate) fn read_materials(
 fn uv_sets_by_material(scene: &Scene) -> Vec<Vec<String>> {
     let mut sets = vec![Vec::new(); scene.materials.len()];
     for mesh in &scene.meshes {
-        let names: Vec<String> = mesh.uv_sets.iter().map(|set| set.name.to_string()).collect();
-        let of_nodes = (&mesh.element.instances).into_iter().flat_map(|node| &node.materials);
+        let names: Vec<String> = mesh
+            .uv_sets
+            .iter()
+            .map(|set| set.name.to_string())
+            .collect();
+        let of_nodes = (&mesh.element.instances)
+            .into_iter()
+            .flat_map(|node| &node.materials);
         for material in (&mesh.materials).into_iter().chain(of_nodes) {
             if let Some(slot) = sets.get_mut(material.element.typed_id as usize)
                 && slot.is_empty()
@@ -46,7 +52,8 @@ fn read_material(
 ) -> Material {
     let (pbr, fbx, features) = (&material.pbr, &material.fbx, &material.features);
     let name = material.element.name.to_string();
-    let mut picture = |map: &MaterialMap, report: &mut Report| textures.of_map(map, uv_sets, report);
+    let mut picture =
+        |map: &MaterialMap, report: &mut Report| textures.of_map(map, uv_sets, report);
 
     let base_texture = picture(&pbr.base_color, report);
     let factor = number(&pbr.base_factor, 1.0);
@@ -70,11 +77,19 @@ fn read_material(
         None => picture(&fbx.normal_map, report),
     };
     if normal_texture.is_none() && fbx.bump.texture.is_some() {
-        report.lose("bump-map", &name, "a height map for bumps has no place in glTF");
+        report.lose(
+            "bump-map",
+            &name,
+            "a height map for bumps has no place in glTF",
+        );
     }
     let (metallic_roughness_texture, metallic, roughness) =
         metallic_roughness(material, &name, &mut picture, report);
-    let opacity_texture = pbr.opacity.texture.as_ref().or(fbx.transparency_color.texture.as_ref());
+    let opacity_texture = pbr
+        .opacity
+        .texture
+        .as_ref()
+        .or(fbx.transparency_color.texture.as_ref());
     let base_image = pbr.base_color.texture.as_ref();
     let own_alpha = opacity_texture.is_some()
         && opacity_texture.map(|t| t.element.typed_id) == base_image.map(|t| t.element.typed_id);
@@ -151,7 +166,11 @@ fn opacity(material: &ufbx::Material) -> f64 {
 }
 
 fn number(map: &MaterialMap, without: f64) -> f64 {
-    let value = if map.has_value { map.value_vec4.x } else { without };
+    let value = if map.has_value {
+        map.value_vec4.x
+    } else {
+        without
+    };
     if value.is_finite() { value } else { without }
 }
 

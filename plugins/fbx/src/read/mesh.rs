@@ -43,8 +43,14 @@ impl Meshes {
         budget: &Budget,
     ) -> Result<Option<usize>, FbxError> {
         let of_node: Vec<Option<usize>> = match node.materials.is_empty() {
-            true => (&mesh.materials).into_iter().map(|m| Some(m.element.typed_id as usize)).collect(),
-            false => (&node.materials).into_iter().map(|m| Some(m.element.typed_id as usize)).collect(),
+            true => (&mesh.materials)
+                .into_iter()
+                .map(|m| Some(m.element.typed_id as usize))
+                .collect(),
+            false => (&node.materials)
+                .into_iter()
+                .map(|m| Some(m.element.typed_id as usize))
+                .collect(),
         };
         let key = (mesh.element.typed_id, of_node.clone(), skinned);
         if let Some(&number) = self.known.get(&key) {
@@ -68,8 +74,12 @@ fn read_mesh(
 ) -> Result<Mesh, FbxError> {
     let shapes = Shapes::of(mesh);
     // What all corners need at most: 12 floats and each UV and colour set, twice over, and targets.
-    let corner = 4 * (12 + 2 * mesh.uv_sets.len() + 4 * mesh.color_sets.len() + 6 * shapes.targets.len());
-    budget.afford(mesh.num_triangles * 3 * corner * 2, "the triangles of a mesh")?;
+    let corner =
+        4 * (12 + 2 * mesh.uv_sets.len() + 4 * mesh.color_sets.len() + 6 * shapes.targets.len());
+    budget.afford(
+        mesh.num_triangles * 3 * corner * 2,
+        "the triangles of a mesh",
+    )?;
 
     let mut soups: BTreeMap<usize, Soup> = BTreeMap::new();
     let mut triangles = vec![0; mesh.max_face_triangles * 3];
@@ -91,7 +101,11 @@ fn read_mesh(
     let mut parts = Vec::new();
     for (slot, mut soup) in soups {
         budget.in_time("meshes")?;
-        let material = of_node.get(slot).copied().flatten().filter(|&m| m < materials.len());
+        let material = of_node
+            .get(slot)
+            .copied()
+            .flatten()
+            .filter(|&m| m < materials.len());
         fill(&mut soup, mesh);
         let normal_map = material.and_then(|m| materials[m].normal_texture.as_ref());
         if let Some(uvs) = normal_map.and_then(|map| soup.uvs.get(map.uv_set as usize)) {
@@ -105,9 +119,13 @@ fn read_mesh(
         part.material = material;
         for (positions, normals) in &offsets {
             let pick = |all: &[DVec3]| -> Vec<[f32; 3]> {
-                part.sources.iter().map(|&v| finite3(all[v as usize])).collect()
+                part.sources
+                    .iter()
+                    .map(|&v| finite3(all[v as usize]))
+                    .collect()
             };
-            part.offsets.push((pick(positions), normals.as_deref().map_or(Vec::new(), pick)));
+            part.offsets
+                .push((pick(positions), normals.as_deref().map_or(Vec::new(), pick)));
         }
         if !part.indices.is_empty() {
             parts.push(part);
@@ -129,13 +147,20 @@ fn fill(soup: &mut Soup, mesh: &ufbx::Mesh) {
         .map(|&c| finite3(vec3(mesh.vertex_position[c as usize])))
         .collect();
     soup.normals = match mesh.vertex_normal.exists {
-        true => corners.iter().map(|&c| finite3(unit(vec3(mesh.vertex_normal[c as usize])))).collect(),
+        true => corners
+            .iter()
+            .map(|&c| finite3(unit(vec3(mesh.vertex_normal[c as usize]))))
+            .collect(),
         false => vec![[0.0; 3]; corners.len()],
     };
     for start in (0..corners.len()).step_by(3) {
         // A normal of no length would be refused by every reader: the triangle's own stands in.
-        if soup.normals[start..start + 3].iter().any(|n| *n == [0.0; 3]) {
-            let [a, b, c] = [0, 1, 2].map(|i| glam::Vec3::from(soup.positions[start + i]).as_dvec3());
+        if soup.normals[start..start + 3]
+            .iter()
+            .any(|n| *n == [0.0; 3])
+        {
+            let [a, b, c] =
+                [0, 1, 2].map(|i| glam::Vec3::from(soup.positions[start + i]).as_dvec3());
             let flat = unit((b - a).cross(c - a));
             let flat = if flat == DVec3::ZERO { DVec3::Y } else { flat };
             for normal in &mut soup.normals[start..start + 3] {

@@ -20,7 +20,10 @@ pub(crate) fn read_nodes(scene: &Scene) -> Vec<Node> {
         .into_iter()
         .map(|node| Node {
             name: name_of(node),
-            parent: node.parent.as_ref().map(|parent| parent.element.typed_id as usize),
+            parent: node
+                .parent
+                .as_ref()
+                .map(|parent| parent.element.typed_id as usize),
             rest: rest_of(node),
             mesh: None,
             skin: None,

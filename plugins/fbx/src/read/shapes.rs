@@ -34,11 +34,15 @@ pub(crate) fn shape_weights(targets: &[f64], weight: f64) -> Vec<f64> {
     // Neighbours on the side of 0 that the weight is on, from 0 outwards.
     let side: Vec<usize> = match weight > 0.0 {
         true => (0..targets.len()).filter(|&i| targets[i] > 0.0).collect(),
-        false => (0..targets.len()).rev().filter(|&i| targets[i] < 0.0).collect(),
+        false => (0..targets.len())
+            .rev()
+            .filter(|&i| targets[i] < 0.0)
+            .collect(),
     };
     let Some(last) = side.len().checked_sub(1) else {
         // Nothing on this side: straight on from the nearest shape of the other.
-        let nearest = (0..targets.len()).min_by(|&a, &b| targets[a].abs().total_cmp(&targets[b].abs()));
+        let nearest =
+            (0..targets.len()).min_by(|&a, &b| targets[a].abs().total_cmp(&targets[b].abs()));
         if let Some(i) = nearest.filter(|&i| targets[i] != 0.0) {
             out[i] = weight / targets[i];
         }
@@ -64,7 +68,11 @@ pub(crate) fn shape_weights(targets: &[f64], weight: f64) -> Vec<f64> {
 
 /// The weights that a channel's shapes stand at.
 pub(crate) fn stops(channel: &BlendChannel) -> Vec<f64> {
-    channel.keyframes.iter().map(|key| key.target_weight).collect()
+    channel
+        .keyframes
+        .iter()
+        .map(|key| key.target_weight)
+        .collect()
 }
 
 impl<'a> Shapes<'a> {
@@ -85,7 +93,11 @@ impl<'a> Shapes<'a> {
                     });
                     shapes.targets.push(Target {
                         name: name.to_string(),
-                        rest: if rest[key].is_finite() { rest[key] } else { 0.0 },
+                        rest: if rest[key].is_finite() {
+                            rest[key]
+                        } else {
+                            0.0
+                        },
                         reach: reach(shape),
                     });
                     // The scene outlives its parts, which it owns.
@@ -97,7 +109,11 @@ impl<'a> Shapes<'a> {
     }
 
     /// What target `index` adds to each vertex of the FBX mesh, and to its normal where it says so.
-    pub(crate) fn offsets(&self, index: usize, vertices: usize) -> (Vec<DVec3>, Option<Vec<DVec3>>) {
+    pub(crate) fn offsets(
+        &self,
+        index: usize,
+        vertices: usize,
+    ) -> (Vec<DVec3>, Option<Vec<DVec3>>) {
         let shape = self.sources[index];
         let weight = |i: usize| shape.offset_weights.get(i).copied().unwrap_or(1.0);
         let spread = |values: &[ufbx::Vec3]| {

@@ -55,7 +55,10 @@ pub(crate) fn read_skin(
         let bind = sound(matrix(&node.geometry_to_node));
         let still = joint(&mut skin, nodes, node.element.typed_id as usize, bind);
         for list in influences.iter_mut().filter(|list| list.is_empty()) {
-            list.push(Influence { joint: still, weight: 1.0 });
+            list.push(Influence {
+                joint: still,
+                weight: 1.0,
+            });
         }
     }
     let dual = match deformer.skinning_method {
@@ -63,7 +66,11 @@ pub(crate) fn read_skin(
         SkinningMethod::BlendedDqLinear => deformer.vertices.iter().any(|v| v.dq_weight > 0.0),
         SkinningMethod::Linear | SkinningMethod::Rigid => false,
     };
-    SkinSource { skin, influences, dual }
+    SkinSource {
+        skin,
+        influences,
+        dual,
+    }
 }
 
 fn sound(bind: DMat4) -> DMat4 {
@@ -119,13 +126,19 @@ fn influences_of(
     let end = (begin + entry.num_weights as usize).min(deformer.weights.len());
     let mut list: Vec<Influence> = Vec::with_capacity(end - begin);
     for weight in &deformer.weights.as_ref()[begin..end] {
-        let joint = joint_of_cluster.get(weight.cluster_index as usize).copied().flatten();
+        let joint = joint_of_cluster
+            .get(weight.cluster_index as usize)
+            .copied()
+            .flatten();
         let Some(joint) = joint.filter(|_| weight.weight > 0.0 && weight.weight.is_finite()) else {
             continue;
         };
         match list.iter_mut().find(|known| known.joint == joint) {
             Some(known) => known.weight += weight.weight,
-            None => list.push(Influence { joint, weight: weight.weight }),
+            None => list.push(Influence {
+                joint,
+                weight: weight.weight,
+            }),
         }
     }
     let sum: f64 = list.iter().map(|influence| influence.weight).sum();

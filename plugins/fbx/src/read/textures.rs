@@ -2,6 +2,7 @@
 
 use super::convert::{finite, matrix};
 use crate::model::{Image, TextureUse};
+use crate::options::Origin;
 use crate::report::Report;
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -13,7 +14,7 @@ const LARGEST: u64 = 64 << 20;
 
 /// Pictures that were found so far.
 pub(crate) struct Textures<'a> {
-    folder: Option<&'a Path>,
+    origin: &'a Origin,
     /// What may still be read, bytes.
     left: u64,
     known: BTreeMap<u32, Option<usize>>,
@@ -21,9 +22,9 @@ pub(crate) struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
-    pub(crate) fn new(folder: Option<&'a Path>, memory: usize) -> Self {
+    pub(crate) fn new(origin: &'a Origin, memory: usize) -> Self {
         Self {
-            folder,
+            origin,
             left: memory as u64,
             known: BTreeMap::new(),
             images: Vec::new(),
@@ -58,7 +59,10 @@ impl<'a> Textures<'a> {
             return known;
         }
         let made = self.find(texture, report).map(|image| {
-            let same = self.images.iter().position(|other| other.bytes == image.bytes);
+            let same = self
+                .images
+                .iter()
+                .position(|other| other.bytes == image.bytes);
             same.unwrap_or_else(|| {
                 self.images.push(image);
                 self.images.len() - 1
@@ -73,9 +77,20 @@ impl<'a> Textures<'a> {
             Some(video) if texture.content.is_empty() => &video.content,
             _ => &texture.content,
         };
-        let names = [&texture.relative_filename, &texture.filename, &texture.absolute_filename];
-        let names: Vec<&str> = names.into_iter().map(|n| &**n).filter(|n| !n.is_empty()).collect();
-        let name = names.first().map_or(&*texture.element.name, |n| last_part(n)).to_owned();
+        let names = [
+            &texture.relative_filename,
+            &texture.filename,
+            &texture.absolute_filename,
+        ];
+        let names: Vec<&str> = names
+            .into_iter()
+            .map(|n| &**n)
+            .filter(|n| !n.is_empty())
+            .collect();
+        let name = names
+            .first()
+            .map_or(&*texture.element.name, |n| last_part(n))
+            .to_owned();
         let bytes = match content.is_empty() {
             false => content.to_vec(),
             true => match self.read(&names) {
@@ -96,7 +111,13 @@ impl<'a> Textures<'a> {
     }
 
     fn read(&mut self, names: &[&str]) -> Option<Vec<u8>> {
-        let folder = self.folder?;
+        let given = names
+            .iter()
+            .find_map(|name| self.origin.files.get(last_part(name)));
+        if given.is_some() {
+            return given.cloned();
+        }
+        let folder = self.origin.folder.as_deref()?;
         let candidates = names.iter().flat_map(|name| candidates(name));
         let path = candidates
             .map(|below| folder.join(below))
@@ -160,7 +181,9 @@ fn inside(folder: &Path, path: &Path) -> bool {
 pub(crate) fn mime(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
         let header = bytes.get(8..33)?;
-        let size = |at: usize| u32::from_be_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
+        let size = |at: usize| {
+            u32::from_be_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
+        };
         let whole = size(0) == 13 && &header[4..8] == b"IHDR" && size(8) > 0 && size(12) > 0;
         return (whole && bytes.windows(4).any(|w| w == b"IDAT")).then_some("image/png");
     }
@@ -199,7 +222,8 @@ fn placed(texture: &Texture) -> Option<([f32; 2], f32, [f32; 2])> {
     let (scale_x, scale_y) = (x.length(), y.length());
     let flip = if x.perp_dot(y) < 0.0 { -1.0 } else { 1.0 };
     let angle = -x.to_angle();
-    let sound = offset.is_finite() && scale_x.is_finite() && scale_y.is_finite() && angle.is_finite();
+    let sound =
+        offset.is_finite() && scale_x.is_finite() && scale_y.is_finite() && angle.is_finite();
     sound.then(|| {
         (
             [finite(offset.x), finite(offset.y)],
@@ -215,9 +239,17 @@ mod tests {
 
     #[test]
     fn names_that_lead_out_of_the_folder_are_not_followed() {
-        let below = |name| candidates(name).into_iter().map(|p| p.display().to_string()).collect::<Vec<_>>();
+        let below = |name| {
+            candidates(name)
+                .into_iter()
+                .map(|p| p.display().to_string())
+                .collect::<Vec<_>>()
+        };
         assert_eq!(below("a.png"), ["a.png", "a.png", "textures/a.png"]);
-        assert_eq!(below("tex\\a.png"), ["tex/a.png", "a.png", "textures/a.png"]);
+        assert_eq!(
+            below("tex\\a.png"),
+            ["tex/a.png", "a.png", "textures/a.png"]
+        );
         assert_eq!(below("../../etc/passwd"), ["passwd", "textures/passwd"]);
         assert_eq!(below("C:\\art\\a.png"), ["a.png", "textures/a.png"]);
         assert_eq!(below("/etc/passwd"), ["passwd", "textures/passwd"]);
@@ -244,7 +276,9 @@ mod tests {
         assert_eq!(mime(b"BM"), None);
         assert_eq!(mime(b""), None);
         assert_eq!(mime(&[0xff, 0xd8, 0xff, 0xe0, 0, 2]), None);
-        let jpeg = [0xff, 0xd8, 0xff, 0xe0, 0, 2, 0xff, 0xc0, 0, 11, 8, 0, 1, 0, 1, 0];
+        let jpeg = [
+            0xff, 0xd8, 0xff, 0xe0, 0, 2, 0xff, 0xc0, 0, 11, 8, 0, 1, 0, 1, 0,
+        ];
         assert_eq!(mime(&jpeg), Some("image/jpeg"));
     }
 }

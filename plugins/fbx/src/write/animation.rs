@@ -3,7 +3,9 @@
 use super::buffer::{Buffer, Numbers, Use};
 use crate::model::{Channel, Clip, Interpolation, Property};
 use gltf_json::accessor::{ComponentType, Type};
-use gltf_json::animation::{Animation, Channel as JsonChannel, Property as JsonProperty, Sampler, Target};
+use gltf_json::animation::{
+    Animation, Channel as JsonChannel, Property as JsonProperty, Sampler, Target,
+};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 
@@ -63,9 +65,17 @@ fn numbers(channel: &Channel) -> Numbers {
     Numbers {
         bytes: match channel.short {
             true => channel.values.iter().flat_map(short).collect(),
-            false => channel.values.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            false => channel
+                .values
+                .iter()
+                .flat_map(|x| x.to_le_bytes())
+                .collect(),
         },
-        component: if channel.short { ComponentType::I16 } else { ComponentType::F32 },
+        component: if channel.short {
+            ComponentType::I16
+        } else {
+            ComponentType::F32
+        },
         shape: match width {
             1 => Type::Scalar,
             3 => Type::Vec3,

@@ -36,7 +36,11 @@ impl Numbers {
     /// Floats in groups of `N`.
     pub(crate) fn floats<const N: usize>(values: &[[f32; N]]) -> Self {
         Self {
-            bytes: values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect(),
+            bytes: values
+                .iter()
+                .flatten()
+                .flat_map(|x| x.to_le_bytes())
+                .collect(),
             component: ComponentType::F32,
             shape: match N {
                 1 => Type::Scalar,
@@ -61,13 +65,21 @@ impl Numbers {
                 high[i] = high[i].max(value[i]);
             }
         }
-        Self { bounds: Some((low, high)), ..Self::floats(values) }
+        Self {
+            bounds: Some((low, high)),
+            ..Self::floats(values)
+        }
     }
 }
 
 impl Buffer {
     /// An accessor of `numbers`; the same one for the same numbers.
-    pub(crate) fn accessor(&mut self, root: &mut Root, numbers: &Numbers, of: Use) -> Index<Accessor> {
+    pub(crate) fn accessor(
+        &mut self,
+        root: &mut Root,
+        numbers: &Numbers,
+        of: Use,
+    ) -> Index<Accessor> {
         let key = (
             fnv(&numbers.bytes),
             numbers.bytes.len(),
@@ -124,7 +136,10 @@ impl Buffer {
 
     fn holds(&self, root: &Root, accessor: Index<Accessor>, numbers: &Numbers) -> bool {
         let accessor = &root.accessors[accessor.value()];
-        let Some(view) = accessor.buffer_view.map(|view| &root.buffer_views[view.value()]) else {
+        let Some(view) = accessor
+            .buffer_view
+            .map(|view| &root.buffer_views[view.value()])
+        else {
             return false;
         };
         let begin = view.byte_offset.map_or(0, |offset| offset.0 as usize);
@@ -137,10 +152,16 @@ impl Buffer {
 /// FNV-1a, 64 bits, over words of eight bytes for speed.
 fn fnv(bytes: &[u8]) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    let mut mix = |word: u64| hash = (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23);
+    let mut mix = |word: u64| {
+        hash = (hash ^ word)
+            .wrapping_mul(0x0000_0100_0000_01b3)
+            .rotate_left(23)
+    };
     let mut words = bytes.chunks_exact(8);
     for word in &mut words {
-        mix(u64::from_le_bytes(word.try_into().expect("chunks of eight")));
+        mix(u64::from_le_bytes(
+            word.try_into().expect("chunks of eight"),
+        ));
     }
     for &byte in words.remainder() {
         mix(u64::from(byte));

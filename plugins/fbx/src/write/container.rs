@@ -41,7 +41,10 @@ impl Conversion {
         };
         let total = 12 + 8 * chunks + json.len() + buffer.len();
         let Ok(length) = u32::try_from(total) else {
-            return Err(FbxError::TooLarge { file: String::new(), bytes: total as u64 });
+            return Err(FbxError::TooLarge {
+                file: String::new(),
+                bytes: total as u64,
+            });
         };
         let mut out = Vec::with_capacity(total);
         let word = |out: &mut Vec<u8>, word: u32| out.extend(word.to_le_bytes());
@@ -67,7 +70,11 @@ impl Conversion {
             .iter()
             .enumerate()
             .map(|(number, image)| {
-                let ending = if image.mime == "image/png" { "png" } else { "jpg" };
+                let ending = if image.mime == "image/png" {
+                    "png"
+                } else {
+                    "jpg"
+                };
                 format!("{}_{number}.{ending}", plain(stem))
             })
             .collect();
@@ -80,7 +87,10 @@ impl Conversion {
         }
         let pictures = self.model.images.iter().map(|image| image.bytes.clone());
         files.extend(names.into_iter().zip(pictures));
-        GltfFiles { json: text(&root), files }
+        GltfFiles {
+            json: text(&root),
+            files,
+        }
     }
 
     /// Writes to `path`: a .gltf with files where it ends so, else a .glb.
@@ -88,16 +98,26 @@ impl Conversion {
     /// # Errors
     /// [`FbxError::Write`] and [`FbxError::TooLarge`].
     pub fn write(&self, path: &Path) -> Result<Output, FbxError> {
-        let mut output = Output { files: Vec::new(), bytes: 0 };
+        let mut output = Output {
+            files: Vec::new(),
+            bytes: 0,
+        };
         let mut write = |path: PathBuf, bytes: &[u8]| {
             output.bytes += bytes.len() as u64;
-            std::fs::write(&path, bytes)
-                .map_err(|source| FbxError::Write { path: path.clone(), source })?;
+            std::fs::write(&path, bytes).map_err(|source| FbxError::Write {
+                path: path.clone(),
+                source,
+            })?;
             output.files.push(path);
             Ok(())
         };
-        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gltf")) {
-            let stem = path.file_stem().map_or("model".into(), |stem| stem.to_string_lossy());
+        if path
+            .extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case("gltf"))
+        {
+            let stem = path
+                .file_stem()
+                .map_or("model".into(), |stem| stem.to_string_lossy());
             let made = self.to_gltf(&stem);
             write(path.to_owned(), &made.json)?;
             for (name, bytes) in &made.files {
@@ -135,6 +155,12 @@ fn text(root: &Root) -> Vec<u8> {
 
 /// A name that needs no escape in a URI.
 fn plain(stem: &str) -> String {
-    let fit = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+    let fit = |c: char| {
+        if c.is_ascii_alphanumeric() || "-_.".contains(c) {
+            c
+        } else {
+            '_'
+        }
+    };
     stem.chars().map(fit).collect()
 }

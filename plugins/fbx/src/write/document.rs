@@ -94,13 +94,19 @@ pub(crate) fn document(model: &Model, pictures: Pictures) -> (Root, Vec<u8>) {
 }
 
 fn node(node: &Node, children: Vec<Index<gltf_json::Node>>) -> gltf_json::Node {
-    let Trs { translation, rotation, scale } = node.rest;
+    let Trs {
+        translation,
+        rotation,
+        scale,
+    } = node.rest;
     let index = |number: Option<usize>| number.map(|n| n as u32);
     gltf_json::Node {
         camera: index(node.camera).map(Index::new),
         children: (!children.is_empty()).then_some(children),
         extensions: node.light.map(|light| NodeExtensions {
-            khr_lights_punctual: Some(NodeLight { light: Index::new(light as u32) }),
+            khr_lights_punctual: Some(NodeLight {
+                light: Index::new(light as u32),
+            }),
         }),
         extras: None,
         matrix: None,

@@ -2,7 +2,9 @@
 
 use crate::model::{Camera, Light, LightKind, Material, Projection, TextureUse};
 use gltf_json::camera::{Orthographic, Perspective, Type};
-use gltf_json::extensions::scene::khr_lights_punctual::{Light as JsonLight, Spot, Type as JsonType};
+use gltf_json::extensions::scene::khr_lights_punctual::{
+    Light as JsonLight, Spot, Type as JsonType,
+};
 use gltf_json::extensions::texture::{
     Info as InfoExtension, TextureTransform, TextureTransformOffset, TextureTransformRotation,
     TextureTransformScale,
@@ -37,20 +39,26 @@ pub(crate) fn material(root: &mut Root, material: &Material) -> gltf_json::Mater
             extensions: None,
             extras: None,
         },
-        normal_texture: material.normal_texture.as_ref().map(|texture| NormalTexture {
-            index: self::texture(root, texture),
-            scale: 1.0,
-            tex_coord: texture.uv_set,
-            extensions: None,
-            extras: None,
-        }),
-        occlusion_texture: material.occlusion_texture.as_ref().map(|texture| OcclusionTexture {
-            index: self::texture(root, texture),
-            strength: StrengthFactor(1.0),
-            tex_coord: texture.uv_set,
-            extensions: None,
-            extras: None,
-        }),
+        normal_texture: material
+            .normal_texture
+            .as_ref()
+            .map(|texture| NormalTexture {
+                index: self::texture(root, texture),
+                scale: 1.0,
+                tex_coord: texture.uv_set,
+                extensions: None,
+                extras: None,
+            }),
+        occlusion_texture: material
+            .occlusion_texture
+            .as_ref()
+            .map(|texture| OcclusionTexture {
+                index: self::texture(root, texture),
+                strength: StrengthFactor(1.0),
+                tex_coord: texture.uv_set,
+                extensions: None,
+                extras: None,
+            }),
         emissive_texture: info(root, &material.emissive_texture),
         emissive_factor: EmissiveFactor(material.emissive),
         extensions: None,
@@ -59,15 +67,17 @@ pub(crate) fn material(root: &mut Root, material: &Material) -> gltf_json::Mater
 }
 
 fn info(root: &mut Root, texture: &TextureUse) -> Info {
-    let extension = texture.transform.map(|(offset, rotation, scale)| InfoExtension {
-        texture_transform: Some(TextureTransform {
-            offset: TextureTransformOffset(offset),
-            rotation: TextureTransformRotation(rotation),
-            scale: TextureTransformScale(scale),
-            tex_coord: None,
-            extras: None,
-        }),
-    });
+    let extension = texture
+        .transform
+        .map(|(offset, rotation, scale)| InfoExtension {
+            texture_transform: Some(TextureTransform {
+                offset: TextureTransformOffset(offset),
+                rotation: TextureTransformRotation(rotation),
+                scale: TextureTransformScale(scale),
+                tex_coord: None,
+                extras: None,
+            }),
+        });
     if extension.is_some() {
         super::document::uses(root, "KHR_texture_transform");
     }
@@ -88,10 +98,17 @@ fn texture(root: &mut Root, texture: &TextureUse) -> Index<Texture> {
         })
     };
     let [wrap_s, wrap_t] = texture.repeat.map(wrap);
-    let same = root.samplers.iter().position(|s| s.wrap_s == wrap_s && s.wrap_t == wrap_t);
+    let same = root
+        .samplers
+        .iter()
+        .position(|s| s.wrap_s == wrap_s && s.wrap_t == wrap_t);
     let sampler = match same {
         Some(number) => Index::new(number as u32),
-        None => root.push(Sampler { wrap_s, wrap_t, ..Sampler::default() }),
+        None => root.push(Sampler {
+            wrap_s,
+            wrap_t,
+            ..Sampler::default()
+        }),
     };
     let same = root.textures.iter().position(|t| {
         t.source.value() == texture.image && t.sampler.map(|s| s.value()) == Some(sampler.value())

@@ -10,7 +10,11 @@ use std::collections::BTreeMap;
 
 /// A mesh with all its parts; `joints` is the greatest number of joints of any skin.
 pub(crate) fn mesh(root: &mut Root, buffer: &mut Buffer, mesh: &Mesh) -> gltf_json::Mesh {
-    let primitives = mesh.parts.iter().map(|part| primitive(root, buffer, part)).collect();
+    let primitives = mesh
+        .parts
+        .iter()
+        .map(|part| primitive(root, buffer, part))
+        .collect();
     let names: Vec<&str> = mesh.targets.iter().map(|target| &*target.name).collect();
     let extras = serde_json::json!({ "targetNames": names });
     gltf_json::Mesh {
@@ -23,7 +27,12 @@ pub(crate) fn mesh(root: &mut Root, buffer: &mut Buffer, mesh: &Mesh) -> gltf_js
         primitives,
         weights: match mesh.targets.is_empty() {
             true => None,
-            false => Some(mesh.targets.iter().map(|target| target.rest as f32).collect()),
+            false => Some(
+                mesh.targets
+                    .iter()
+                    .map(|target| target.rest as f32)
+                    .collect(),
+            ),
         },
     }
 }
@@ -34,7 +43,11 @@ fn primitive(root: &mut Root, buffer: &mut Buffer, part: &Part) -> Primitive {
         let accessor = buffer.accessor(root, numbers, Use::Vertices);
         attributes.insert(Checked::Valid(semantic), accessor);
     };
-    put(root, Semantic::Positions, &Numbers::bounded(&part.positions));
+    put(
+        root,
+        Semantic::Positions,
+        &Numbers::bounded(&part.positions),
+    );
     put(root, Semantic::Normals, &Numbers::floats(&part.normals));
     if !part.tangents.is_empty() {
         put(root, Semantic::Tangents, &Numbers::floats(&part.tangents));
@@ -43,13 +56,21 @@ fn primitive(root: &mut Root, buffer: &mut Buffer, part: &Part) -> Primitive {
         put(root, Semantic::TexCoords(set as u32), &Numbers::floats(uvs));
     }
     for (set, colours) in part.colours.iter().enumerate() {
-        put(root, Semantic::Colors(set as u32), &Numbers::floats(colours));
+        put(
+            root,
+            Semantic::Colors(set as u32),
+            &Numbers::floats(colours),
+        );
     }
     for (set, joints) in part.joints.iter().enumerate() {
         put(root, Semantic::Joints(set as u32), &joint_numbers(joints));
     }
     for (set, weights) in part.weights.iter().enumerate() {
-        put(root, Semantic::Weights(set as u32), &Numbers::floats(weights));
+        put(
+            root,
+            Semantic::Weights(set as u32),
+            &Numbers::floats(weights),
+        );
     }
     let mut target = |(positions, normals): &(Vec<[f32; 3]>, Vec<[f32; 3]>)| MorphTarget {
         positions: Some(buffer.accessor(root, &Numbers::bounded(positions), Use::Vertices)),
@@ -78,7 +99,11 @@ fn index_numbers(part: &Part) -> Numbers {
             true => indices.flat_map(|&i| (i as u16).to_le_bytes()).collect(),
             false => indices.flat_map(|i| i.to_le_bytes()).collect(),
         },
-        component: if small { ComponentType::U16 } else { ComponentType::U32 },
+        component: if small {
+            ComponentType::U16
+        } else {
+            ComponentType::U32
+        },
         shape: Type::Scalar,
         count: part.indices.len(),
         normalised: false,
@@ -94,7 +119,11 @@ fn joint_numbers(joints: &[[u16; 4]]) -> Numbers {
             true => all.map(|&joint| joint as u8).collect(),
             false => all.flat_map(|joint| joint.to_le_bytes()).collect(),
         },
-        component: if small { ComponentType::U8 } else { ComponentType::U16 },
+        component: if small {
+            ComponentType::U8
+        } else {
+            ComponentType::U16
+        },
         shape: Type::Vec4,
         count: joints.len(),
         normalised: false,
@@ -118,7 +147,11 @@ pub(crate) fn skin(root: &mut Root, buffer: &mut Buffer, skin: &Skin) -> gltf_js
         extensions: None,
         extras: None,
         inverse_bind_matrices: Some(buffer.accessor(root, &Numbers::floats(&matrices), Use::Other)),
-        joints: skin.joints.iter().map(|&joint| Index::new(joint as u32)).collect(),
+        joints: skin
+            .joints
+            .iter()
+            .map(|&joint| Index::new(joint as u32))
+            .collect(),
         name: super::document::name(&skin.name),
         skeleton: None,
     }
