@@ -211,7 +211,8 @@ fn give(mesh: &mut Mesh, kept: &[Vec<([u16; 4], [f32; 4])>], count: usize) {
     for part in &mut mesh.parts {
         part.joints.clear();
         part.weights.clear();
-        for set in 0..count / 4 {
+        // One set of four joints after another.
+        (0..count / 4).for_each(|set| {
             let of = |&source: &u32| kept[source as usize][set];
             let (joints, weights): (Vec<_>, Vec<_>) = part.sources.iter().map(of).unzip();
             // A second set of nothing but zeros says nothing.
@@ -219,6 +220,6 @@ fn give(mesh: &mut Mesh, kept: &[Vec<([u16; 4], [f32; 4])>], count: usize) {
                 part.joints.push(joints);
                 part.weights.push(weights);
             }
-        }
+        });
     }
 }

@@ -116,7 +116,12 @@ const FIVE: [&str; 5] = [
 fn five(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     FIVE.iter()
         .map(|name| folder.join(name))
-        .map(|path| (path.clone(), std::fs::read(path).unwrap()))
+        .map(|path| {
+            (
+                path.clone(),
+                std::fs::read(path).expect("one of the shared files"),
+            )
+        })
         .collect()
 }
 

@@ -298,7 +298,7 @@ mod tests {
 
     #[test]
     fn keys_stand_on_stops_alone() {
-        let (times, jumps, values) = sampled(|t| (3.0 * t).powi(2));
+        let (times, jumps, values) = sampled(|t| 9.0 * t * t);
         let stops: Vec<usize> = (0..=100).step_by(4).collect();
         let signal = Signal {
             stops: &stops,

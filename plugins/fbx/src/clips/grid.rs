@@ -1,31 +1,20 @@
 //! The times at which a clip is looked at.
 
+use super::keys::{Mark, SPIN, keys};
 use crate::error::FbxError;
 use crate::options::{Budget, Options};
-use ufbx::{AnimStack, ElementType, Interpolation, Scene};
+use ufbx::{AnimStack, Scene};
 
 /// Distance of the two sides of a jump on the file's clock, seconds: far less than a frame, far more
 /// than the clock's resolution (1/46186158000 s).
 const BESIDE: f64 = 1e-6;
 
-/// Names of properties that move a node.
-pub(crate) const MOVES: &[&str] = &[
-    "Lcl Translation",
-    "Lcl Rotation",
-    "Lcl Scaling",
-    "PreRotation",
-    "PostRotation",
-    "RotationOffset",
-    "RotationPivot",
-    "ScalingOffset",
-    "ScalingPivot",
-    "RotationOrder",
-    "RotationActive",
-    "RotationSpaceForLimitOnly",
-];
+/// Between two keys a sample is taken for every so many degrees that an angle changes by. FBX turns
+/// three angles apart from each other, on paths that no rotation takes by itself.
+const SWING: f64 = 6.0;
 
-/// Name of the property that is the weight of a blend channel.
-pub(crate) const BLENDS: &str = "DeformPercent";
+/// The most pieces that the time between two keys is cut into because of angles: two full turns.
+const MOST_PIECES: f64 = 120.0;
 
 /// Times of samples, growing.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -41,31 +30,6 @@ pub(crate) struct Grid {
     /// What lies between this sample and the next counts: they are keys no frame apart.
     pub(crate) whole: Vec<bool>,
 }
-
-/// A time in the making.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Mark {
-    time: f64,
-    /// Values may jump just before, or just after.
-    before: bool,
-    after: bool,
-    /// The most that a rotation's angle changes from here to the next key, degrees.
-    swing: f64,
-    /// The same where one angle alone changes much: a wheel turns, and no path of angles is told
-    /// again in others.
-    spin: f64,
-}
-
-/// Between two keys a sample is taken for every so many degrees that an angle changes by. FBX turns
-/// three angles apart from each other, on paths that no rotation takes by itself.
-const SWING: f64 = 6.0;
-
-/// The most pieces that the time between two keys is cut into because of angles: two full turns.
-const MOST_PIECES: f64 = 120.0;
-
-/// An angle that changes by so many degrees within a frame changes much. Bakers that tell the same
-/// rotation in three other angles change at least two of them by as much.
-const SPIN: f64 = 60.0;
 
 /// How finely a clip is looked at.
 #[derive(Debug, Clone, Copy)]
@@ -246,18 +210,6 @@ impl Grid {
     }
 }
 
-impl Mark {
-    fn at(time: f64) -> Self {
-        Self {
-            time,
-            before: false,
-            after: false,
-            swing: 0.0,
-            spin: 0.0,
-        }
-    }
-}
-
 fn before(x: f32) -> f32 {
     if x > 0.0 {
         f32::from_bits(x.to_bits() - 1)
@@ -279,105 +231,6 @@ fn range(stack: &AnimStack, keys: &[Mark]) -> (f64, f64) {
     match (keys.first(), keys.last()) {
         (Some(first), Some(last)) => (first.time, last.time),
         _ => (0.0, 0.0),
-    }
-}
-
-/// Keys of everything that moves nodes or morph targets, each time once, growing.
-fn keys(scene: &Scene, stack: &AnimStack, budget: &Budget) -> Result<Vec<Mark>, FbxError> {
-    let mut all: Vec<Mark> = Vec::new();
-    for layer in &stack.layers {
-        budget.in_time("clips")?;
-        for prop in layer.anim_props.iter() {
-            let name: &str = &prop.prop_name;
-            let moves = match prop.element.type_ {
-                ElementType::Node => MOVES.contains(&name),
-                ElementType::BlendChannel => name == BLENDS,
-                ElementType::AnimLayer => true,
-                _ => false,
-            };
-            if !moves {
-                continue;
-            }
-            let turns = name == "Lcl Rotation";
-            let curves: Vec<&[ufbx::Keyframe]> = prop
-                .anim_value
-                .curves
-                .iter()
-                .flatten()
-                .map(|curve| &*curve.keyframes)
-                .collect();
-            for (number, keys) in curves.iter().enumerate() {
-                let others = curves
-                    .iter()
-                    .enumerate()
-                    .filter(|(other, _)| *other != number);
-                let others: Vec<&[ufbx::Keyframe]> = others.map(|(_, keys)| *keys).collect();
-                merge(&mut all, keys, turns.then_some(&others));
-            }
-        }
-    }
-    // Weights of layers are curves of the layer, in whichever layer they lie.
-    for value in &scene.anim_values {
-        let of_layer = value
-            .element
-            .connections_src
-            .iter()
-            .any(|c| c.dst.type_ == ElementType::AnimLayer && c.dst_prop.length > 0);
-        if of_layer {
-            for curve in value.curves.iter().flatten() {
-                merge(&mut all, &curve.keyframes, None);
-            }
-        }
-    }
-    Ok(all)
-}
-
-/// Curves of a bake have the same times: then this is one walk along both. `others` are the two other
-/// angles of a rotation.
-fn merge(all: &mut Vec<Mark>, keys: &[ufbx::Keyframe], others: Option<&Vec<&[ufbx::Keyframe]>>) {
-    let change = |keys: &[ufbx::Keyframe], i: usize| match (keys.get(i), keys.get(i + 1)) {
-        (Some(key), Some(next)) => (next.value - key.value).abs(),
-        _ => 0.0,
-    };
-    let mut at = 0;
-    let mut new: Vec<Mark> = Vec::new();
-    for (i, key) in keys
-        .iter()
-        .enumerate()
-        .filter(|(_, key)| key.time.is_finite())
-    {
-        let mark = Mark {
-            time: key.time,
-            before: i > 0 && keys[i - 1].interpolation == Interpolation::ConstantPrev,
-            after: key.interpolation == Interpolation::ConstantNext,
-            swing: if others.is_some() {
-                change(keys, i)
-            } else {
-                0.0
-            },
-            spin: match others {
-                Some(others) if !others.iter().any(|other| change(other, i) > SPIN) => {
-                    change(keys, i)
-                }
-                _ => 0.0,
-            },
-        };
-        while at < all.len() && all[at].time < mark.time {
-            at += 1;
-        }
-        match all.get_mut(at) {
-            Some(known) if known.time == mark.time => {
-                known.before |= mark.before;
-                known.after |= mark.after;
-                known.swing = known.swing.max(mark.swing);
-                known.spin = known.spin.max(mark.spin);
-            }
-            _ => new.push(mark),
-        }
-    }
-    if !new.is_empty() {
-        all.append(&mut new);
-        all.sort_by(|a, b| a.time.total_cmp(&b.time));
     }
 }
 

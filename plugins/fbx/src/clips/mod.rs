@@ -3,7 +3,9 @@
 mod choose;
 mod fit;
 mod grid;
+mod keys;
 mod metric;
+mod parts;
 mod play;
 mod reduce;
 mod refine;

@@ -2,6 +2,7 @@
 
 use super::choose::{Choice, Kinds, Sampled, rotation, vector, weights};
 use super::metric::{Leverage, Shells};
+use super::parts::in_parts;
 use super::play::{Player, Pose, play};
 use super::sample::Samples;
 use crate::error::FbxError;
@@ -210,7 +211,7 @@ impl<'a> Work<'a> {
 
     fn worlds(&self, options: &Options) -> Vec<DAffine3> {
         let count = self.samples.grid.len();
-        let parts = self.in_parts(count, options, |range| {
+        let parts = in_parts(count, self.threads(options), |range| {
             let (mut pose, mut world) = (self.rest.clone(), Vec::new());
             let mut out = Vec::with_capacity(range.len() * self.moved.len());
             for i in range {
@@ -225,43 +226,16 @@ impl<'a> Work<'a> {
         parts.into_iter().flatten().collect()
     }
 
-    /// `work` on consecutive parts of `0..count`, on as many threads as there are; results in order.
-    fn in_parts<T: Send>(
-        &self,
-        count: usize,
-        options: &Options,
-        work: impl Fn(std::ops::Range<usize>) -> T + Sync,
-    ) -> Vec<T> {
-        let threads = options
-            .thread_count()
-            .min(self.samples.grid.len() * self.samples.tracks.len() / 4096)
-            .max(1);
-        let share = count.div_ceil(threads).max(1);
-        let ranges = (0..count)
-            .step_by(share)
-            .map(|at| at..(at + share).min(count));
-        std::thread::scope(|scope| {
-            let work = &work;
-            let mut ranges = ranges.collect::<Vec<_>>().into_iter();
-            let own = ranges.next();
-            let others: Vec<_> = ranges
-                .map(|range| scope.spawn(move || work(range)))
-                .collect();
-            let own = own.map(work);
-            own.into_iter()
-                .chain(
-                    others
-                        .into_iter()
-                        .map(|t| t.join().expect("nothing in it panics")),
-                )
-                .collect()
-        })
+    /// A thread costs more to start than little work takes.
+    fn threads(&self, options: &Options) -> usize {
+        let poses = self.samples.grid.len() * self.samples.tracks.len();
+        options.thread_count().min(poses / 4096).max(1)
     }
 
     /// Keys that let each joint by itself do `error` metres wrong.
     fn choose(&self, error: f64, kinds: &[Kinds], options: &Options) -> Vec<Choice> {
         let tracks = self.samples.tracks.len();
-        let parts = self.in_parts(tracks, options, |range| {
+        let parts = in_parts(tracks, self.threads(options), |range| {
             range
                 .flat_map(|index| self.choose_track(index, error, kinds))
                 .collect::<Vec<_>>()
@@ -348,7 +322,7 @@ impl<'a> Work<'a> {
     /// targets.
     fn error(&self, choices: &[Choice], options: &Options) -> f64 {
         let channels: Vec<&Channel> = choices.iter().map(|choice| &choice.channel).collect();
-        let parts = self.in_parts(self.samples.grid.len(), options, |range| {
+        let parts = in_parts(self.samples.grid.len(), self.threads(options), |range| {
             let mut players: Vec<Player> = channels
                 .iter()
                 .map(|channel| Player::new(channel))

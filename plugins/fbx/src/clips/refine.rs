@@ -164,7 +164,7 @@ impl Middle {
             let pose = &poses[sample];
             translation += pose.translation * weight;
             scale += pose.scale * weight;
-            rotation = rotation + same_side(pose.rotation, like) * weight;
+            rotation += same_side(pose.rotation, like) * weight;
         }
         Trs {
             translation,

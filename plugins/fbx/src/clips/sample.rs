@@ -1,6 +1,8 @@
 //! The poses of a clip as the FBX file has them, in f64.
 
-use super::grid::{BLENDS, Grid, MOVES};
+use super::grid::Grid;
+use super::keys::{BLENDS, MOVES};
+use super::parts::in_parts;
 use crate::error::FbxError;
 use crate::model::{Model, Trs};
 use crate::options::{Budget, Options};
@@ -145,38 +147,25 @@ pub(crate) fn evaluate(
         .thread_count()
         .min(nodes.len() * times.len() / 4096)
         .max(1);
-    let share = nodes.len().div_ceil(threads).max(1);
-    let of = |nodes: &[usize]| -> Vec<Vec<Trs>> {
+    let track = |node: usize| -> Vec<Trs> {
         let anim: &ufbx::Anim = &scene.anim_stacks[stack].anim;
-        let track = |&node: &usize| {
-            let source: &ufbx::Node = &scene.nodes[node];
-            let mut last = rest_of(source);
-            let poses = times.iter().map(|&time| {
-                let pose = trs(&ufbx::evaluate_transform(anim, source, time));
-                if pose.is_sound() {
-                    last = pose;
-                }
-                last
-            });
-            poses.collect()
+        let source: &ufbx::Node = &scene.nodes[node];
+        let mut last = rest_of(source);
+        let pose = |&time: &f64| {
+            let pose = trs(&ufbx::evaluate_transform(anim, source, time));
+            // What is no transform leaves the node where it was.
+            if pose.is_sound() {
+                last = pose;
+            }
+            last
         };
-        let in_time = nodes.iter().take_while(|_| !budget.is_late());
-        in_time.map(track).collect()
+        times.iter().map(pose).collect()
     };
-    let mut tracks = Vec::with_capacity(nodes.len());
-    std::thread::scope(|scope| {
-        let mut others = Vec::new();
-        let mut shares = nodes.chunks(share);
-        let own = shares.next().unwrap_or(&[]);
-        for nodes in shares {
-            let of = &of;
-            others.push(scope.spawn(move || of(nodes)));
-        }
-        tracks.extend(of(own));
-        for other in others {
-            tracks.extend(other.join().expect("sampling does not panic"));
-        }
+    let parts = in_parts(nodes.len(), threads, |range| -> Vec<Vec<Trs>> {
+        let in_time = nodes[range].iter().take_while(|_| !budget.is_late());
+        in_time.map(|&node| track(node)).collect()
     });
+    let tracks = parts.into_iter().flatten().collect();
     budget.in_time("clips")?;
     Ok(tracks)
 }

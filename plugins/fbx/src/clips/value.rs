@@ -85,7 +85,7 @@ impl Value for DQuat {
     }
 
     fn add(sum: &mut Self, value: &Self, factor: f64) {
-        *sum = *sum + *value * factor;
+        *sum += *value * factor;
     }
 
     fn zero(&self) -> Self {

@@ -155,10 +155,7 @@ fn fill(soup: &mut Soup, mesh: &ufbx::Mesh) {
     };
     for start in (0..corners.len()).step_by(3) {
         // A normal of no length would be refused by every reader: the triangle's own stands in.
-        if soup.normals[start..start + 3]
-            .iter()
-            .any(|n| *n == [0.0; 3])
-        {
+        if soup.normals[start..start + 3].contains(&[0.0; 3]) {
             let [a, b, c] =
                 [0, 1, 2].map(|i| glam::Vec3::from(soup.positions[start + i]).as_dvec3());
             let flat = unit((b - a).cross(c - a));

@@ -25,8 +25,8 @@ pub fn files_below(folder: &std::path::Path) -> Vec<PathBuf> {
     let mut out = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
+        for entry in std::fs::read_dir(folder).expect("a folder that was listed") {
+            let path = entry.expect("an entry of it").path();
             match path.is_dir() {
                 true => folders.push(path),
                 false if path.extension().is_some_and(|e| e == "fbx") => out.push(path),
