@@ -2,15 +2,19 @@
 
 #[path = "support/ascii.rs"]
 mod ascii;
+#[path = "support/chain.rs"]
+mod chain;
 
 use ascii::strip;
-use dolomite_fbx::check::Played;
+use chain::chain;
+use dolomite_fbx::check::{Played, Truth, vertex_error};
 use dolomite_fbx::model::{Interpolation, Property};
 use dolomite_fbx::{Conversion, FbxError, Limits, Options, Origin, Weights, convert};
 use glam::{DQuat, DVec3};
 
 fn converted(text: &str) -> Conversion {
-    convert(text.as_bytes(), &Origin::default(), &Options::default()).unwrap()
+    convert(text.as_bytes(), &Origin::default(), &Options::default())
+        .expect("a file of our own is sound")
 }
 
 /// Centimetres, Z up, to metres, Y up.
@@ -20,7 +24,7 @@ fn from_file(p: DVec3) -> DVec3 {
 
 /// Where vertex `index` of the strip is when `tip` is turned by `angle` and `bulge` lifts the middle.
 fn place(index: usize, angle: f64, lift: f64) -> DVec3 {
-    let x = if index % 2 == 0 { 0.0 } else { 20.0 };
+    let x = if index.is_multiple_of(2) { 0.0 } else { 20.0 };
     let row = index / 2;
     let rest = DVec3::new(x, 10.0 * row as f64, if row == 1 { lift } else { 0.0 });
     let pivot = DVec3::new(0.0, 20.0, 0.0);
@@ -132,4 +136,30 @@ fn limits_and_options_are_kept() {
         ..Options::default()
     };
     assert!(matches!(with(wrong), FbxError::Option { .. }));
+}
+
+/// How scale is inherited, in all 27 ways that three nodes can: against ufbx, which knows no helper
+/// nodes there.
+#[test]
+fn scale_is_inherited_in_every_way() {
+    for code in 0..27 {
+        let inherit = [code % 3, code / 3 % 3, code / 9];
+        let text = chain(inherit);
+        let made = converted(&text);
+        let played = Played::read(&made.to_glb().unwrap()).unwrap();
+        let truth = Truth::load(text.as_bytes(), &Origin::default()).unwrap();
+        let report = &made.report;
+        for step in 0..=40 {
+            let time = f64::from(step) / 40.0;
+            let (shapes, _) = played.at(Some(0), time);
+            let (bodies, _) = truth.at(Some(0), time).unwrap();
+            assert_eq!((shapes.len(), bodies.len()), (3, 3));
+            let error = vertex_error(&shapes, &bodies, &truth.space(), &made.sources());
+            let allowed = report.bound + 1e-6 * report.size;
+            assert!(
+                error <= allowed,
+                "{inherit:?} at {time}: {error:e} m, {allowed:e} allowed"
+            );
+        }
+    }
 }
