@@ -136,11 +136,12 @@ pub struct Limits {
 
 impl Limits {
     /// Those of a file of so many bytes: 48 MiB and 16 times the file, which leaves the rest of
-    /// 64 MB + 20 times the file to the allocator and to the file itself; and 1.5 s + 1 s a 200 kB.
+    /// 64 MB + 20 times the file to the allocator and to the file itself; and 1.4 s + 1 s for 2 MB,
+    /// some twenty times what a sound file takes.
     pub fn of_file(bytes: usize) -> Self {
         Self {
             memory: (48 << 20) + 16 * bytes,
-            seconds: 1.5 + bytes as f64 / 2e5,
+            seconds: 1.4 + bytes as f64 / 2e6,
         }
     }
 }
