@@ -3,6 +3,7 @@
 use crate::error::FbxError;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// Joints that a vertex may follow in the result.
@@ -113,7 +114,11 @@ impl Options<'_> {
     /// Threads that are used.
     pub(crate) fn thread_count(&self) -> usize {
         match self.threads {
-            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            // Asking reads files of the system: once is enough.
+            0 => {
+                static CORES: OnceLock<usize> = OnceLock::new();
+                *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from))
+            }
             n => n,
         }
     }

@@ -70,9 +70,19 @@ pub(crate) fn fit(
     };
     let own: Vec<f64> = renormalised(candidates).iter().map(|i| i.weight).collect();
     let gram = gram(&offsets, &vec![1.0; targets.len()], &own);
+    // The joints with the largest weights, if other weights make them do.
+    let first = (1 << candidates.len().min(count)) - 1;
+    let weights = on_simplex(&gram, first, candidates.len());
+    let error = worst(&weights[..candidates.len()]);
+    if error < best.0 {
+        best = (error, weights[..candidates.len()].to_vec());
+    }
     // The best choices, best first.
     let mut finalists: Vec<(f64, Subset)> = Vec::with_capacity(FINALISTS + 1);
     for subset in subsets(candidates.len(), count) {
+        if best.0 <= enough {
+            break;
+        }
         let weights = on_simplex(&gram, subset, candidates.len());
         let value = form(&gram, &weights[..candidates.len()]);
         let at = finalists
