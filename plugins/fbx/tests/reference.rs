@@ -87,8 +87,10 @@ fn the_same_bytes_on_any_number_of_threads() {
     ] {
         let bytes = std::fs::read(folder.join(name)).unwrap();
         let with = |threads: usize| {
+            // Within frames there is enough to do for several.
             let options = Options {
                 threads,
+                within_frames: true,
                 ..Options::default()
             };
             convert(&bytes, &Default::default(), &options)

@@ -1,6 +1,19 @@
 //! Work on consecutive parts of a range, on several threads.
 
+use crate::options::Options;
 use std::ops::Range;
+
+/// Poses of nodes that one thread is done with before another would have started, on a busy machine:
+/// some milliseconds' work.
+const ALONE: usize = 16_384;
+
+/// How many threads work on so many poses of nodes.
+pub(super) fn threads(poses: usize, options: &Options) -> usize {
+    match poses < ALONE {
+        true => 1,
+        false => options.thread_count().min(poses / (ALONE / 4)),
+    }
+}
 
 /// `work` on consecutive parts of `0..count`, on `threads` threads; results in order, so that they do
 /// not depend on how many there are.

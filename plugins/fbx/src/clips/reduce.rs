@@ -2,7 +2,7 @@
 
 use super::choose::{Choice, Kinds, Sampled, rotation, vector, weights};
 use super::metric::{Leverage, Shells};
-use super::parts::in_parts;
+use super::parts::{in_parts, threads};
 use super::play::{Player, Pose, play};
 use super::sample::Samples;
 use crate::error::FbxError;
@@ -226,10 +226,8 @@ impl<'a> Work<'a> {
         parts.into_iter().flatten().collect()
     }
 
-    /// A thread costs more to start than little work takes.
     fn threads(&self, options: &Options) -> usize {
-        let poses = self.samples.grid.len() * self.samples.tracks.len();
-        options.thread_count().min(poses / 4096).max(1)
+        threads(self.samples.grid.len() * self.samples.tracks.len(), options)
     }
 
     /// Keys that let each joint by itself do `error` metres wrong.

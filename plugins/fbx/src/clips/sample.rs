@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::keys::{BLENDS, MOVES};
-use super::parts::in_parts;
+use super::parts::{in_parts, threads};
 use crate::error::FbxError;
 use crate::model::{Model, Trs};
 use crate::options::{Budget, Options};
@@ -143,10 +143,7 @@ pub(crate) fn evaluate(
     options: &Options,
     budget: &Budget,
 ) -> Result<Vec<Vec<Trs>>, FbxError> {
-    let threads = options
-        .thread_count()
-        .min(nodes.len() * times.len() / 4096)
-        .max(1);
+    let threads = threads(nodes.len() * times.len(), options);
     let track = |node: usize| -> Vec<Trs> {
         let anim: &ufbx::Anim = &scene.anim_stacks[stack].anim;
         let source: &ufbx::Node = &scene.nodes[node];
