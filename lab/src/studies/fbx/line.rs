@@ -35,7 +35,7 @@ pub struct Line {
     pub animation_bytes: usize,
     /// Of the first conversion, milliseconds.
     pub ms: f64,
-    /// The median of several conversions, and of as many times that ufbx alone loads the file.
+    /// The least of several conversions, and of as many times that ufbx alone loads the file.
     pub timed_ms: f64,
     /// See [`Line::timed_ms`].
     pub load_ms: f64,
@@ -131,7 +131,7 @@ impl Line {
             "bytes": self.bytes,
             "animation_bytes": self.animation_bytes,
             "ms": self.ms,
-            "median_ms": self.timed_ms,
+            "least_ms": self.timed_ms,
             "load_ms": self.load_ms,
             "stated_error_m": self.stated_error,
             "unit_m": self.unit,
