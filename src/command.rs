@@ -13,6 +13,7 @@ use dolomite::game::settings::Settings;
 use dolomite::game::setup::{GameError, Setup};
 use dolomite::terrain::RawFormat;
 
+use crate::fbx2gltf::Fbx2gltf;
 use crate::values::{Camera, Degrees2, RawType, Size};
 
 /// A mountain to fly and walk over, refined on the GPU.
@@ -59,6 +60,8 @@ pub enum Command {
     Shot(Shot),
     /// Fly a fixed path without a window and write what each frame cost, as JSON.
     Bench(Bench),
+    /// Convert an FBX file to glTF and say how exact the result is.
+    Fbx2gltf(Fbx2gltf),
     /// Print the default settings as a file, with a comment on each.
     Settings,
 }

@@ -26,6 +26,7 @@
 //! Coordinates everywhere: metres and radians, right-handed, +Y up, −Z forward (north).
 
 pub use dolomite_character as character;
+pub use dolomite_fbx as fbx;
 pub use dolomite_terrain as terrain;
 pub use dolomite_tessellation as tessellation;
 

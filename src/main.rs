@@ -1,6 +1,7 @@
-//! The command `dolomite`: play, shot, bench, settings.
+//! The command `dolomite`: play, shot, bench, settings, fbx2gltf.
 
 mod command;
+mod fbx2gltf;
 mod values;
 
 use std::process::ExitCode;
@@ -20,6 +21,15 @@ fn main() -> ExitCode {
             return ExitCode::from(u8::from(message.use_stderr()));
         }
     };
+    if let Some(Command::Fbx2gltf(convert)) = &line.command {
+        return match convert.run() {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("dolomite: {error}");
+                ExitCode::FAILURE
+            }
+        };
+    }
     match run(line) {
         Ok(AppExit::Success) => ExitCode::SUCCESS,
         Ok(AppExit::Error(code)) => ExitCode::from(code.get()),
@@ -60,6 +70,8 @@ fn run(line: Line) -> Result<AppExit, GameError> {
             );
             Ok(AppExit::Success)
         }
+        // Done before: it needs neither game nor Bevy.
+        Command::Fbx2gltf(_) => Ok(AppExit::Success),
         Command::Settings => {
             print!("{}", settings::DEFAULT_SETTINGS);
             Ok(AppExit::Success)

@@ -17,6 +17,9 @@ pub struct Arguments {
     /// Name of a study, or `all`: every study, and a page that shows every figure
     #[arg(value_parser = known_study)]
     pub study: String,
+    /// Of `fbx` alone: the folder whose FBX files are converted [default: those of the shared data]
+    #[arg(value_name = "DIR")]
+    pub folder: Option<PathBuf>,
     /// Seed of the inputs; same seed, same inputs
     #[arg(long, default_value_t = Options::default().seed)]
     pub seed: u32,
@@ -66,10 +69,16 @@ pub enum CliError {
     /// Captures could not be compared.
     #[error(transparent)]
     Captures(#[from] CaptureError),
+    /// A conversion panicked.
+    #[error("a conversion panicked; the lines above say which")]
+    Panicked,
 }
 
 /// The study that `--cases` goes with.
 const OF_CASES: &str = "tessellation";
+
+/// The study that takes a folder, and prints a line for each of its files in place of one object.
+const OF_FOLDER: &str = "fbx";
 
 /// Reads a command line, its first word the program's name.
 ///
@@ -85,6 +94,15 @@ where
             ErrorKind::ArgumentConflict,
             format!(
                 "--cases goes with the study {OF_CASES} alone, not with {}",
+                arguments.study
+            ),
+        ));
+    }
+    if arguments.folder.is_some() && arguments.study != OF_FOLDER {
+        return Err(Arguments::command().error(
+            ErrorKind::ArgumentConflict,
+            format!(
+                "a folder goes with the study {OF_FOLDER} alone, not with {}",
                 arguments.study
             ),
         ));
@@ -165,6 +183,8 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
         frames: arguments.frames,
         cameras: arguments.cameras,
         error: arguments.error,
+        folder: arguments.folder.clone(),
+        out: Some(arguments.out.clone()),
     };
     let all = arguments.study == "all";
     let chosen = |study: &&Study| all || study.name == arguments.study;
@@ -182,6 +202,12 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
             "written: {}",
             write_index(&arguments.out, &reports)?.display()
         );
+    }
+    if arguments.study == OF_FOLDER {
+        return match reports.iter().any(|report| report.summary["panics"] != 0) {
+            true => Err(CliError::Panicked),
+            false => Ok(Vec::new()),
+        };
     }
     Ok(reports.iter().map(Report::to_json).collect())
 }
@@ -222,6 +248,13 @@ mod tests {
             assert_eq!(refusal.kind(), ErrorKind::ArgumentConflict);
             assert!(refusal.to_string().contains(study), "{refusal}");
         }
+    }
+
+    #[test]
+    fn a_folder_goes_with_fbx_alone() {
+        let parsed = parse("fbx some/folder --out x").unwrap();
+        assert_eq!(parsed.folder, Some(PathBuf::from("some/folder")));
+        assert!(parse("noise some/folder").is_err());
     }
 
     #[test]

@@ -3,8 +3,8 @@
 //! `cargo run --release -p dolomite_lab -- noise` runs a study: methods against their oracles over a
 //! sweep of a knob, ours and others on the same inputs in the same run. It writes a CSV file and SVG
 //! charts, and prints a JSON object. `-- tessellation --cases FILE.jsonl` compares captured patches
-//! instead; `-- tessellation-stage` counts cracks and background pixels, and times shadow views. Nothing
-//! but tests uses the lab.
+//! instead; `-- tessellation-stage` counts cracks and background pixels, and times shadow views; `-- fbx DIR`
+//! converts every FBX file of a folder and prints a JSON line for each. Nothing but tests uses the lab.
 //!
 //! | module | what |
 //! |---|---|

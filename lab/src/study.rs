@@ -24,6 +24,10 @@ pub struct Options {
     pub cameras: usize,
     /// The least error that methods of `lod` are tuned to, pixels.
     pub error: f64,
+    /// Where `fbx` looks for files; `None` is the shared data.
+    pub folder: Option<PathBuf>,
+    /// Where results besides tables and charts go; `None` keeps none.
+    pub out: Option<PathBuf>,
 }
 
 impl Default for Options {
@@ -36,6 +40,8 @@ impl Default for Options {
             frames: 1000,
             cameras: 200,
             error: 4.0,
+            folder: None,
+            out: None,
         }
     }
 }

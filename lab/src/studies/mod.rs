@@ -3,6 +3,7 @@
 pub mod animation;
 pub mod budget;
 pub mod ground;
+pub mod fbx;
 pub mod lod;
 pub mod noise;
 pub mod tessellation;
@@ -16,6 +17,7 @@ pub const STUDIES: &[Study] = &[
     animation::STUDY,
     budget::STUDY,
     ground::STUDY,
+    fbx::STUDY,
     lod::STUDY,
     noise::STUDY,
     tessellation::STUDY,

@@ -1,0 +1,72 @@
+//! FBX to glTF with a stated error.
+//!
+//! Reads binary and ASCII FBX of version 3000 to 7700 (through [ufbx](https://github.com/ufbx/ufbx)) and
+//! writes .glb, or .gltf with files: nodes, meshes, materials and pictures, skins, blend shapes, clips,
+//! lights and cameras. Each result says how far it is from the file and what of the file it cannot hold.
+//!
+//! ```
+//! use dolomite_fbx::{Options, Origin, convert};
+//!
+//! # fn example() -> Result<(), dolomite_fbx::FbxError> {
+//! let bytes = std::fs::read("hero.fbx").expect("there is a hero");
+//! let origin = Origin { name: "hero.fbx".into(), folder: Some(".".into()), ..Origin::default() };
+//! let made = convert(&bytes, &origin, &Options { max_error: 1e-4, ..Options::default() })?;
+//! println!("{:.1e} m, {} of {} keys", made.report.error(), made.report.keys(), made.report.baked());
+//! made.write("hero.glb".as_ref())?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Nothing of Bevy is compiled.
+//!
+//! # How exact
+//!
+//! **Places.** Everything is computed in f64 and rounded to f32 once. The file's axes become Y up, its unit
+//! the metre, in the geometry and not by a scale on the root. Helper nodes stand in where glTF cannot say
+//! it: `NAME.geometry` for transforms that children do not inherit, `NAME.scale` for the two modes in
+//! which FBX inherits scale otherwise. Skinned meshes stand beside the tree, as glTF wants them.
+//!
+//! **Keys.** Every stack is a clip that begins at 0; the file's own time is kept in its `extras`. Clips are
+//! looked at on every key and wherever they bend between keys, and the fewest keys are taken, as steps, lines
+//! or cubics, that keep the skin within `max_error` of that: in the world, 3 cm around each joint, or out to
+//! the farthest vertex that follows it, with what all joints above do wrong. The error in the report
+//! is measured by playing the keys. Where a file has a key in every frame, what its three angles do within a
+//! frame is not followed unless asked for ([`Options::within_frames`]).
+//!
+//! **Weights.** Vertices that follow more than four joints get the four, and the weights, that come
+//! nearest to what all of them do over the clips; or up to eight.
+//!
+//! **Blend shapes.** In-betweens are morph targets of their own, whose weights bend where the file's
+//! channel passes them.
+//!
+//! What is lost (dual quaternions, constraints, caches, ...) is listed in [`Report::lost`], with metres
+//! where it moves vertices.
+//!
+//! # How safe
+//!
+//! Nothing in a file makes it panic. Memory and time have [`Limits`]; other files are read only
+//! below the folder that [`Origin`] names, and links do not lead out of it.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`model`] | what lies between FBX and glTF: plain data |
+//! | [`check`] | a result read back, played on the CPU in f64 and held against the file |
+
+pub mod check;
+mod clips;
+mod convert;
+mod error;
+mod load;
+pub mod model;
+mod options;
+mod read;
+mod report;
+mod skinning;
+mod weights;
+mod write;
+
+pub use convert::{Conversion, convert};
+pub use error::FbxError;
+pub use options::{Limits, Options, Origin, Progress, Weights};
+pub use report::{ClipReport, Lost, Report};
+pub use write::{GltfFiles, Output};

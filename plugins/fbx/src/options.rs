@@ -1,0 +1,214 @@
+//! What a user may ask for, and how much a file may cost.
+
+use crate::error::FbxError;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+/// Joints that a vertex may follow in the result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Weights {
+    /// At most four (`JOINTS_0`), which every renderer of glTF draws.
+    #[default]
+    Four,
+    /// At most eight (`JOINTS_0` and `JOINTS_1`); Bevy and many others draw the first four only.
+    Eight,
+}
+
+impl Weights {
+    /// How many joints.
+    pub fn count(self) -> usize {
+        match self {
+            Self::Four => 4,
+            Self::Eight => 8,
+        }
+    }
+}
+
+/// How far along a conversion is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// What is being done.
+    pub stage: &'static str,
+    /// Share of this stage that is done, 0 to 1.
+    pub done: f64,
+}
+
+/// Settings of a conversion.
+#[derive(Clone, Copy)]
+pub struct Options<'a> {
+    /// How far what the clips move may be from where the FBX file has it, metres at the skin: at 3 cm
+    /// around each joint, or at the farthest vertex that follows it where that is farther. Above 0;
+    /// default 0.0001. See [`Options::max_relative_error`].
+    pub max_error: f64,
+    /// The same as a share of the model's size (the diagonal of its box); the smaller of the two holds,
+    /// so that a figure of two centimetres is not converted as coarsely as a house. Above 0; default
+    /// 5e-6; infinite to do without.
+    pub max_relative_error: f64,
+    /// Joints a vertex.
+    pub weights: Weights,
+    /// Samples of a clip beside the file's own keys, per second; default 30. More find shorter bumps
+    /// between far keys and cost time. 1 to 1000.
+    pub sample_rate: f64,
+    /// Holds what lies between two keys of the file to the bound even where they are no more than a
+    /// frame apart. By default it is not: files that are baked have a key in every frame, three angles
+    /// each, and what these angles do between two frames nobody sees or means. Costs time and bytes.
+    pub within_frames: bool,
+    /// Threads that work on clips; 0 (the default) takes as many as the machine has. The result does
+    /// not depend on it.
+    pub threads: usize,
+    /// What a file may cost; `None` (the default) sets [`Limits::of_file`].
+    pub limits: Option<Limits>,
+    /// Is told how far it is.
+    pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
+}
+
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Self {
+            max_error: 1e-4,
+            max_relative_error: 5e-6,
+            weights: Weights::default(),
+            sample_rate: 30.0,
+            within_frames: false,
+            threads: 0,
+            limits: None,
+            progress: None,
+        }
+    }
+}
+
+impl Options<'_> {
+    /// # Errors
+    /// [`FbxError::Option`] naming the first value out of range.
+    pub fn check(&self) -> Result<(), FbxError> {
+        let wrong = |option, value: f64, range| {
+            let value = value.to_string();
+            Err(FbxError::Option {
+                option,
+                value,
+                range,
+            })
+        };
+        if !(self.max_error > 0.0 && self.max_error.is_finite()) {
+            return wrong("max error", self.max_error, "metres above 0");
+        }
+        if self.max_relative_error.is_nan() || self.max_relative_error <= 0.0 {
+            return wrong(
+                "max relative error",
+                self.max_relative_error,
+                "a share above 0",
+            );
+        }
+        if !(1.0..=1000.0).contains(&self.sample_rate) {
+            return wrong(
+                "sample rate",
+                self.sample_rate,
+                "1 to 1000 samples a second",
+            );
+        }
+        Ok(())
+    }
+
+    /// Threads that are used.
+    pub(crate) fn thread_count(&self) -> usize {
+        match self.threads {
+            // Asking reads files of the system: once is enough.
+            0 => {
+                static CORES: OnceLock<usize> = OnceLock::new();
+                *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from))
+            }
+            n => n,
+        }
+    }
+
+    pub(crate) fn report(&self, stage: &'static str, done: f64) {
+        if let Some(tell) = self.progress {
+            tell(Progress { stage, done });
+        }
+    }
+}
+
+/// What one file may cost, so that a broken or hostile one cannot take the machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Memory for what is read and what comes out of it, bytes.
+    pub memory: usize,
+    /// Wall time, seconds.
+    pub seconds: f64,
+}
+
+impl Limits {
+    /// Those of a file of so many bytes: 48 MiB and 16 times the file, which leaves the rest of
+    /// 64 MB + 20 times the file to the allocator and to the file itself; and 1.4 s + 1 s for 2 MB,
+    /// some twenty times what a sound file takes.
+    pub fn of_file(bytes: usize) -> Self {
+        Self {
+            memory: (48 << 20) + 16 * bytes,
+            seconds: 1.4 + bytes as f64 / 2e6,
+        }
+    }
+}
+
+/// Where a file comes from.
+#[derive(Debug, Clone, Default)]
+pub struct Origin {
+    /// Its name, for messages.
+    pub name: String,
+    /// Pictures that lie beside it, by the last part of their name; looked in before the folder.
+    pub files: BTreeMap<String, Vec<u8>>,
+    /// The folder that textures which are not embedded are looked for in; `None` looks nowhere.
+    pub folder: Option<PathBuf>,
+}
+
+/// The clock and the purse of one conversion.
+pub(crate) struct Budget {
+    pub(crate) file: String,
+    pub(crate) limits: Limits,
+    began: Instant,
+}
+
+impl Budget {
+    pub(crate) fn new(file: &str, limits: Limits) -> Self {
+        Self {
+            file: file.to_owned(),
+            limits,
+            began: Instant::now(),
+        }
+    }
+
+    pub(crate) fn is_late(&self) -> bool {
+        self.began.elapsed() > Duration::from_secs_f64(self.limits.seconds.clamp(0.0, 1e9))
+    }
+
+    pub(crate) fn in_time(&self, during: &'static str) -> Result<(), FbxError> {
+        match self.is_late() {
+            true => Err(self.late(during)),
+            false => Ok(()),
+        }
+    }
+
+    pub(crate) fn late(&self, during: &'static str) -> FbxError {
+        FbxError::Time {
+            file: self.file.clone(),
+            during,
+            seconds: self.limits.seconds,
+        }
+    }
+
+    pub(crate) fn afford(&self, bytes: usize, what: &'static str) -> Result<(), FbxError> {
+        match bytes > self.limits.memory {
+            true => Err(self.too_much(what)),
+            false => Ok(()),
+        }
+    }
+
+    pub(crate) fn too_much(&self, what: &'static str) -> FbxError {
+        FbxError::Memory {
+            file: self.file.clone(),
+            what,
+            limit: self.limits.memory,
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! Meshes: triangles by material, with one vertex for each different corner.
+
+use super::convert::{finite, finite3, vec3};
+use super::shapes::Shapes;
+use super::tangents::{Corners, tangents};
+use crate::error::FbxError;
+use crate::model::{Material, Mesh, Part};
+use crate::options::Budget;
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// No vertex.
+const NONE: u32 = u32::MAX;
+
+/// Meshes that are made so far: the same FBX mesh under other materials is another mesh.
+#[derive(Default)]
+pub(crate) struct Meshes {
+    known: BTreeMap<(u32, Vec<Option<usize>>, bool), usize>,
+}
+
+/// Corners of the triangles of one part, before equal ones are joined.
+#[derive(Default)]
+struct Soup {
+    /// Number of each corner in the FBX mesh.
+    corners: Vec<u32>,
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    uvs: Vec<Vec<[f32; 2]>>,
+    colours: Vec<Vec<[f32; 4]>>,
+    tangents: Vec<[f32; 4]>,
+}
+
+impl Meshes {
+    /// Number of the mesh that `node` shows; `None` if it has no triangle. A mesh with a skin is told
+    /// apart from the same one without.
+    pub(crate) fn number(
+        &mut self,
+        node: &ufbx::Node,
+        mesh: &ufbx::Mesh,
+        skinned: bool,
+        materials: &[Material],
+        meshes: &mut Vec<Mesh>,
+        budget: &Budget,
+    ) -> Result<Option<usize>, FbxError> {
+        let of_node: Vec<Option<usize>> = match node.materials.is_empty() {
+            true => (&mesh.materials)
+                .into_iter()
+                .map(|m| Some(m.element.typed_id as usize))
+                .collect(),
+            false => (&node.materials)
+                .into_iter()
+                .map(|m| Some(m.element.typed_id as usize))
+                .collect(),
+        };
+        let key = (mesh.element.typed_id, of_node.clone(), skinned);
+        if let Some(&number) = self.known.get(&key) {
+            return Ok(Some(number));
+        }
+        let made = read_mesh(mesh, &of_node, materials, budget)?;
+        if made.parts.is_empty() {
+            return Ok(None);
+        }
+        meshes.push(made);
+        self.known.insert(key, meshes.len() - 1);
+        Ok(Some(meshes.len() - 1))
+    }
+}
+
+fn read_mesh(
+    mesh: &ufbx::Mesh,
+    of_node: &[Option<usize>],
+    materials: &[Material],
+    budget: &Budget,
+) -> Result<Mesh, FbxError> {
+    let shapes = Shapes::of(mesh);
+    // What all corners need at most: 12 floats and each UV and colour set, twice over, and targets.
+    let corner =
+        4 * (12 + 2 * mesh.uv_sets.len() + 4 * mesh.color_sets.len() + 6 * shapes.targets.len());
+    budget.afford(
+        mesh.num_triangles * 3 * corner * 2,
+        "the triangles of a mesh",
+    )?;
+
+    let mut soups: BTreeMap<usize, Soup> = BTreeMap::new();
+    let mut triangles = vec![0; mesh.max_face_triangles * 3];
+    for (face_number, face) in mesh.faces.iter().enumerate() {
+        if face.num_indices < 3 {
+            continue;
+        }
+        let slot = mesh.face_material.get(face_number).copied().unwrap_or(0) as usize;
+        let count = ufbx::triangulate_face(&mut triangles, mesh, *face) as usize * 3;
+        soups
+            .entry(slot)
+            .or_default()
+            .corners
+            .extend_from_slice(&triangles[..count]);
+    }
+    let offsets: Vec<_> = (0..shapes.targets.len())
+        .map(|target| shapes.offsets(target, mesh.num_vertices))
+        .collect();
+    let mut parts = Vec::new();
+    for (slot, mut soup) in soups {
+        budget.in_time("meshes")?;
+        let material = of_node
+            .get(slot)
+            .copied()
+            .flatten()
+            .filter(|&m| m < materials.len());
+        fill(&mut soup, mesh);
+        let normal_map = material.and_then(|m| materials[m].normal_texture.as_ref());
+        if let Some(uvs) = normal_map.and_then(|map| soup.uvs.get(map.uv_set as usize)) {
+            soup.tangents = tangents(&Corners {
+                positions: &soup.positions,
+                normals: &soup.normals,
+                uvs,
+            });
+        }
+        let mut part = join(&soup, mesh);
+        part.material = material;
+        for (positions, normals) in &offsets {
+            let pick = |all: &[DVec3]| -> Vec<[f32; 3]> {
+                part.sources
+                    .iter()
+                    .map(|&v| finite3(all[v as usize]))
+                    .collect()
+            };
+            part.offsets
+                .push((pick(positions), normals.as_deref().map_or(Vec::new(), pick)));
+        }
+        if !part.indices.is_empty() {
+            parts.push(part);
+        }
+    }
+    Ok(Mesh {
+        name: mesh.element.name.to_string(),
+        parts,
+        targets: shapes.targets,
+        source: mesh.element.typed_id,
+    })
+}
+
+/// Looks up the attributes of each corner.
+fn fill(soup: &mut Soup, mesh: &ufbx::Mesh) {
+    let corners = &soup.corners;
+    soup.positions = corners
+        .iter()
+        .map(|&c| finite3(vec3(mesh.vertex_position[c as usize])))
+        .collect();
+    soup.normals = match mesh.vertex_normal.exists {
+        true => corners
+            .iter()
+            .map(|&c| finite3(unit(vec3(mesh.vertex_normal[c as usize]))))
+            .collect(),
+        false => vec![[0.0; 3]; corners.len()],
+    };
+    for start in (0..corners.len()).step_by(3) {
+        // A normal of no length would be refused by every reader: the triangle's own stands in.
+        if soup.normals[start..start + 3].contains(&[0.0; 3]) {
+            let [a, b, c] =
+                [0, 1, 2].map(|i| glam::Vec3::from(soup.positions[start + i]).as_dvec3());
+            let flat = unit((b - a).cross(c - a));
+            let flat = if flat == DVec3::ZERO { DVec3::Y } else { flat };
+            for normal in &mut soup.normals[start..start + 3] {
+                if *normal == [0.0; 3] {
+                    *normal = finite3(flat);
+                }
+            }
+        }
+    }
+    soup.uvs = mesh
+        .uv_sets
+        .iter()
+        .map(|set| {
+            let uv = |&c: &u32| {
+                let uv = set.vertex_uv[c as usize];
+                [finite(uv.x), finite(1.0 - uv.y)]
+            };
+            corners.iter().map(uv).collect()
+        })
+        .collect();
+    soup.colours = mesh
+        .color_sets
+        .iter()
+        .map(|set| {
+            let colour = |&c: &u32| {
+                let c = set.vertex_color[c as usize];
+                [c.x, c.y, c.z, c.w].map(|x| finite(x).clamp(0.0, 1.0))
+            };
+            corners.iter().map(colour).collect()
+        })
+        .collect();
+}
+
+fn unit(v: DVec3) -> DVec3 {
+    v.normalize_or_zero()
+}
+
+/// Joins corners that are equal in everything. Corners of the same FBX vertex are kept in a list, so
+/// that only these are compared.
+fn join(soup: &Soup, mesh: &ufbx::Mesh) -> Part {
+    let mut part = Part {
+        uvs: vec![Vec::new(); soup.uvs.len()],
+        colours: vec![Vec::new(); soup.colours.len()],
+        ..Part::default()
+    };
+    let mut first = vec![NONE; mesh.num_vertices];
+    // For each vertex of the part: the corner it was made of, and the next of the same FBX vertex.
+    let mut made: Vec<(u32, u32)> = Vec::new();
+    for (corner, &number) in soup.corners.iter().enumerate() {
+        let source = mesh.vertex_indices[number as usize];
+        let Some(head) = first.get_mut(source as usize) else {
+            continue;
+        };
+        let mut at = *head;
+        while at != NONE && !equal(soup, made[at as usize].0 as usize, corner) {
+            at = made[at as usize].1;
+        }
+        if at == NONE {
+            at = made.len() as u32;
+            made.push((corner as u32, *head));
+            *head = at;
+            part.sources.push(source);
+        }
+        part.indices.push(at);
+    }
+    let of = |(corner, _): &(u32, u32)| *corner as usize;
+    part.positions = made.iter().map(|v| soup.positions[of(v)]).collect();
+    part.normals = made.iter().map(|v| soup.normals[of(v)]).collect();
+    if !soup.tangents.is_empty() {
+        part.tangents = made.iter().map(|v| soup.tangents[of(v)]).collect();
+    }
+    for (to, from) in part.uvs.iter_mut().zip(&soup.uvs) {
+        *to = made.iter().map(|v| from[of(v)]).collect();
+    }
+    for (to, from) in part.colours.iter_mut().zip(&soup.colours) {
+        *to = made.iter().map(|v| from[of(v)]).collect();
+    }
+    part
+}
+
+fn equal(soup: &Soup, a: usize, b: usize) -> bool {
+    soup.normals[a] == soup.normals[b]
+        && soup.uvs.iter().all(|set| set[a] == set[b])
+        && soup.colours.iter().all(|set| set[a] == set[b])
+        && (soup.tangents.is_empty() || soup.tangents[a] == soup.tangents[b])
+}

@@ -1,0 +1,46 @@
+//! The tree of nodes.
+
+use super::convert::trs;
+use crate::model::{Node, Trs};
+use ufbx::Scene;
+
+/// Where a node is at rest; identity where the file says something that is no transform.
+pub(crate) fn rest_of(node: &ufbx::Node) -> Trs {
+    let rest = trs(&node.local_transform);
+    match rest.is_sound() {
+        true => rest,
+        false => Trs::IDENTITY,
+    }
+}
+
+/// One node for each of the scene's, under the same number: number 0 is the root, which no file shows.
+/// Meshes, lights and cameras are hung in later.
+pub(crate) fn read_nodes(scene: &Scene) -> Vec<Node> {
+    (&scene.nodes)
+        .into_iter()
+        .map(|node| Node {
+            name: name_of(node),
+            parent: node
+                .parent
+                .as_ref()
+                .map(|parent| parent.element.typed_id as usize),
+            rest: rest_of(node),
+            mesh: None,
+            skin: None,
+            light: None,
+            camera: None,
+        })
+        .collect()
+}
+
+/// A helper is named after the node that it helps, so that names stay apart.
+fn name_of(node: &ufbx::Node) -> String {
+    let own = node.element.name.to_string();
+    if !node.is_geometry_transform_helper && !node.is_scale_helper {
+        return own;
+    }
+    match &node.parent {
+        Some(parent) => format!("{}.{own}", parent.element.name),
+        None => own,
+    }
+}

@@ -1,0 +1,99 @@
+//! What a conversion says about itself: what was made, how exact it is, and what is lost.
+
+use serde::Serialize;
+
+/// Something that the glTF file does not hold.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Lost {
+    /// A fixed word for the kind of thing, for programs: `dual-quaternion`, `constraint`, ...
+    pub what: &'static str,
+    /// Its name in the file, or how many there are.
+    pub name: String,
+    /// How far vertices are from where they should be at most, metres, where that is what is lost.
+    pub metres: Option<f64>,
+    /// One sentence.
+    pub detail: String,
+}
+
+/// One clip of the result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ClipReport {
+    /// Name of the animation stack.
+    pub name: String,
+    /// Seconds.
+    pub seconds: f64,
+    /// Keys of all channels.
+    pub keys: usize,
+    /// Keys that a bake of every moving channel at the clip's samples would hold.
+    pub baked: usize,
+    /// The largest distance at the skin from the FBX file's own pose, metres, over all samples: the
+    /// file's keys, and others between them.
+    pub error: f64,
+    /// Samples that it was measured at.
+    pub samples: usize,
+}
+
+/// What came of a conversion.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// Version of the FBX file, 7400 for 7.4.
+    pub version: u32,
+    /// Program that wrote it, as far as it says so.
+    pub creator: String,
+    /// Metres that one unit of the file stands for.
+    pub unit: f64,
+    /// Diagonal of the box around everything at rest, metres.
+    pub size: f64,
+    /// Nodes of the result, helper nodes among them.
+    pub nodes: usize,
+    /// Nodes that are joints of a skin.
+    pub joints: usize,
+    /// Vertices of the result.
+    pub vertices: usize,
+    /// Triangles of the result.
+    pub triangles: usize,
+    /// The bound that keys were held to, metres: the smaller of the two that were asked for.
+    pub bound: f64,
+    /// Clips, in the order of the file.
+    pub clips: Vec<ClipReport>,
+    /// Vertices that follow more joints in the file than in the result.
+    pub refitted: usize,
+    /// How far those are from the file's deformation at most, over the poses they were fitted to,
+    /// metres.
+    pub weight_error: f64,
+    /// The same for the largest weights, renormalised, metres.
+    pub largest_weights_error: f64,
+    /// What glTF cannot carry, or what was not found.
+    pub lost: Vec<Lost>,
+    /// Bytes of keys and their times in the result.
+    pub animation_bytes: usize,
+}
+
+impl Report {
+    pub(crate) fn lose(&mut self, what: &'static str, name: &str, detail: impl Into<String>) {
+        self.lost.push(Lost {
+            what,
+            name: name.to_owned(),
+            metres: None,
+            detail: detail.into(),
+        });
+    }
+
+    /// The largest of the clips' errors and the error of refitted weights, metres.
+    pub fn error(&self) -> f64 {
+        self.clips
+            .iter()
+            .map(|clip| clip.error)
+            .fold(self.weight_error, f64::max)
+    }
+
+    /// Keys in all clips.
+    pub fn keys(&self) -> usize {
+        self.clips.iter().map(|clip| clip.keys).sum()
+    }
+
+    /// Keys that a bake would have, in all clips.
+    pub fn baked(&self) -> usize {
+        self.clips.iter().map(|clip| clip.baked).sum()
+    }
+}
