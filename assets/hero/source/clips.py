@@ -91,7 +91,7 @@ def idle(t, length=4.0):
 
 
 WALK = gait.Stride(
-    period=31 / RATE, speed=1.5, duty=0.62, landing_z=0.400, width=0.070, toe_out=6.0,
+    period=31 / RATE, speed=1.5, duty=0.62, landing_z=0.385, width=0.070, toe_out=6.0,
     strike=21.0, flat_from=0.17, flat_to=0.56, push=62.0,
     swing=[(0.28, -0.320, 0.245, -52.0), (0.60, 0.110, 0.165, -4.0), (0.84, 0.405, 0.150, 21.0)])
 
@@ -101,7 +101,7 @@ def walk(t):
     once, twice = TAU * f, 2.0 * TAU * f
     p = Pose()
     # Lowest while both feet are down, highest over the standing leg; to and fro over it.
-    p.shift = np.array([0.019 * math.sin(once - 0.35), -0.0350 - 0.0180 * math.cos(twice - 0.75), 0.006 * math.sin(twice)])
+    p.shift = np.array([0.019 * math.sin(once - 0.35), -0.0530 - 0.0170 * math.cos(twice - 0.75), 0.006 * math.sin(twice)])
     yaw = -6.0 * math.cos(once)
     list_ = 3.6 * math.sin(once + 0.15)
     p.turned("hips", turn_y(yaw), turn_z(list_), turn_x(4.0 + 0.8 * math.cos(twice)))
@@ -127,10 +127,10 @@ def walk(t):
 walk.used = 0.0
 
 RUN = gait.Stride(
-    period=22 / RATE, speed=4.0, duty=0.36, landing_z=0.390, width=0.045, toe_out=5.0,
-    strike=9.0, flat_from=0.12, flat_to=0.40, push=62.0,
-    swing=[(0.20, -0.700, 0.440, -92.0), (0.45, -0.300, 0.480, -78.0), (0.70, 0.270, 0.330, -22.0),
-           (0.88, 0.490, 0.215, 5.0)])
+    period=22 / RATE, speed=4.0, duty=0.335, landing_z=0.335, width=0.045, toe_out=5.0,
+    strike=9.0, flat_from=0.14, flat_to=0.30, push=80.0,
+    swing=[(0.12, -0.525, 0.290, -98.0), (0.30, -0.440, 0.455, -92.0), (0.50, -0.130, 0.440, -58.0),
+           (0.70, 0.220, 0.310, -20.0), (0.88, 0.420, 0.200, 4.0)])
 
 
 def run(t):
@@ -138,7 +138,7 @@ def run(t):
     once, twice = TAU * f, 2.0 * TAU * f
     p = Pose()
     low = 2.0 * TAU * 0.17
-    p.shift = np.array([0.012 * math.sin(once - 0.2), -0.048 - 0.038 * math.cos(twice - low), 0.0])
+    p.shift = np.array([0.012 * math.sin(once - 0.2), -0.099 - 0.028 * math.cos(twice - low), 0.0])
     yaw = -8.0 * math.cos(once + 0.1)
     list_ = 3.5 * math.sin(once + 0.3)
     p.turned("hips", turn_y(yaw), turn_z(list_), turn_x(9.0 + 1.5 * math.cos(twice - 0.5)))
@@ -216,7 +216,7 @@ def _airborne(t, length=1.0):
         p.turned("shoulder" + s, turn_z(side * 6.0))
         arm(p, side, 18.0 + 6.0 * math.cos(a + side), 46.0 + 6.0 * wave, 42.0 - 5.0 * wave, twist=8.0)
         fingers(p, side, 4.0, 0.0, 2.0)
-        ankle = np.array([side * 0.125, sk.ANKLE[1] + (0.16 if side > 0 else 0.10) + 0.018 * wave,
+        ankle = np.array([side * 0.125, sk.ANKLE[1] + (0.20 if side > 0 else 0.15) + 0.018 * wave,
                           (0.07 if side > 0 else -0.10) + 0.022 * math.cos(a + 1.4 * side)])
         reach_leg(p, side, ankle, turn_y(side * 8.0) @ turn_x(22.0 if side > 0 else 34.0), 0.0, knee_out=5.0)
     return p
@@ -225,7 +225,7 @@ def _airborne(t, length=1.0):
 def _launch():
     """The last touch of the ground: legs long, heels up, arms thrown forward."""
     p = Pose()
-    p.shift = np.array([0.0, 0.055, 0.020])
+    p.shift = np.array([0.0, 0.036, 0.020])
     p.turned("hips", turn_x(2.0))
     for bone in ("spine_1", "spine_2", "chest"):
         p.turned(bone, turn_x(-1.0))

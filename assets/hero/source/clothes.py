@@ -83,27 +83,6 @@ def _sleeve(p):
     return union(d, cuff, 0.006)
 
 
-COLLAR_TOP = 1.552
-
-
-def collar_height(p):
-    """Metres up the collar; it leans forward and dips at the throat."""
-    return p[:, 1] - 1.478 - 0.16 * (p[:, 2] + 0.02) * -1.0
-
-
-def _collar(p):
-    h = p[:, 1]
-    lean = (h - 1.47) * 0.24 - 0.026
-    q = np.sqrt(p[:, 0] ** 2 + ((p[:, 2] - lean) * 0.98) ** 2)
-    radius = curve(h, [1.44, 1.48, 1.52, 1.585], [0.100, 0.0850, 0.0795, 0.0830])
-    wall = np.abs(q - radius) - 0.0080
-    top = 1.556 - 0.26 * (p[:, 2] + 0.02)
-    # Open in front: a notch above the zip.
-    notch = 0.034 * np.exp(-(p[:, 0] / 0.020) ** 2) * (p[:, 2] > 0)
-    d = both(wall, h - (top - notch), 0.008)
-    return both(d, 1.445 - h, 0.01)
-
-
 def jacket_field(p):
     d = union(_torso(p), _sleeve(p), 0.055)
     d = d + torso_folds(p) * smoothstep(0.24, 0.20, p[:, 0]) + sleeve_folds(p)
@@ -117,15 +96,14 @@ def jacket_field(p):
     front = p[:, 2] > 0.02
     d = d - 0.0030 * smoothstep(0.016, 0.0135, np.abs(p[:, 0])) * front * (p[:, 1] < 1.47)
     d = d - 0.0018 * pocket_flap(p)
-    d = union(d, _collar(p), 0.012)
     return d
 
 
 def pocket_flap(p):
     """1 on the two hand pockets' welts."""
-    across = (p[:, 0] - 0.112) * 0.94 + (p[:, 1] - 1.000) * 0.34
-    along = (p[:, 1] - 1.000) * 0.94 - (p[:, 0] - 0.112) * 0.34
-    return (smoothstep(0.012, 0.0095, np.abs(across)) * smoothstep(0.080, 0.077, np.abs(along))
+    across = (p[:, 0] - 0.122) * 0.94 + (p[:, 1] - 0.918) * 0.34
+    along = (p[:, 1] - 0.918) * 0.94 - (p[:, 0] - 0.122) * 0.34
+    return (smoothstep(0.012, 0.0095, np.abs(across)) * smoothstep(0.058, 0.055, np.abs(along))
             * (p[:, 2] > 0.02))
 
 
@@ -134,7 +112,7 @@ def jacket_hidden(p):
     u, v, w = forearm_coords(p)
     in_cuff = (u > CUFF_U - 0.02) & (np.sqrt(v * v + w * w) < 0.028)
     bottom = (p[:, 1] < HEM + 0.012) & (loft(np.full(len(p), 0.85), p[:, 0], p[:, 2], TORSO) < -0.022)
-    inner = (np.sqrt(p[:, 0] ** 2 + (p[:, 2] + 0.018) ** 2) < 0.066) & (p[:, 1] < 1.50) & (p[:, 1] > 1.40)
+    inner = (np.sqrt(p[:, 0] ** 2 + (p[:, 2] + 0.026) ** 2) < 0.066) & (p[:, 1] > 1.40)
     return in_cuff | bottom | inner
 
 
@@ -160,7 +138,7 @@ def _leg_folds(p):
     ankle = bump(y, 0.205, 0.085) * np.sin(y / 0.0072 + 2.6 * phase + 16.0 * p[:, 0])
     groin = bump(y, 0.845, 0.08) * np.sin(y / 0.0090 - 45.0 * p[:, 0] + 1.5 * phase) * smoothstep(-0.02, 0.06, p[:, 2])
     broad = fractal(p, (0.04, 0.12, 0.04), 2, 45)
-    return 0.0034 * knee_back + 0.0042 * ankle + 0.0024 * groin + 0.0026 * broad
+    return 0.0034 * knee_back + 0.0032 * ankle + 0.0024 * groin + 0.0026 * broad
 
 
 def knee_patch(p):

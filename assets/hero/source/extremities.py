@@ -74,7 +74,7 @@ def sole_field(p):
     ends = np.maximum(s[0, 0] - z, z - s[-1, 0])
     outline = both(np.abs(p[:, 0] - BOOT_X - centre) - half, ends, 0.02)
     # Flat on the ground; the toe springs up a little, the heel is a block of its own.
-    bottom = 0.012 * smoothstep(0.15, 0.216, z) ** 2
+    bottom = 0.012 * smoothstep(0.15, 0.216, z) ** 2 + 0.011 * smoothstep(-0.071, -0.092, z)
     arch = 0.010 * bump(z, 0.030, 0.030)
     # Lugs at the sole's edge.
     lugs = 0.0022 * smoothstep(0.25, 0.45, np.abs(((z / 0.021) % 1.0) - 0.5)) * smoothstep(0.017, 0.013, p[:, 1])

@@ -141,6 +141,48 @@ def _thin_constant_curves(root):
             parts[b"KeyAttrRefCount"].props[0][0] = 2
 
 
+def _drop_idle_nodes(root):
+    """Curves of places and scales that stay at their rest value are left out."""
+    objects, links = _child(root, b"Objects"), _child(root, b"Connections")
+    by_id = {e.props[0]: e for e in objects.elems}
+    rest = {}
+    for e in objects.elems:
+        if e.id == b"Model":
+            for p in _child(e, b"Properties70").elems:
+                if p.props[0] in (b"Lcl Translation", b"Lcl Scaling"):
+                    rest[e.props[0], p.props[0]] = p.props[4:7]
+    curves, target = {}, {}
+    for c in links.elems:
+        source = by_id.get(c.props[1])
+        if source is None:
+            continue
+        if source.id == b"AnimationCurve":
+            curves.setdefault(c.props[2], []).append((c.props[3], source))
+        elif source.id == b"AnimationCurveNode" and c.props[0] == b"OP":
+            target[c.props[1]] = (c.props[2], c.props[3])
+    gone = set()
+    for node, (model, prop) in target.items():
+        default = rest.get((model, prop), [1.0, 1.0, 1.0] if prop == b"Lcl Scaling" else [0.0, 0.0, 0.0])
+        if prop == b"Lcl Rotation" or by_id[model].props[1].startswith(b"hips"):
+            continue
+        still = True
+        for axis, curve in curves.get(node, []):
+            values = _child(curve, b"KeyValueFloat").props[0]
+            want = default[b"XYZ".index(axis[-1:])]
+            still &= all(abs(v - want) < 1e-5 for v in (min(values), max(values)))
+        if still:
+            gone.add(node)
+            gone.update(curve.props[0] for _, curve in curves.get(node, []))
+    objects.elems[:] = [e for e in objects.elems if e.props[0] not in gone]
+    links.elems[:] = [c for c in links.elems if c.props[1] not in gone and c.props[2] not in gone]
+    counts = {}
+    for e in objects.elems:
+        counts[e.id] = counts.get(e.id, 0) + 1
+    for kind in _child(root, b"Definitions").elems:
+        if kind.id == b"ObjectType" and kind.props[0] in counts:
+            _child(kind, b"Count").props[0] = counts[kind.props[0]]
+
+
 def finish(path):
     root, version = parse_fbx.parse(path)
     _fix_times(root)
@@ -155,6 +197,7 @@ def finish(path):
                     f.props[0] = _clip_name(f.props[0])
     takes = _child(root, b"Takes")
     takes.elems.sort(key=lambda t: (t.id, t.props[0]))
+    _drop_idle_nodes(root)
     _thin_constant_curves(root)
     _order(root)
     _renumber(root)

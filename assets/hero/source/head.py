@@ -15,14 +15,21 @@ def _lid_gap(p):
     """How far a point is above the lower and below the upper lid's edge (m)."""
     s = (p[:, 0] - EYE[0]) / 0.0150
     arch = np.clip(1.0 - s * s, 0.0, 1.0)
+    beyond = 0.020 * np.clip(np.abs(s) - 0.97, 0.0, 1.0)
     # The outer corner sits a little higher than the inner one.
     line = EYE[1] - 0.0004 + 0.0016 * s
-    upper = line + 0.0052 * arch ** 0.75
-    lower = line - 0.0050 * arch ** 0.85
+    upper = line - beyond + 0.0046 * arch ** 0.75
+    lower = line + beyond - 0.0042 * arch ** 0.85
     return np.minimum(upper - p[:, 1], p[:, 1] - lower)
 
 
-def _face(p):
+def mouth_line(x):
+    """Height of the line between the lips, x from the middle (m)."""
+    return 1.5925 + 3.2 * x * x
+
+
+def _face(p, fine):
+    """Slits and folds narrower than the mesh's edges are in the fine version alone."""
     d = ellipsoid(p, SKULL, SKULL_RADII)
     # Forehead and temples: the skull is flatter at the sides than an egg.
     d = union(d, ellipsoid(p, vec(0, 1.690, 0.030), vec(0.064, 0.060, 0.058)), 0.03)
@@ -42,22 +49,26 @@ def _face(p):
     d = union(d, brow, 0.014)
     # Nose: bridge, tip, wings.
     nose = chain(p, [vec(0, 1.6760, 0.0800), vec(0, 1.6520, 0.0940), vec(0, 1.6285, 0.1055)],
-                 [0.0068, 0.0072, 0.0092], 0.01)
+                 [0.0064, 0.0066, 0.0084], 0.01)
     d = union(d, nose, 0.013)
-    d = union(d, sphere(p, vec(0, 1.6262, 0.1070), 0.0098), 0.008)
-    d = union(d, ellipsoid(p, vec(0.0112, 1.6225, 0.0960), vec(0.0070, 0.0065, 0.0092)), 0.0055)
-    d = cut(d, ellipsoid(p, vec(0.0066, 1.6165, 0.1015), vec(0.0036, 0.0035, 0.0050)), 0.003)
+    d = union(d, sphere(p, vec(0, 1.6265, 0.1065), 0.0088), 0.008)
+    d = union(d, ellipsoid(p, vec(0.0102, 1.6228, 0.0955), vec(0.0064, 0.0062, 0.0092)), 0.0055)
+    if fine:
+        d = cut(d, ellipsoid(p, vec(0.0066, 1.6165, 0.1015), vec(0.0036, 0.0035, 0.0050)), 0.003)
     # Groove from the nose to the lip.
     d = cut(d, capsule(p, vec(0, 1.6140, 0.0985), vec(0, 1.6040, 0.0975), 0.0032), 0.006)
-    # Lips and the line between them.
-    upper = chain(p, [vec(0, 1.5972, 0.0900), vec(0.008, 1.5985, 0.0885), vec(0.0235, 1.5942, 0.0765)],
-                  [0.0046, 0.0048, 0.0026], 0.006)
-    lower = chain(p, [vec(0, 1.5868, 0.0895), vec(0.010, 1.5875, 0.0872), vec(0.0225, 1.5938, 0.0765)],
-                  [0.0060, 0.0056, 0.0026], 0.006)
-    d = union(d, union(upper, lower, 0.002), 0.006)
-    slit = chain(p, [vec(0, 1.5918, 0.0965), vec(0.009, 1.5926, 0.0945), vec(0.0265, 1.5950, 0.0805)],
-                 [0.0014, 0.0014, 0.0012], 0.002)
-    d = cut(d, slit, 0.003)
+    # Lips, and the line between them: a shallow smile.
+    def lip(points, radii):
+        return chain(p, [vec(x, mouth_line(x) + dy, z) for x, dy, z in points], radii, 0.006)
+    upper = lip([(0, 0.0046, 0.0878), (0.009, 0.0046, 0.0862), (0.0185, 0.0022, 0.0800), (0.0265, 0.0004, 0.0715)],
+                [0.0040, 0.0040, 0.0030, 0.0018])
+    lower = lip([(0, -0.0050, 0.0868), (0.010, -0.0045, 0.0850), (0.0185, -0.0026, 0.0800), (0.0255, -0.0006, 0.0722)],
+                [0.0052, 0.0048, 0.0036, 0.0020])
+    d = union(d, union(upper, lower, 0.0015), 0.005)
+    slit = lip([(0, 0, 0.0935), (0.010, 0, 0.0915), (0.0190, 0, 0.0850), (0.0262, 0, 0.0770)],
+               [0.0014, 0.0013, 0.0011, 0.0006])
+    if fine:
+        d = cut(d, slit, 0.0022)
     d = cut(d, capsule(p, vec(0, 1.5772, 0.0925), vec(0.010, 1.5780, 0.0895), 0.0035), 0.008)
     # Lids: a shell about the eye with an almond cut into it.
     shell = both(sphere(p, EYE, EYE_RADIUS + 0.0020), -sphere(p, EYE, EYE_RADIUS - 0.004), 0.001)
@@ -70,19 +81,19 @@ def _face(p):
     s = (p[:, 0] - EYE[0]) / 0.0165
     fold_y = EYE[1] + 0.0022 + 0.0066 * np.clip(1 - s * s, 0, 1) ** 0.6
     fold = bump(p[:, 1], fold_y, 0.0022) * smoothstep(1.1, 0.6, np.abs(s)) * (p[:, 2] > 0.04)
-    return d + 0.0011 * fold
+    return d + 0.0011 * fold if fine else d
 
 
 def _ear(p):
     tilt = 0.22
     turn = np.array([[1, 0, 0], [0, np.cos(tilt), -np.sin(tilt)], [0, np.sin(tilt), np.cos(tilt)]])
-    splay = 0.42
+    splay = 0.36
     turn = np.array([[np.cos(splay), 0, -np.sin(splay)], [0, 1, 0], [np.sin(splay), 0, np.cos(splay)]]) @ turn
-    centre = vec(0.0815, 1.6490, -0.0120)
+    centre = vec(0.0815, 1.6480, -0.0120)
     q = (p - centre) @ turn
-    d = ellipsoid(q, vec(0, 0, 0), vec(0.0062, 0.0320, 0.0185))
+    d = ellipsoid(q, vec(0, 0, 0), vec(0.0075, 0.0300, 0.0172))
     d = union(d, ellipsoid(q, vec(-0.002, -0.022, 0.004), vec(0.006, 0.012, 0.010)), 0.006)
-    d = cut(d, ellipsoid(q, vec(0.0075, 0.004, 0.001), vec(0.0050, 0.0215, 0.0110)), 0.004)
+    d = cut(d, ellipsoid(q, vec(0.0095, 0.004, 0.002), vec(0.0068, 0.0190, 0.0100)), 0.004)
     d = union(d, ellipsoid(q, vec(-0.001, -0.003, 0.013), vec(0.0045, 0.006, 0.004)), 0.004)
     return d
 
@@ -104,12 +115,16 @@ def hair_amount(p):
     return smoothstep(-0.002, 0.007, p[:, 1] - line + ragged)
 
 
-def head_field(p):
-    d = union(_face(p), _neck(p), 0.022)
+def head_field(p, fine=False):
+    d = union(_face(p, fine), _neck(p), 0.022)
     hair = hair_amount(p)
-    locks = fractal(p, (0.010, 0.045, 0.010), 2, 3)
+    locks = fractal(p, (0.010, 0.045, 0.010), 2, 3) if fine else 0.0
     d = d - hair * (0.0060 + 0.0022 * locks)
-    return union(d, _ear(p), 0.008)
+    return union(d, _ear(p), 0.006)
+
+
+def head_fine(p):
+    return head_field(p, True)
 
 
 def eye_field(p):

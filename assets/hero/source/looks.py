@@ -48,17 +48,17 @@ def _abs(p):
 
 # Skin, hair, eyes.
 
-SKIN = vec(0.560, 0.315, 0.205)
+SKIN = vec(0.520, 0.285, 0.180)
 BLOOD = vec(0.520, 0.180, 0.120)
 HAIR = vec(0.075, 0.040, 0.020)
-LIP = vec(0.430, 0.165, 0.125)
+LIP = vec(0.400, 0.165, 0.125)
 
 
 def _brow(p):
     """1 on the eyebrows."""
     s = (p[:, 0] - 0.0300) / 0.0210
-    line = 1.6846 + 0.0034 * (1 - (s - 0.30) ** 2) + 0.0004 * s
-    thick = 0.0042 * (1.0 - 0.45 * smoothstep(0.0, 1.0, s))
+    line = 1.6826 + 0.0026 * (1 - (s - 0.25) ** 2) + 0.0002 * s
+    thick = 0.0046 * (1.0 - 0.45 * smoothstep(0.0, 1.0, s))
     hairs = 0.5 * fractal(p, (0.0016, 0.006, 0.004), 2, 71)
     return (smoothstep(1.15, 0.55, np.abs(p[:, 1] - line) / thick + 0.4 * hairs)
             * smoothstep(1.08, 0.85, np.abs(s)) * (p[:, 2] > 0.045))
@@ -66,11 +66,11 @@ def _brow(p):
 
 def _lips(p):
     x = np.abs(p[:, 0])
-    s = np.clip(x / 0.0245, 0, 1)
-    top = 1.6018 - 0.0012 * np.exp(-(x / 0.003) ** 2) - 0.0065 * s ** 2.0
-    low = 1.5818 + 0.0118 * s ** 2.4
+    s = np.clip(x / 0.0275, 0, 1)
+    top = head.mouth_line(x) + 0.0078 - 0.0012 * np.exp(-(x / 0.003) ** 2) - 0.0072 * s ** 2.0
+    low = head.mouth_line(x) - 0.0092 + 0.0088 * s ** 2.4
     inside = np.minimum(top - p[:, 1], p[:, 1] - low)
-    return smoothstep(-0.0008, 0.0012, inside) * smoothstep(0.0255, 0.0225, x) * (p[:, 2] > 0.06)
+    return smoothstep(-0.0008, 0.0012, inside) * smoothstep(0.0280, 0.0255, x) * (p[:, 2] > 0.06)
 
 
 def _stubble(p):
@@ -88,13 +88,15 @@ def head_surface(p, n):
     warm = np.maximum(warm, 0.8 * np.exp(-(length((p - vec(0, 1.626, 0.110)) / vec(0.014, 0.012, 0.014))) ** 2))
     ear = np.exp(-(length((p - vec(0.082, 1.650, -0.012)) / vec(0.012, 0.034, 0.02))) ** 2)
     c = _mix(c, BLOOD, 0.42 * np.maximum(warm, 0.8 * ear))
+    shell = np.exp(-(length((p - vec(0.0885, 1.651, -0.008)) / vec(0.012, 0.017, 0.008))) ** 2)
+    c = _mix(c, vec(0.20, 0.075, 0.05), 0.75 * shell)
     # Shade in the sockets and beside the nose, as thin skin has it.
     socket = np.exp(-(length((p - head.EYE - vec(-0.004, -0.006, 0.006)) / vec(0.020, 0.012, 0.02))) ** 2)
     c = _mix(c, vec(0.36, 0.18, 0.14), 0.30 * socket)
     c = _mix(c, vec(0.27, 0.155, 0.110), 0.42 * _stubble(p) * (0.8 + 0.3 * noise(p, 0.0022, 75)))
     c = _mix(c, LIP, 0.75 * _lips(p))
-    slit = bump(p[:, 1], 1.5920 + 4.4 * p[:, 0] ** 2, 0.0026) * smoothstep(0.027, 0.022, p[:, 0]) * (p[:, 2] > 0.07)
-    c = _mix(c, vec(0.12, 0.035, 0.03), 0.65 * slit)
+    slit = bump(p[:, 1], head.mouth_line(p[:, 0]), 0.0020) * smoothstep(0.0285, 0.0240, p[:, 0]) * (p[:, 2] > 0.06)
+    c = _mix(c, vec(0.10, 0.028, 0.025), 0.85 * slit)
     # The lids' edges with their lashes.
     eye = length(p - head.EYE)
     gap = head._lid_gap(p)
@@ -165,15 +167,19 @@ RUST = vec(0.420, 0.075, 0.026)
 CHARCOAL = vec(0.040, 0.043, 0.050)
 
 
-def yoke(p):
-    """1 on the yoke over shoulders and upper back, its edge dipping to the middle."""
+def _yoke_edge(p):
+    """Metres above the yoke's lower edge: low in the middle of the back and the chest,
+    up over the armpits, and down again around the cap of the sleeve."""
     x = np.abs(p[:, 0])
-    u = clothes.upper_arm_coords(_abs(p))[0]
-    edge = 1.352 + 0.10 * smoothstep(0.02, 0.19, x)
-    edge = np.where(p[:, 2] < 0.0, 1.330 + 0.085 * smoothstep(0.02, 0.19, x), edge)
-    trunk = smoothstep(-0.0008, 0.0008, p[:, 1] - edge)
-    sleeve = smoothstep(0.0808, 0.0792, u - 0.0 * x)
-    return np.where(x > 0.165, np.where(p[:, 1] > 1.30, np.minimum(sleeve, 1.0) * (u > -0.2) * smoothstep(-0.0008, 0.0008, p[:, 1] - edge), 0.0), trunk)
+    front = 1.352 + 0.085 * smoothstep(0.02, 0.15, x)
+    back = 1.318 + 0.105 * smoothstep(0.02, 0.15, x)
+    share = smoothstep(-0.03, 0.01, p[:, 2])
+    return p[:, 1] - (back + (front - back) * share) + 0.42 * np.clip(x - 0.165, 0.0, None)
+
+
+def yoke(p):
+    """1 on the yoke over shoulders and upper back."""
+    return smoothstep(-0.0008, 0.0008, _yoke_edge(p)) * (np.abs(p[:, 0]) < 0.33)
 
 
 def _line(d, width):
@@ -184,7 +190,6 @@ def jacket_lines(p):
     """Signed distances (m) from the seams: yoke, side, armhole, hem, pockets."""
     p = _abs(p)
     y, x = p[:, 1], p[:, 0]
-    edge = np.where(p[:, 2] < 0.0, 1.330 + 0.085 * smoothstep(0.02, 0.19, x), 1.352 + 0.10 * smoothstep(0.02, 0.19, x))
     arm = (p - sk.SHOULDER) @ sdf.unit(vec(0.88, 0.42, 0.0)) + 0.010
     hem = y - clothes.HEM - 0.034
     u, v, _ = clothes.forearm_coords(p)
@@ -192,7 +197,7 @@ def jacket_lines(p):
     on_arm = arm > 0.0
     big = np.full(len(p), 1.0)
     return {
-        "yoke": np.where(x < 0.2, y - edge, big),
+        "yoke": np.where(x < 0.33, _yoke_edge(p), big),
         "armhole": np.where((y > 1.25) & (x > 0.12), arm, big),
         "hem": hem,
         "side": np.where(~on_arm & (y > clothes.HEM) & (y < 1.32) & (x > 0.08), p[:, 2] + 0.006, big),
@@ -208,8 +213,6 @@ def jacket_surface(p, n):
     u, v, w = clothes.forearm_coords(q)
     cuff = smoothstep(-0.030, -0.028, u - clothes.CUFF_U) * (q[:, 0] > 0.3)
     c = _mix(c, CHARCOAL * 1.1, 0.96 * cuff)
-    collar_in = (p[:, 1] > 1.475) & (np.sqrt(p[:, 0] ** 2 + (p[:, 2] + 0.016) ** 2) < 0.0715)
-    c = _mix(c, vec(0.055, 0.058, 0.065), 0.9 * collar_in)
     flap = smoothstep(0.0150, 0.0140, np.abs(p[:, 0])) * (p[:, 2] > 0.02)
     c = _mix(c, CHARCOAL, 0.96 * flap)
     zip_ = smoothstep(0.0042, 0.0036, np.abs(p[:, 0])) * (p[:, 2] > 0.02)
@@ -383,6 +386,20 @@ def strap_height(p):
     return 0.00016 * _weave(p, 0.0050) + 0.0006 * fractal(p, 0.02, 2, 143)
 
 
+# The collar: charcoal outside, lined with soft fleece.
+
+def collar_surface(p, n):
+    c = _mottle(p, CHARCOAL, 0.10, 0.04, 145)
+    inside = smoothstep(0.1, -0.1, n[:, 0] * p[:, 0] + n[:, 2] * (p[:, 2] + 0.015))
+    c = _mix(c, vec(0.30, 0.062, 0.024) * (1 + 0.2 * noise(p, 0.006, 147))[:, None], inside)
+    zip_ = smoothstep(0.0060, 0.0050, np.abs(p[:, 0])) * (p[:, 2] > 0.02)
+    return _mix(c, vec(0.018, 0.019, 0.022), zip_), 0.80 + 0.14 * inside
+
+
+def collar_height(p):
+    return 0.00010 * _weave(p) + 0.0008 * fractal(p, (0.03, 0.015, 0.03), 2, 149)
+
+
 # Hands: bare, a little redder at the knuckles and tips; short nails.
 
 def hand_surface(p, n):
@@ -416,7 +433,7 @@ def hand_height(p):
 
 
 LOOKS = {
-    "head": Look(head_surface, head_height, sdf.mirror_field(head.head_field)),
+    "head": Look(head_surface, head_height, sdf.mirror_field(head.head_fine)),
     "eye": Look(eye_surface, _none),
     "hat": Look(hat_surface, hat_height, sdf.mirror_field(head.hat_field)),
     "hand": Look(hand_surface, hand_height, sdf.mirror_field(extremities.hand_field)),
@@ -428,4 +445,5 @@ LOOKS = {
     "roll": Look(roll_surface, roll_height, sdf.mirror_field(pack.roll_field)),
     "strap": Look(strap_surface, strap_height),
     "belt": Look(strap_surface, strap_height),
+    "collar": Look(collar_surface, collar_height),
 }

@@ -216,21 +216,25 @@ def _relax(bm, field, rounds=2):
         v.co = co
 
 
-def remesh(verts, quads, field, sizing, rounds=5):
+def remesh(verts, quads, field, sizing, rounds=16):
     """Triangles whose edges have about the length sizing(points). The only
-    border may be that on the mirror plane."""
+    border may be that on the mirror plane. Ends when a round changes little."""
     mesh = bpy.data.meshes.new("remesh")
     mesh.from_pydata(verts.tolist(), [], quads.tolist())
     bm = bmesh.new()
     bm.from_mesh(mesh)
     bpy.data.meshes.remove(mesh)
     bmesh.ops.triangulate(bm, faces=bm.faces[:])
-    for _ in range(rounds):
+    count = len(bm.faces)
+    for done in range(rounds):
         _split_long(bm, sizing)
         _collapse_short(bm, sizing)
         bm.normal_update()
         _turn_edges(bm)
         _relax(bm, field)
+        if done >= 4 and abs(len(bm.faces) - count) < 0.01 * count:
+            break
+        count = len(bm.faces)
     p, _ = _arrays(bm)
     faces = np.array([[v.index for v in f.verts] for f in bm.faces])
     bm.free()

@@ -43,45 +43,48 @@ def _even(size):
 
 def _head_sizing(p):
     face = smoothstep(0.035, 0.075, p[:, 2]) * smoothstep(1.545, 1.56, p[:, 1])
-    size = 0.0165 - 0.0090 * face
+    size = 0.0210 - 0.0112 * face
     eye = length((p - head.EYE) * vec(0.8, 1.0, 0.6))
-    size = np.minimum(size, 0.0034 + 0.0045 * smoothstep(0.013, 0.026, eye))
+    size = np.minimum(size, 0.0037 + 0.0065 * smoothstep(0.013, 0.028, eye))
     mouth = length((p - vec(0.010, 1.592, 0.088)) * vec(0.6, 1.0, 0.7))
-    size = np.minimum(size, 0.0048 + 0.006 * smoothstep(0.010, 0.022, mouth))
+    size = np.minimum(size, 0.0052 + 0.006 * smoothstep(0.010, 0.024, mouth))
     nose = length(p - vec(0.004, 1.622, 0.102))
-    size = np.minimum(size, 0.0048 + 0.006 * smoothstep(0.010, 0.022, nose))
+    size = np.minimum(size, 0.0056 + 0.006 * smoothstep(0.010, 0.022, nose))
     ear = length((p - vec(0.080, 1.650, -0.013)) * vec(1.0, 0.7, 1.0))
-    return np.minimum(size, 0.0080 + 0.009 * smoothstep(0.022, 0.035, ear))
+    return np.minimum(size, 0.0072 + 0.014 * smoothstep(0.022, 0.035, ear))
+
+
+def _hat_sizing(p):
+    return 0.0115 + 0.0065 * smoothstep(0.006, 0.02, head._hat_height(p))
 
 
 def _hand_sizing(p):
     u, _, _ = extremities.hand_coords(p)
-    return 0.0150 - 0.0068 * smoothstep(0.03, 0.09, u)
+    return 0.0138 - 0.0049 * smoothstep(0.03, 0.09, u)
 
 
 def _jacket_sizing(p):
-    size = 0.029 * np.ones(len(p))
+    size = 0.0365 * np.ones(len(p))
     u, _, _ = clothes.forearm_coords(p)
     arm = smoothstep(0.21, 0.25, p[:, 0])
-    size -= 0.006 * arm
-    size -= 0.007 * arm * sdf.bump(u, 0.0, 0.09)
-    size -= 0.007 * arm * smoothstep(clothes.CUFF_U - 0.06, clothes.CUFF_U - 0.03, u)
+    size -= 0.009 * arm
+    size -= 0.010 * arm * sdf.bump(u, 0.0, 0.09)
+    size -= 0.011 * arm * smoothstep(clothes.CUFF_U - 0.06, clothes.CUFF_U - 0.03, u)
     shoulder = length(p - sk.SHOULDER - vec(0.0, -0.02, 0.0))
-    size = np.minimum(size, 0.019 + 0.012 * smoothstep(0.08, 0.15, shoulder))
-    size = np.minimum(size, 0.016 + 0.013 * smoothstep(0.02, 0.06, p[:, 1] - clothes.HEM))
-    return np.minimum(size, 0.013 + 0.016 * smoothstep(1.48, 1.43, p[:, 1]) + 0.016 * smoothstep(0.09, 0.12, p[:, 0]))
+    size = np.minimum(size, 0.027 + 0.012 * smoothstep(0.08, 0.15, shoulder))
+    return np.minimum(size, 0.023 + 0.016 * smoothstep(0.02, 0.06, p[:, 1] - clothes.HEM))
 
 
 def _trousers_sizing(p):
-    size = 0.027 - 0.0095 * sdf.bump(p[:, 1], 0.525, 0.12)
-    size = np.minimum(size, 0.017 + 0.010 * smoothstep(0.13, 0.20, p[:, 1]))
-    return np.minimum(size, 0.020 + 0.007 * smoothstep(0.86, 0.75, p[:, 1]))
+    size = 0.034 - 0.011 * sdf.bump(p[:, 1], 0.525, 0.12)
+    size = np.minimum(size, 0.023 + 0.011 * smoothstep(0.13, 0.20, p[:, 1]))
+    return np.minimum(size, 0.028 + 0.007 * smoothstep(0.86, 0.75, p[:, 1]))
 
 
 def _boot_sizing(p):
-    size = 0.0165 - 0.005 * smoothstep(0.05, 0.03, p[:, 1])
+    size = 0.0235 - 0.0075 * smoothstep(0.05, 0.03, p[:, 1])
     laces = (p[:, 2] > 0.025) & (p[:, 2] < 0.14) & (extremities.lacing(p) < 0.03) & (p[:, 1] > 0.05)
-    return np.where(laces, 0.0095, size)
+    return np.where(laces, 0.0155, size)
 
 
 # Charts: front and back halves, cut where a tailor would.
@@ -96,14 +99,10 @@ def _jacket_charts(p, n):
     sleeve = (arm > 0.0) & (p[:, 0] > 0.16)
     upper = clothes.upper_arm_coords(p)[1]
     front_sleeve = np.where(u > 0.0, v, upper) > 0.0
-    collar = (p[:, 1] > 1.492) & (p[:, 0] < 0.11)
-    q = np.sqrt(p[:, 0] ** 2 + (p[:, 2] + 0.016) ** 2)
-    inner = n[:, 0] * p[:, 0] + n[:, 2] * (p[:, 2] + 0.016) < -0.3 * q
     front = p[:, 2] - 0.75 * (p[:, 1] - 1.43) * (p[:, 1] > 1.43) > -0.012
     under = (n[:, 1] < -0.75) & (p[:, 1] < 0.86)
     label = np.where(front, 0, 1)
     label = np.where(sleeve, np.where(front_sleeve, 2, 3), label)
-    label = np.where(collar, np.where(inner, 5, 4), label)
     return np.where(under, 6, label)
 
 
@@ -144,7 +143,7 @@ def bodies():
              head.head_hidden, _head_charts, 2.6),
         Part("eye", head.eye_field, (0.01, 1.64, 0.04), (0.05, 1.69, 0.09), 0.004, _even(0.0055),
              lambda p: p[:, 2] < head.EYE[2] - 0.002, lambda p, n: np.zeros(len(p), int), 3.0),
-        Part("hat", head.hat_field, (0, 1.62, -0.15), (0.13, 1.84, 0.13), 0.006, _even(0.0165),
+        Part("hat", head.hat_field, (0, 1.62, -0.15), (0.13, 1.84, 0.13), 0.006, _hat_sizing,
              lambda p: sdf.ellipsoid(p, head.SKULL, head.SKULL_RADII) < 0.002, _hat_charts, 1.5),
         Part("hand", extremities.hand_field, hand_low, hand_high, 0.0028, _hand_sizing,
              extremities.hand_hidden, _hand_charts, 1.5),
@@ -154,11 +153,11 @@ def bodies():
              clothes.trousers_hidden, _trousers_charts, 0.9),
         Part("boot", extremities.boot_field, (0.02, -0.01, -0.12), (0.18, 0.22, 0.24), 0.0055, _boot_sizing,
              extremities.boot_hidden, _boot_charts, 1.1),
-        Part("pack", pack.body_field, (0, 0.98, -0.36), (0.20, 1.45, -0.05), 0.010, _even(0.029),
+        Part("pack", pack.body_field, (0, 0.98, -0.36), (0.20, 1.45, -0.05), 0.010, _even(0.031),
              pack.hidden, _box_charts, 0.9),
-        Part("lid", pack.lid_field, (0, 1.30, -0.36), (0.17, 1.49, -0.05), 0.009, _even(0.027),
+        Part("lid", pack.lid_field, (0, 1.30, -0.36), (0.17, 1.49, -0.05), 0.009, _even(0.030),
              lambda p: (pack.body_field(p) < -0.012), _box_charts, 0.9),
-        Part("roll", pack.roll_field, (0, 0.90, -0.31), (0.21, 1.07, -0.12), 0.009, _even(0.024),
+        Part("roll", pack.roll_field, (0, 0.90, -0.31), (0.21, 1.07, -0.12), 0.009, _even(0.025),
              _never, lambda p, n: np.where(np.abs(n[:, 0]) > 0.6, 2, (n[:, 1] > 0).astype(int)), 0.8),
     ]
 

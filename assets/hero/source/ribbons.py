@@ -69,8 +69,59 @@ def ribbon(name, field, points, count, half_width, thickness, detail, free=0):
     return Half(name, verts, faces, normals, np.zeros(len(faces), int), detail, uv, True)
 
 
+COLLAR = [  # up the section: share of the height, metres outwards
+    (-0.30, 0.010), (0.10, 0.0070), (0.55, 0.0075), (0.88, 0.0090), (1.00, 0.0040), (0.95, -0.0020), (0.60, -0.0050),
+    (0.10, -0.0060)]
+
+
+def collar(count=19, detail=1.1):
+    """The standing collar, open at the throat: a band from the zip to the nape."""
+    from parts import Half
+    a = np.linspace(0.0, np.pi, count)
+    # It parts at the zip: the front edge leans outwards and dips.
+    throat = np.exp(-(a / 0.42) ** 2)
+    verts, widths = [], [0.0]
+    for share, out in COLLAR:
+        h = share * (0.078 - 0.026 * throat)
+        radius = 0.0765 + out + 0.030 * max(0.0, -share) + 0.010 * throat * max(share, 0.0)
+        x = np.sin(a) * radius
+        z = np.cos(a) * radius * 1.02 - 0.0235 + 0.16 * h
+        y = 1.472 - 0.030 * np.cos(a) * (1.0 - 0.2 * share) + h
+        if share > 0.0:
+            x = x + 0.010 * share * np.exp(-(a / 0.16) ** 2)
+        verts.append(np.stack([x, y, z], axis=1))
+    rings = np.stack(verts, axis=1)
+    for j in range(1, len(COLLAR)):
+        widths.append(widths[-1] + np.median(sdf.length(rings[:, j] - rings[:, j - 1])))
+    m = len(COLLAR)
+    along = np.concatenate([[0.0], np.cumsum(sdf.length(np.diff(rings[:, 2], axis=0)))])
+    verts = rings.reshape(-1, 3)
+    faces, uv = [], []
+    for i in range(count - 1):
+        for j in range(m - 1):
+            p, q = i * m + j, i * m + j + 1
+            r, s = p + m, q + m
+            tp, tq = (widths[j], along[i]), (widths[j + 1], along[i])
+            tr, ts = (widths[j], along[i + 1]), (widths[j + 1], along[i + 1])
+            faces += [(p, r, q), (q, r, s)]
+            uv += [(tp, tr, tq), (tq, tr, ts)]
+    faces, uv = np.array(faces), np.array(uv)
+    normals = np.zeros_like(verts)
+    flat = np.cross(verts[faces[:, 1]] - verts[faces[:, 0]], verts[faces[:, 2]] - verts[faces[:, 0]])
+    outer = sdf.unit(verts[faces].mean(axis=1) * vec(1, 0, 1) + vec(0, 0, 0.0235))
+    low = (faces % m).max(axis=1) <= 2
+    if np.einsum("ij,ij->i", flat[low], outer[low]).sum() < 0.0:
+        faces, uv, flat = faces[:, ::-1].copy(), uv[:, ::-1].copy(), -flat
+    for c in range(3):
+        np.add.at(normals, faces[:, c], flat)
+    verts[m * (count - 1):, 0] = 0.0
+    normals[m * (count - 1):, 0] = 0.0
+    return Half("collar", verts, faces, sdf.unit(normals), np.zeros(len(faces), int), detail, uv, True)
+
+
 def build_all(jacket):
     return [
-        ribbon("strap", jacket, pack.strap_points(), 30, 0.029, 0.0075, 1.0, free=1),
+        ribbon("strap", jacket, pack.strap_points(), 26, 0.029, 0.0075, 1.0, free=1),
         ribbon("belt", jacket, pack.hip_belt_points(), 16, 0.024, 0.006, 1.0, free=1),
+        collar(),
     ]

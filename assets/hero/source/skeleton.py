@@ -23,9 +23,9 @@ FOREARM = 0.255
 HIP = vec(0.088, 0.955, 0.0)
 KNEE = vec(0.092, HIP[1] - THIGH, 0.004)
 ANKLE = vec(0.096, 0.093, -0.006)
-BALL = vec(0.098, 0.030, 0.125)
-TOE = vec(0.098, 0.026, 0.205)
-HEEL = vec(0.096, 0.0, -0.075)
+BALL = vec(0.098, 0.007, 0.122)
+TOE = vec(0.098, 0.012, 0.205)
+HEEL = vec(0.096, 0.0, -0.072)
 
 ARM_ANGLE = math.radians(42.0)
 SHOULDER = vec(0.177, 1.430, -0.018)

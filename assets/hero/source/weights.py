@@ -59,7 +59,7 @@ def _leg(table, p):
 def _foot(table, p):
     y, z = p[:, 1], p[:, 2]
     table.hand_on("lower_leg_l", "foot_l", smoothstep(0.175, 0.080, y - 0.25 * (z + 0.012)))
-    table.hand_on("foot_l", "toes_l", smoothstep(0.092, 0.158, z + 0.15 * y))
+    table.hand_on("foot_l", "toes_l", smoothstep(0.090, 0.122, z + 0.15 * y))
 
 
 def _arm(table, p):
