@@ -1,4 +1,4 @@
-"""The clips: functions from time to a pose, sampled at 30 frames a second.
+"""The clips: functions from time to a pose, keyed at 30 or 60 a second.
 
 Figures of walking and running: see assets/hero/README.md.
 """
@@ -27,6 +27,7 @@ class Clip:
     turn_rate: float = 0.0   # degrees/s, to the left
     left: tuple = ()         # phases (landing, take-off) of the left foot
     right: tuple = ()
+    keys: int = 1            # keys a frame: two where a foot on the ground turns fast
 
     @property
     def length(self):
@@ -325,12 +326,12 @@ def all_clips():
     always = ((0.0, 1.0),)
     return [
         Clip("idle", 120, True, idle, left=always, right=always),
-        Clip("walk", 31, True, walk, WALK.speed, 0.0, ((0.0, WALK.duty),), ((0.5, 0.5 + WALK.duty),)),
-        Clip("run", 22, True, run, RUN.speed, 0.0, ((0.0, RUN.duty),), ((0.5, 0.5 + RUN.duty),)),
+        Clip("walk", 31, True, walk, WALK.speed, 0.0, ((0.0, WALK.duty),), ((0.5, 0.5 + WALK.duty),), keys=2),
+        Clip("run", 22, True, run, RUN.speed, 0.0, ((0.0, RUN.duty),), ((0.5, 0.5 + RUN.duty),), keys=2),
         Clip("turn_left", 30, True, left, 0.0, 90.0, ((0.0, duty),), ((0.5, 0.5 + duty),)),
         Clip("turn_right", 30, True, right, 0.0, -90.0, ((0.0, duty),), ((0.5, 0.5 + duty),)),
-        Clip("jump", 21, False, _jump(), left=((0.0, 12 / 21),), right=((0.0, 12 / 21),)),
+        Clip("jump", 21, False, _jump(), left=((0.0, 12 / 21),), right=((0.0, 12 / 21),), keys=2),
         Clip("fall", 30, True, _airborne),
-        Clip("land", 22, False, _land(), left=((3 / 22, 1.0),), right=((3 / 22, 1.0),)),
+        Clip("land", 22, False, _land(), left=((3 / 22, 1.0),), right=((3 / 22, 1.0),), keys=2),
         Clip("wave", 75, False, _wave(), left=always, right=always),
     ]

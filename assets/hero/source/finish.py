@@ -183,7 +183,33 @@ def _drop_idle_nodes(root):
             _child(kind, b"Count").props[0] = counts[kind.props[0]]
 
 
-def finish(path):
+def _drop_half_frames(root, stacks):
+    """Of the stacks named, every other key: they are exported at half frames as all are."""
+    objects, links = _child(root, b"Objects"), _child(root, b"Connections")
+    up = {}
+    for c in links.elems:
+        up.setdefault(c.props[1], []).append(c.props[2])
+    by_id = {e.props[0]: e for e in objects.elems}
+
+    def stack_of(uid):
+        while uid in by_id and by_id[uid].id != b"AnimationStack":
+            above = [u for u in up.get(uid, []) if u in by_id and by_id[u].id.startswith(b"Animation")]
+            if not above:
+                return None
+            uid = above[0]
+        return by_id[uid].props[1].partition(b"\x00")[0].decode() if uid in by_id else None
+    for e in objects.elems:
+        if e.id == b"AnimationCurve" and stack_of(e.props[0]) in stacks:
+            parts = {c.id: c for c in e.elems}
+            count = len(parts[b"KeyTime"].props[0])
+            assert count % 2 == 1, "a clip ends on a whole frame"
+            for name in (b"KeyTime", b"KeyValueFloat"):
+                parts[name].props[0] = parts[name].props[0][::2]
+            parts[b"KeyAttrRefCount"].props[0][0] = (count + 1) // 2
+
+
+def finish(path, whole_frames=()):
+    """`whole_frames`: names of the clips that need no keys between frames."""
     root, version = parse_fbx.parse(path)
     _fix_times(root)
     _fix_paths(root)
@@ -198,6 +224,7 @@ def finish(path):
     takes = _child(root, b"Takes")
     takes.elems.sort(key=lambda t: (t.id, t.props[0]))
     _drop_idle_nodes(root)
+    _drop_half_frames(root, whole_frames)
     _thin_constant_curves(root)
     _order(root)
     _renumber(root)

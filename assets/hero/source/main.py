@@ -51,7 +51,7 @@ def export(path, objects):
         apply_scale_options="FBX_SCALE_ALL", axis_forward="-Z", axis_up="Y", bake_space_transform=False,
         mesh_smooth_type="OFF", use_mesh_modifiers=False, add_leaf_bones=False, use_tspace=False,
         bake_anim=True, bake_anim_use_all_bones=False, bake_anim_use_nla_strips=False,
-        bake_anim_use_all_actions=True, bake_anim_force_startend_keying=True, bake_anim_step=1.0,
+        bake_anim_use_all_actions=True, bake_anim_force_startend_keying=True, bake_anim_step=0.5,
         bake_anim_simplify_factor=0.0, path_mode="COPY", embed_textures=True)
 
 
@@ -74,7 +74,7 @@ def main(path, size=TEXTURE):
         armature, body = rig.make_person(halves, bones, images)
         rig.make_actions(armature)
         export(path, (armature, body))
-    finish.finish(path)
+    finish.finish(path, {c.name for c in clips.all_clips() if c.keys == 1})
     write_ron(os.path.splitext(path)[0] + ".ron")
     print(f"{path}: {os.path.getsize(path)} bytes, {len(body.data.polygons)} triangles, "
           f"{len(body.data.vertices)} vertices")

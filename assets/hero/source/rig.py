@@ -64,6 +64,7 @@ def make_material(images):
     material.use_nodes = True
     tree = material.node_tree
     shader = tree.nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     shader.inputs["Metallic"].default_value = 0.0
     shader.inputs["Roughness"].default_value = 1.0
     shader.inputs["Specular"].default_value = 0.5
@@ -105,17 +106,17 @@ def make_armature():
 
 
 def make_actions(armature):
-    """Keys on every frame for the turn of each bone, and for the hips' place."""
+    """Linear keys for the turn of each bone, and for the hips' place."""
     rest = {b.name: np.array(b.matrix_local.to_3x3()) for b in armature.data.bones}
     armature.animation_data_create()
     actions = []
     for clip in clips.all_clips():
         action = bpy.data.actions.new(clip.name)
         action.use_fake_user = True
-        poses = [clip.pose(f / clips.RATE) for f in range(clip.frames + 1)]
+        frames = np.arange(clip.frames * clip.keys + 1) / clip.keys
+        poses = [clip.pose(f / clips.RATE) for f in frames]
         if clip.looped:
             poses[-1] = poses[0]
-        frames = np.arange(clip.frames + 1, dtype=float)
 
         def curve(path, index, values, group):
             c = action.fcurves.new(path, index=index, action_group=group)
