@@ -63,7 +63,7 @@ def stand(pose, shift=(0.0, 0.0)):
 def relaxed_arms(pose, swing=0.0, breath=0.0):
     for side in (1, -1):
         arm(pose, side, 2.0 + swing + 0.6 * breath, 11.5 + 0.8 * breath, 13.0 + 0.4 * swing, twist=14.0, wrist=6.0)
-        fingers(pose, side, 13.0, 8.0, 9.0)
+        fingers(pose, side, 10.0, 7.0, 7.0)
 
 
 IDLE_DROP = -0.013
@@ -139,7 +139,7 @@ def run(t):
     once, twice = TAU * f, 2.0 * TAU * f
     p = Pose()
     low = 2.0 * TAU * 0.17
-    p.shift = np.array([0.012 * math.sin(once - 0.2), -0.099 - 0.028 * math.cos(twice - low), 0.0])
+    p.shift = np.array([0.012 * math.sin(once - 0.2), -0.103 - 0.028 * math.cos(twice - low), 0.0])
     yaw = -8.0 * math.cos(once + 0.1)
     list_ = 3.5 * math.sin(once + 0.3)
     p.turned("hips", turn_y(yaw), turn_z(list_), turn_x(9.0 + 1.5 * math.cos(twice - 0.5)))
@@ -152,7 +152,7 @@ def run(t):
         swing = -side * math.cos(once - 0.05)
         late = -side * math.cos(once - 0.35)
         p.turned("shoulder" + s, turn_y(side * -5.0 * swing), turn_z(side * -1.0))
-        arm(p, side, -4.0 + 36.0 * swing, 13.0, 88.0 + 14.0 * late, twist=26.0, wrist=4.0)
+        arm(p, side, -5.0 + 34.0 * swing, 17.0 - 3.0 * swing, 86.0 + 16.0 * late, twist=17.0 + 7.0 * swing, wrist=4.0)
         fingers(p, side, 34.0, 16.0, 30.0)
     run.used = max(run.used, legs(p, RUN, f))
     return p

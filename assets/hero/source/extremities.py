@@ -14,10 +14,10 @@ def hand_coords(p):
 
 
 FINGER_RADII = {
-    "index": (0.0098, 0.0088, 0.0080, 0.0068),
-    "middle": (0.0100, 0.0090, 0.0082, 0.0070),
-    "ring": (0.0096, 0.0086, 0.0078, 0.0066),
-    "little": (0.0086, 0.0076, 0.0069, 0.0058),
+    "index": (0.0088, 0.0081, 0.0073, 0.0063),
+    "middle": (0.0090, 0.0083, 0.0075, 0.0064),
+    "ring": (0.0087, 0.0079, 0.0071, 0.0061),
+    "little": (0.0078, 0.0070, 0.0064, 0.0055),
 }
 
 
@@ -41,7 +41,7 @@ def hand_field(p):
         points = sk.FINGERS[name]
         root = points[0] - 0.030 * sk.HAND_ALONG
         f = chain(p, [root] + _shorter(points, radii), (radii[0],) + radii, 0.004)
-        fingers = f if fingers is None else union(fingers, f, 0.0025)
+        fingers = f if fingers is None else union(fingers, f, 0.0010)
     d = union(palm, fingers, 0.009)
     radii = (0.0150, 0.0118, 0.0102, 0.0080)
     thumb = chain(p, _shorter(sk.THUMB, radii), radii, 0.006)

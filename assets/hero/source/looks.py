@@ -174,7 +174,7 @@ def _yoke_edge(p):
     front = 1.352 + 0.085 * smoothstep(0.02, 0.15, x)
     back = 1.318 + 0.105 * smoothstep(0.02, 0.15, x)
     share = smoothstep(-0.03, 0.01, p[:, 2])
-    return p[:, 1] - (back + (front - back) * share) + 0.42 * np.clip(x - 0.165, 0.0, None)
+    return p[:, 1] - (back + (front - back) * share) + 0.66 * np.clip(x - 0.165, 0.0, None)
 
 
 def yoke(p):
@@ -366,7 +366,7 @@ def roll_surface(p, n):
     q = np.sqrt((p[:, 1] - pack.ROLL_Y) ** 2 + (p[:, 2] - pack.ROLL_Z) ** 2)
     angle = np.arctan2(p[:, 1] - pack.ROLL_Y, p[:, 2] - pack.ROLL_Z)
     spiral = np.abs((q / 0.011 + angle / (2 * np.pi)) % 1.0 - 0.5)
-    end = smoothstep(0.172, 0.175, np.abs(p[:, 0]))
+    end = smoothstep(0.153, 0.157, np.abs(p[:, 0]))
     c = c * (1 - 0.55 * end * smoothstep(0.22, 0.08, spiral))[:, None]
     strap = smoothstep(0.0145, 0.0130, np.abs(np.abs(p[:, 0]) - 0.085))
     c = _mix(c, vec(0.030, 0.031, 0.034), 0.95 * strap)
@@ -380,6 +380,20 @@ def roll_height(p):
 def strap_surface(p, n):
     c = _mottle(p, (0.034, 0.036, 0.040), 0.15, 0.02, 141)
     return c, np.full(len(p), 0.85)
+
+
+def belt_surface(p, n):
+    """The hip belt, with its buckle in front."""
+    c, rough = strap_surface(p, n)
+    x = np.abs(p[:, 0])
+    on = smoothstep(0.034, 0.033, x) * (p[:, 2] > 0.0)
+    c = _mix(c, vec(0.012, 0.012, 0.013), on)
+    c = _mix(c, vec(0.075, 0.076, 0.078), on * np.maximum(bump(x, 0.006, 0.0022), bump(x, 0.0335, 0.0025)))
+    return c, rough - 0.45 * on
+
+
+def belt_height(p):
+    return strap_height(p) + 0.0022 * smoothstep(0.035, 0.032, np.abs(p[:, 0])) * (p[:, 2] > 0.0)
 
 
 def strap_height(p):
@@ -444,6 +458,6 @@ LOOKS = {
     "lid": Look(lid_surface, lid_height, sdf.mirror_field(pack.lid_field)),
     "roll": Look(roll_surface, roll_height, sdf.mirror_field(pack.roll_field)),
     "strap": Look(strap_surface, strap_height),
-    "belt": Look(strap_surface, strap_height),
+    "belt": Look(belt_surface, belt_height),
     "collar": Look(collar_surface, collar_height),
 }

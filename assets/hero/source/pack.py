@@ -30,7 +30,7 @@ ROLL_Y, ROLL_Z = 0.985, BACK - 0.070
 
 def roll_field(p):
     q = np.sqrt((p[:, 1] - ROLL_Y) ** 2 + (p[:, 2] - ROLL_Z) ** 2)
-    end = np.abs(p[:, 0]) - 0.178
+    end = np.abs(p[:, 0]) - 0.160
     side = q - 0.056
     d = -union(-side, -end, 0.012)
     # Two straps hold it.

@@ -145,7 +145,7 @@ def bodies():
              lambda p: p[:, 2] < head.EYE[2] - 0.002, lambda p, n: np.zeros(len(p), int), 3.0),
         Part("hat", head.hat_field, (0, 1.62, -0.15), (0.13, 1.84, 0.13), 0.006, _hat_sizing,
              lambda p: sdf.ellipsoid(p, head.SKULL, head.SKULL_RADII) < 0.002, _hat_charts, 1.5),
-        Part("hand", extremities.hand_field, hand_low, hand_high, 0.0028, _hand_sizing,
+        Part("hand", extremities.hand_field, hand_low, hand_high, 0.0022, _hand_sizing,
              extremities.hand_hidden, _hand_charts, 1.5),
         Part("jacket", clothes.jacket_field, (0, 0.80, -0.22), (0.62, 1.58, 0.20), 0.0105, _jacket_sizing,
              clothes.jacket_hidden, _jacket_charts, 1.0),

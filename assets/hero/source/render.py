@@ -3,7 +3,8 @@
     blender --background --factory-startup --python assets/hero/source/render.py -- \
         assets/hero/hero.fbx OUT_DIR [VIEW ...]
 
-A view is a name of VIEWS, or CLIP for a sheet of eight phases of a clip.
+A view is a name of VIEWS, or VIEW@CLIP@PHASE, or CLIP for a sheet of eight phases of
+a clip, or CLIP:AZIMUTH.
 """
 
 import math
@@ -25,6 +26,9 @@ VIEWS = {
     "face_side": (90, 1.67, 1.66, 1.3, 110),
     "face_quarter": (35, 1.70, 1.65, 1.3, 110),
     "bust": (25, 1.60, 1.45, 2.2, 85),
+    "legs": (40, 0.80, 0.55, 2.6, 85),
+    "hand": (70, 0.95, 0.83, 1.3, 110),
+    "shoulder": (150, 1.75, 1.35, 2.4, 85),
 }
 
 
@@ -121,11 +125,12 @@ def main(args):
     camera, sun = stage()
     actions = {a.name.split("|")[-1]: a for a in bpy.data.actions}
     for name in wanted:
-        view, _, clip = name.partition("@")
+        view, clip, phase = (name.split("@") + ["", ""])[:3]
         if view in VIEWS:
             armature.animation_data.action = actions[clip or "idle"]
-            bpy.context.scene.frame_set(int(armature.animation_data.action.frame_range[0]))
-            close = view.startswith("face") or view == "bust"
+            start, end = armature.animation_data.action.frame_range
+            bpy.context.scene.frame_set(int(round(start + (end - start) * float(phase or 0.0))))
+            close = view.startswith("face") or view in ("bust", "legs", "hand", "shoulder")
             scene = bpy.context.scene
             scene.render.resolution_x, scene.render.resolution_y = (560, 640) if close else (480, 800)
             look(camera, sun, *VIEWS[view])

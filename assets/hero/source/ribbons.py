@@ -18,14 +18,14 @@ def _line(points, count):
     return np.stack([np.interp(even, walk, path[:, a]) for a in range(3)], axis=1), walk[-1]
 
 
-def ribbon(name, field, points, count, half_width, thickness, detail, free=0):
-    """`free` rings at each end keep their place and are not laid on the jacket."""
+def ribbon(name, field, points, count, half_width, thickness, detail, free=(0, 0)):
+    """`free` rings at the beginning and at the end are not laid on the jacket."""
     from parts import Half
     centre, total = _line(points, count)
     laid = centre.copy()
     for _ in range(3):
         on = sdf.project(field, laid, 6)
-        keep = slice(free, count - free) if free else slice(None)
+        keep = slice(free[0], count - free[1])
         laid[keep] = on[keep]
         mid = 0.5 * laid[1:-1] + 0.25 * (laid[2:] + laid[:-2])
         laid[1:-1] = mid
@@ -38,12 +38,10 @@ def ribbon(name, field, points, count, half_width, thickness, detail, free=0):
     verts, normals = [], []
     for s, h in section:
         side = laid + across * (s * half_width)
-        if free < count // 2:
-            down = field(side)
-            g = sdf.unit(sdf.gradient(field, side, 0.008))
-            move = np.where(np.abs(down) < 0.02, down, 0.0)
-            # An edge follows the cloth beside the middle line by half.
-            side = side - g * (0.8 * move)[:, None]
+        # The edges follow the cloth beside the middle line.
+        down = field(side)
+        g = sdf.unit(sdf.gradient(field, side, 0.008))
+        side = side - g * (0.8 * np.where(np.abs(down) < 0.02, down, 0.0))[:, None]
         verts.append(side + normal * (h * thickness))
         tilt = {1.0: 1.0, 0.93: 0.8, 0.5: 0.15}[abs(s)] * np.sign(s)
         normals.append(sdf.unit(normal * (1.0 - 0.8 * abs(tilt)) + across * tilt))
@@ -121,7 +119,7 @@ def collar(count=19, detail=1.1):
 
 def build_all(jacket):
     return [
-        ribbon("strap", jacket, pack.strap_points(), 26, 0.029, 0.0075, 1.0, free=1),
-        ribbon("belt", jacket, pack.hip_belt_points(), 16, 0.024, 0.006, 1.0, free=1),
+        ribbon("strap", jacket, pack.strap_points(), 26, 0.029, 0.0075, 1.0, free=(1, 1)),
+        ribbon("belt", jacket, pack.hip_belt_points(), 16, 0.024, 0.006, 1.0, free=(1, 0)),
         collar(),
     ]
