@@ -22,7 +22,7 @@ import skeleton as sk  # noqa: E402
 
 CONTACT = 0.0015     # m; a sole that rolls is within this of the ground near its pivot
 SLIDE = 0.002        # m, the most that a sole may slide in one stance
-SINK = 0.003         # m, the most that anything may be below the ground
+SINK = 0.003         # m, below the ground while a foot is down: what linear keys cut off at a run
 SEAM = 1e-4          # m, between the first and the last frame of a loop
 SUBFRAMES = 4
 

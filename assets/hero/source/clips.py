@@ -11,7 +11,8 @@ import numpy as np
 
 import gait
 import skeleton as sk
-from pose import Pose, arm, blend, fingers, reach_leg, turn_x, turn_y, turn_z
+from pose import Pose, arm, blend, fingers, reach_leg, turn, turn_x, turn_y, turn_z
+from sdf import unit
 
 RATE = 30.0
 TAU = 2.0 * math.pi
@@ -42,11 +43,9 @@ def ease(t):
 
 def legs(pose, stride, phase):
     """Both legs of a stride; the right one half a period later."""
-    used = []
     for side, offset in ((1, 0.0), (-1, 0.5)):
-        ankle, turn, toes = gait.foot(stride, side, phase - offset)
-        used.append(reach_leg(pose, side, ankle, turn, toes, knee_out=2.0))
-    return max(used)
+        ankle, foot, toes = gait.foot(stride, side, phase - offset)
+        reach_leg(pose, side, ankle, foot, toes, knee_out=2.0)
 
 
 STAND_WIDTH = 0.112
@@ -66,7 +65,7 @@ def relaxed_arms(pose, swing=0.0, breath=0.0):
         fingers(pose, side, 10.0, 7.0, 7.0)
 
 
-IDLE_DROP = -0.013
+IDLE_DROP = -0.0070
 
 
 def idle(t, length=4.0):
@@ -92,7 +91,7 @@ def idle(t, length=4.0):
 
 
 WALK = gait.Stride(
-    period=31 / RATE, speed=1.5, duty=0.62, landing_z=0.385, width=0.070, toe_out=6.0,
+    period=31 / RATE, speed=1.5, duty=0.62, landing_z=0.385, width=0.056, toe_out=7.0,
     strike=21.0, flat_from=0.17, flat_to=0.56, push=62.0,
     swing=[(0.28, -0.320, 0.245, -52.0), (0.60, 0.110, 0.165, -4.0), (0.84, 0.405, 0.150, 21.0)])
 
@@ -121,11 +120,9 @@ def walk(t):
         p.turned("shoulder" + s, turn_y(side * -2.5 * swing), turn_z(side * -1.5))
         arm(p, side, 2.0 + 23.0 * swing, 10.5 + 1.2 * abs(swing), 21.0 + 13.0 * late, twist=16.0, wrist=8.0 - 3.0 * late)
         fingers(p, side, 17.0, 10.0, 13.0)
-    walk.used = max(walk.used, legs(p, WALK, f))
+    legs(p, WALK, f)
     return p
 
-
-walk.used = 0.0
 
 RUN = gait.Stride(
     period=22 / RATE, speed=4.0, duty=0.335, landing_z=0.335, width=0.045, toe_out=5.0,
@@ -154,11 +151,9 @@ def run(t):
         p.turned("shoulder" + s, turn_y(side * -5.0 * swing), turn_z(side * -1.0))
         arm(p, side, -5.0 + 34.0 * swing, 17.0 - 3.0 * swing, 86.0 + 16.0 * late, twist=17.0 + 7.0 * swing, wrist=4.0)
         fingers(p, side, 34.0, 16.0, 30.0)
-    run.used = max(run.used, legs(p, RUN, f))
+    legs(p, RUN, f)
     return p
 
-
-run.used = 0.0
 
 
 def _turning(direction):
@@ -303,16 +298,14 @@ def _wave():
         up = Pose()
         up.local = dict(p.local)
         up.shift = p.shift
-        arm(up, -1, 22.0, 92.0, 96.0 + 0.0 * swing, twist=-68.0, wrist=-4.0)
-        up.turned("upper_arm_r", turn_y(0.0))
+        arm(up, -1, 22.0, 92.0, 96.0, twist=-68.0, wrist=-4.0)
         fingers(up, -1, -9.0, -6.0, -9.0)
         up.turned("shoulder_r", turn_z(-13.0))
         up.turned("chest", turn_z(1.8))
         up.turned("head", turn_z(-2.5), turn_y(-3.0))
         q = blend(p, up, rise)
         # The forearm beats from side to side about the upper arm's own axis.
-        axis = sk.unit(sk.ARM_DIR * np.array([-1.0, 1.0, 1.0]))
-        from pose import turn
+        axis = unit(sk.ARM_DIR * np.array([-1.0, 1.0, 1.0]))
         q.local["upper_arm_r"] = q.local["upper_arm_r"] @ turn(axis, math.radians(20.0 * swing * rise))
         stand(q)
         return q

@@ -3,7 +3,7 @@
 import numpy as np
 
 import skeleton as sk
-from sdf import (both, bump, capsule, chain, curve, cut, ellipsoid, fractal, frame_coords, loft,
+from sdf import (both, bump, capsule, chain, cut, ellipsoid, fractal, frame_coords, loft,
                  noise, smoothstep, union, vec)
 
 HEM = 0.808
@@ -53,7 +53,7 @@ def torso_folds(p):
     return 0.0030 * sag + 0.0030 * waist + 0.0022 * broad
 
 
-def _torso_bare(p):
+def trunk_field(p):
     """The trunk without the slopes of the shoulders."""
     d = loft(p[:, 1], p[:, 0], p[:, 2], TORSO, 0.012)
     # Shoulder blades, chest.
@@ -62,14 +62,14 @@ def _torso_bare(p):
 
 
 def _torso(p):
-    d = _torso_bare(p)
+    d = trunk_field(p)
     # From the neck over the collar bone to the shoulder.
     slope = chain(p, [vec(0.035, 1.470, -0.030), vec(0.105, 1.438, -0.026), sk.SHOULDER + vec(-0.01, -0.006, 0)],
                   [0.058, 0.055, 0.060], 0.04)
     return union(d, slope, 0.05)
 
 
-def _sleeve(p):
+def sleeve_field(p):
     d = chain(p, [sk.SHOULDER + vec(-0.004, -0.004, 0.0), sk.SHOULDER + 0.10 * sk.ARM_DIR,
                   sk.SHOULDER + 0.22 * sk.ARM_DIR, sk.ELBOW + vec(0, 0, -0.004),
                   sk.ELBOW + 0.09 * sk.FOREARM_DIR, sk.ELBOW + 0.20 * sk.FOREARM_DIR,
@@ -84,7 +84,7 @@ def _sleeve(p):
 
 
 def jacket_field(p):
-    d = union(_torso(p), _sleeve(p), 0.055)
+    d = union(_torso(p), sleeve_field(p), 0.055)
     d = d + torso_folds(p) * smoothstep(0.24, 0.20, p[:, 0]) + sleeve_folds(p)
     # The hem: a tunnel with a cord, drawn in a little.
     hem = loft(p[:, 1], p[:, 0], p[:, 2], [

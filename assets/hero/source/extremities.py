@@ -3,7 +3,7 @@
 import numpy as np
 
 import skeleton as sk
-from sdf import (both, bump, capsule, chain, curve, cut, ellipsoid, frame_coords, loft, smoothstep,
+from sdf import (both, bump, capsule, chain, curve, cut, ellipsoid, loft, smoothstep,
                  union, vec)
 
 
@@ -14,10 +14,10 @@ def hand_coords(p):
 
 
 FINGER_RADII = {
-    "index": (0.0088, 0.0081, 0.0073, 0.0063),
-    "middle": (0.0090, 0.0083, 0.0075, 0.0064),
-    "ring": (0.0087, 0.0079, 0.0071, 0.0061),
-    "little": (0.0078, 0.0070, 0.0064, 0.0055),
+    "index": (0.0094, 0.0087, 0.0079, 0.0068),
+    "middle": (0.0096, 0.0089, 0.0081, 0.0069),
+    "ring": (0.0093, 0.0085, 0.0077, 0.0066),
+    "little": (0.0084, 0.0077, 0.0071, 0.0061),
 }
 
 

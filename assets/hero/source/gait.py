@@ -7,7 +7,6 @@ starts and ends with the stance's own velocity. Everything is a function of the
 phase alone, so a loop closes with its velocities.
 """
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -30,10 +29,6 @@ class Stride:
     push: float              # degrees, heel up at take-off
     swing: list = field(default_factory=list)  # (share of swing, ankle z, ankle y, pitch)
     turn_rate: float = 0.0   # degrees/s, of the person to the left
-
-
-def _ease(t):
-    return t * t * (3 - 2 * t)
 
 
 def _foot_at(stride, side, base, pitch):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sdf import (bump, capsule, chain, cut, ellipsoid, both, fractal, length, smoothstep,
+from sdf import (bump, capsule, chain, cut, ellipsoid, both, fractal, smoothstep,
                  sphere, union, vec)
 
 EYE = vec(0.0315, 1.6640, 0.0665)
@@ -11,7 +11,7 @@ SKULL = vec(0.0, 1.6830, -0.0120)
 SKULL_RADII = vec(0.0770, 0.0970, 0.0985)
 
 
-def _lid_gap(p):
+def lid_gap(p):
     """How far a point is above the lower and below the upper lid's edge (m)."""
     s = (p[:, 0] - EYE[0]) / 0.0150
     arch = np.clip(1.0 - s * s, 0.0, 1.0)
@@ -25,7 +25,7 @@ def _lid_gap(p):
 
 def mouth_line(x):
     """Height of the line between the lips, x from the middle (m)."""
-    return 1.5925 + 3.2 * x * x
+    return 1.5922 + 4.4 * x * x
 
 
 def _face(p, fine):
@@ -74,7 +74,7 @@ def _face(p, fine):
     shell = both(sphere(p, EYE, EYE_RADIUS + 0.0020), -sphere(p, EYE, EYE_RADIUS - 0.004), 0.001)
     front = both(shell, EYE[2] - 0.002 - p[:, 2], 0.002)
     d = union(d, front, 0.0065)
-    gap = both(-_lid_gap(p), EYE[2] + 0.001 - p[:, 2])  # negative inside of the gap
+    gap = both(-lid_gap(p), EYE[2] + 0.001 - p[:, 2])  # negative inside of the gap
     opening = both(gap, sphere(p, EYE, EYE_RADIUS + 0.02))
     d = cut(d, opening, 0.0016)
     # The fold of the upper lid.
@@ -133,7 +133,7 @@ def eye_field(p):
 
 # The hat sits tilted back: low behind, higher on the forehead.
 
-def _hat_height(p):
+def height_in_hat(p):
     """Metres above the hat's lower edge, along its tilted axis."""
     return (p[:, 1] - 1.7040) * 0.977 - (p[:, 2] - 0.0) * 0.215
 
@@ -151,7 +151,7 @@ def hat_rib(p):
 
 
 def hat_field(p):
-    h = _hat_height(p)
+    h = height_in_hat(p)
     body = _hat_body(p, 0.0115)
     # A slack fold behind and at the top.
     body = body - 0.0030 * fractal(p, 0.05, 2, 21) * smoothstep(0.04, 0.08, h)
@@ -161,17 +161,13 @@ def hat_field(p):
     return union(body, cuff, 0.004)
 
 
-def pompom_field(p):
-    return sphere(p, vec(0, 1.812, -0.028), 0.024) - 0.004 * fractal(p, 0.010, 2, 31)
-
-
 def hat_cuff(p):
     """1 on the turned-up cuff."""
-    return smoothstep(0.0495, 0.0470, _hat_height(p))
+    return smoothstep(0.0495, 0.0470, height_in_hat(p))
 
 
 def head_hidden(p):
     """Inside of hat or collar, where no camera looks."""
-    under_hat = (_hat_height(p) > 0.014) & (_hat_body(p, 0.0) < 0.006)
+    under_hat = (height_in_hat(p) > 0.014) & (_hat_body(p, 0.0) < 0.006)
     behind_eye = sphere(p, EYE, EYE_RADIUS) < -0.0010
     return under_hat | behind_eye | (p[:, 1] < 1.490)

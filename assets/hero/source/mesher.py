@@ -195,13 +195,11 @@ def _relax(bm, field, rounds=2):
     p, e = _arrays(bm)
     border = np.array([v.is_boundary for v in bm.verts])
     rim = np.array([x.is_boundary for x in bm.edges])
-    use = rim | ~(border[e[:, 0]] | border[e[:, 1]])
     # A border vertex listens to its neighbours on the border alone.
     src = np.concatenate([e[:, 0], e[:, 1]])
     dst = np.concatenate([e[:, 1], e[:, 0]])
     listens = np.concatenate([rim | ~border[e[:, 1]], rim | ~border[e[:, 0]]])
     src, dst = src[listens], dst[listens]
-    del use
     for _ in range(rounds):
         total = np.zeros_like(p)
         count = np.zeros(len(p))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sdf import box, bump, capsule, chain, cut, ellipsoid, fractal, length, smoothstep, union, vec
+from sdf import box, bump, ellipsoid, fractal, union, vec
 
 BACK = -0.145  # where the rucksack touches the jacket (z, m)
 

@@ -6,7 +6,6 @@ normal map holds what the field's fine version has and the mesh has not: folds,
 seams, weave, knitting, lids and hair.
 """
 
-import bpy
 import numpy as np
 
 import looks

@@ -55,12 +55,12 @@ def _head_sizing(p):
 
 
 def _hat_sizing(p):
-    return 0.0115 + 0.0065 * smoothstep(0.006, 0.02, head._hat_height(p))
+    return 0.0115 + 0.0065 * smoothstep(0.006, 0.02, head.height_in_hat(p))
 
 
 def _hand_sizing(p):
     u, _, _ = extremities.hand_coords(p)
-    return 0.0138 - 0.0049 * smoothstep(0.03, 0.09, u)
+    return 0.0155 - 0.0075 * smoothstep(0.04, 0.095, u)
 
 
 def _jacket_sizing(p):
@@ -76,7 +76,7 @@ def _jacket_sizing(p):
 
 
 def _trousers_sizing(p):
-    size = 0.034 - 0.011 * sdf.bump(p[:, 1], 0.525, 0.12)
+    size = 0.035 - 0.011 * sdf.bump(p[:, 1], 0.525, 0.12)
     size = np.minimum(size, 0.023 + 0.011 * smoothstep(0.13, 0.20, p[:, 1]))
     return np.minimum(size, 0.028 + 0.007 * smoothstep(0.86, 0.75, p[:, 1]))
 
@@ -88,10 +88,6 @@ def _boot_sizing(p):
 
 
 # Charts: front and back halves, cut where a tailor would.
-
-def _by_z(z0):
-    return lambda p, n: (p[:, 2] + 0.0 * n[:, 2] > z0).astype(int)
-
 
 def _jacket_charts(p, n):
     arm = (p - sk.SHOULDER - vec(-0.012, 0, 0)) @ vec(0.82, 0.42, 0.0)
@@ -111,8 +107,7 @@ def _trousers_charts(p, n):
 
 
 def _hand_charts(p, n):
-    _, _, palm = extremities.hand_coords(p)
-    return ((n @ sk.HAND_PALM) > 0.0).astype(int) + 0 * palm.astype(int)
+    return (n @ sk.HAND_PALM > 0.0).astype(int)
 
 
 def _boot_charts(p, n):

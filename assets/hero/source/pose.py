@@ -87,13 +87,12 @@ STRAIGHTEST = 0.9965
 
 def reach_leg(pose, side, ankle, foot_turn, toes_bend=0.0, knee_out=0.0):
     """Bends hip and knee so that the ankle comes to `ankle` with the foot turned by
-    `foot_turn` (3 x 3). `knee_out`: degrees that the knee points outwards.
-    Returns how much of the leg's length is used, above 1 when out of reach."""
+    `foot_turn` (3 x 3). `knee_out`: degrees that the knee points outwards. What is out
+    of reach the leg points to (check.py would see that foot slide)."""
     s = "_l" if side > 0 else "_r"
     turns, places = pose.world()
     hip = places["upper_leg" + s]
     want = ankle - hip
-    used = np.linalg.norm(want) / (sk.THIGH + sk.SHANK)
     reach = min(np.linalg.norm(want), STRAIGHTEST * (sk.THIGH + sk.SHANK))
     thigh = np.linalg.norm(sk.KNEE - sk.HIP)
     shank = np.linalg.norm(sk.ANKLE - sk.KNEE)
@@ -117,7 +116,6 @@ def reach_leg(pose, side, ankle, foot_turn, toes_bend=0.0, knee_out=0.0):
     pose.set_world("lower_leg" + s, g_shank, turns)
     pose.set_world("foot" + s, foot_turn, turns)
     pose.local["toes" + s] = turn_x(-toes_bend)
-    return used
 
 
 def arm(pose, side, forward, out, elbow, twist=0.0, wrist=0.0):

@@ -119,7 +119,7 @@ def collar(count=19, detail=1.1):
 
 def build_all(jacket):
     return [
-        ribbon("strap", jacket, pack.strap_points(), 26, 0.029, 0.0075, 1.0, free=(1, 1)),
+        ribbon("strap", jacket, pack.strap_points(), 22, 0.029, 0.0075, 1.0, free=(1, 1)),
         ribbon("belt", jacket, pack.hip_belt_points(), 16, 0.024, 0.006, 1.0, free=(1, 0)),
         collar(),
     ]

@@ -94,7 +94,6 @@ def make_armature():
         bone.head, bone.tail = head.tolist(), tail.tolist()
         # A bone's own x axis lies along the person's, as far as it can.
         along = (bone.tail - bone.head).normalized()
-        z = along.cross(mathutils.Vector((0, 0, 1)))
         bone.align_roll(mathutils.Vector((0, 0, 1)) if abs(along.z) < 0.9 else mathutils.Vector((0, 1, 0)))
         if parent:
             bone.parent = data.edit_bones[parent]

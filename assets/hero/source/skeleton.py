@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from sdf import unit, vec  # noqa: F401 (unit is used through this module)
+from sdf import unit, vec
 
 STATURE = 1.78
 SOLE = 0.025

@@ -12,7 +12,7 @@ import clothes
 import extremities
 import sdf
 import skeleton as sk
-from sdf import length, smoothstep, vec
+from sdf import length, smoothstep, unit, vec
 
 LIMIT = 4
 
@@ -63,15 +63,15 @@ def _foot(table, p):
 
 
 def _arm(table, p):
-    sleeve, torso = clothes._sleeve(p), clothes._torso_bare(p)
-    along = (p - sk.SHOULDER) @ sk.unit(sk.ARM_DIR + vec(0.6, 0.0, 0.0))
+    sleeve, torso = clothes.sleeve_field(p), clothes.trunk_field(p)
+    along = (p - sk.SHOULDER) @ unit(sk.ARM_DIR + vec(0.6, 0.0, 0.0))
     apart = smoothstep(-0.045, 0.040, torso - sleeve)
     arm = np.minimum(smoothstep(-0.050, 0.060, along), apart)
     girdle = smoothstep(0.035, 0.150, p[:, 0]) * smoothstep(1.300, 1.420, p[:, 1])
     table.hand_on("chest", "shoulder_l", 0.85 * girdle)
     for bone in ("chest", "spine_2", "shoulder_l", "spine_1", "hips"):
         table.hand_on(bone, "upper_arm_l", arm)
-    bend = (p - sk.ELBOW) @ sk.unit(sk.ARM_DIR + sk.FOREARM_DIR)
+    bend = (p - sk.ELBOW) @ unit(sk.ARM_DIR + sk.FOREARM_DIR)
     table.hand_on("upper_arm_l", "lower_arm_l", smoothstep(-0.060, 0.060, bend))
 
 
@@ -91,8 +91,8 @@ def _fingers(table, p):
     for name, blend in (("thumb", 0.014), ("index", 0.010), ("fingers", 0.010)):
         first, second = name + "_1_l", name + "_2_l"
         a, b, c = sk.HEAD[first], sk.HEAD[second], sk.TAIL[second]
-        s1 = (p - a) @ sk.unit(b - a)
-        s2 = (p - b) @ sk.unit(sk.unit(b - a) + sk.unit(c - b))
+        s1 = (p - a) @ unit(b - a)
+        s2 = (p - b) @ unit(unit(b - a) + unit(c - b))
         table.hand_on("hand_l", first, own[name] * smoothstep(-blend, blend, s1))
         table.hand_on(first, second, smoothstep(-0.7 * blend, 0.7 * blend, s2))
 
@@ -136,7 +136,7 @@ def limit(w):
 
 def of_body(name, p, faces):
     """Weights of a part's half, over sk.NAMES."""
-    if name in ("eye", "hat", "pompom"):
+    if name in ("eye", "hat"):
         return Table(len(p), "head").w
     if name in ("pack", "lid", "roll"):
         return _pack(len(p)).w
