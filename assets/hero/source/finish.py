@@ -142,14 +142,18 @@ def _thin_constant_curves(root):
 
 
 def _drop_idle_nodes(root):
-    """Curves of places and scales that stay at their rest value are left out."""
+    """Curves of places and scales that stay at their rest value are left out, and all
+    of those of the two objects above the bones, which never move."""
     objects, links = _child(root, b"Objects"), _child(root, b"Connections")
     by_id = {e.props[0]: e for e in objects.elems}
     rest = {}
     for e in objects.elems:
         if e.id == b"Model":
             for p in _child(e, b"Properties70").elems:
-                if p.props[0] in (b"Lcl Translation", b"Lcl Scaling"):
+                if p.props[0].startswith(b"Lcl "):
+                    if e.props[2] != b"LimbNode":
+                        # The turn that undoes Blender's own leaves some 1e-6 degrees.
+                        p.props[4:7] = [0.0 if abs(v) < 1e-4 else v for v in p.props[4:7]]
                     rest[e.props[0], p.props[0]] = p.props[4:7]
     curves, target = {}, {}
     for c in links.elems:
@@ -163,13 +167,14 @@ def _drop_idle_nodes(root):
     gone = set()
     for node, (model, prop) in target.items():
         default = rest.get((model, prop), [1.0, 1.0, 1.0] if prop == b"Lcl Scaling" else [0.0, 0.0, 0.0])
-        if prop == b"Lcl Rotation" or by_id[model].props[1].startswith(b"hips"):
+        bone = by_id[model].props[2] == b"LimbNode"
+        if bone and (prop == b"Lcl Rotation" or by_id[model].props[1].startswith(b"hips")):
             continue
         still = True
         for axis, curve in curves.get(node, []):
             values = _child(curve, b"KeyValueFloat").props[0]
             want = default[b"XYZ".index(axis[-1:])]
-            still &= all(abs(v - want) < 1e-5 for v in (min(values), max(values)))
+            still &= all(abs(v - want) < (1e-5 if bone else 1e-4) for v in (min(values), max(values)))
         if still:
             gone.add(node)
             gone.update(curve.props[0] for _, curve in curves.get(node, []))

@@ -32,7 +32,7 @@ VIEWS = {
 }
 
 
-def stage(samples=24, size=(480, 720)):
+def stage(samples=48, size=(480, 720)):
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
