@@ -404,6 +404,7 @@ fn feet_stand_on_the_drawn_ground_while_it_is_known() {
                 height: (truth.height + lifted) as f32,
                 gradient: [truth.gradient.x as f32, truth.gradient.y as f32],
                 bound,
+                ..ProbeAnswer::default()
             }
         });
         let answers = answers.collect();

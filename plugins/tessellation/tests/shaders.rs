@@ -282,9 +282,14 @@ fn the_records_of_ground_answers_lie_as_in_rust() {
         let theirs = members.iter().find(|(theirs, _)| theirs == name);
         assert_eq!(theirs.map(|m| m.1), Some(offset as u32), "{name}");
     }
-    // An answer is four numbers: the height first, the bound last.
-    assert_eq!(size_of::<ProbeAnswer>(), 16);
-    assert_eq!(offset_of!(ProbeAnswer, gradient), 4);
-    assert_eq!(offset_of!(ProbeAnswer, bound), 12);
+    same_layout!(
+        &module,
+        ProbeAnswer {
+            height,
+            rise,
+            gradient,
+            bound
+        }
+    );
     assert_eq!(module.entry_points[0].workgroup_size, [ANSWER_GROUP, 1, 1]);
 }

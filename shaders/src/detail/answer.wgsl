@@ -15,15 +15,26 @@ struct Asked {
     pad_b: u32,
 }
 
-// Byte for byte as AnswerHead in plugins/tessellation/src/detail/probe.rs; an answer is a ProbeAnswer:
-// height above the anchor, slopes along x and z, bound; the bound is below 0 where no triangle is.
+// Byte for byte as in plugins/terrain/src/probe/batch.rs.
+struct ProbeAnswer {
+    // Of a corner of the triangle, above the anchor; and from there to the place.
+    height: f32,
+    rise: f32,
+    // Slopes along x and z, rise over run.
+    gradient: f32,
+    gradient_z: f32,
+    // How far the triangle is from the true surface at most; below 0 where none is.
+    bound: f32,
+}
+
+// The head is AnswerHead in plugins/tessellation/src/detail/probe.rs.
 struct Answers {
     frame: u32,
     count: u32,
     // Of the choice of vertices that was drawn.
     stamp: u32,
     anchor_height: f32,
-    list: array<vec4<f32>>,
+    list: array<ProbeAnswer>,
 }
 
 // Of the triangles that the stage draws: see vertex.wgsl.
@@ -51,8 +62,8 @@ fn cross_of(a: vec2<f32>, b: vec2<f32>) -> f32 {
     return a.x * b.y - a.y * b.x;
 }
 
-fn answer_at(place: GroundPoint) -> vec4<f32> {
-    let nothing = vec4(0.0, 0.0, 0.0, -1.0);
+fn answer_at(place: GroundPoint) -> ProbeAnswer {
+    let nothing = ProbeAnswer(0.0, 0.0, 0.0, 0.0, -1.0);
     var found = locate(place);
     if found.cell == NO_CELL {
         return nothing;
@@ -75,9 +86,9 @@ fn answer_at(place: GroundPoint) -> vec4<f32> {
         return nothing;
     }
     let off = from_vertex(place, corners[0]);
-    let rise = vec2(corners[1].y - corners[0].y, corners[2].y - corners[0].y);
-    let slope = vec2(rise.x * b.y - rise.y * a.y, rise.y * a.x - rise.x * b.x) / area;
-    let height = corners[0].y + dot(slope, off);
+    let rises = vec2(corners[1].y - corners[0].y, corners[2].y - corners[0].y);
+    let slope = vec2(rises.x * b.y - rises.y * a.y, rises.y * a.x - rises.x * b.x) / area;
+    let rise = dot(slope, off);
     // Where corners are arriving, the drawn triangle is off the one on the ground by as much as they are,
     // each by its share of the place.
     let second = clamp(cross_of(off, b) / area, 0.0, 1.0);
@@ -85,8 +96,8 @@ fn answer_at(place: GroundPoint) -> vec4<f32> {
     let moved = abs(dot(arriving, vec3(1.0 - second - third, second, third)));
     // Corners are stored in f32: along the ground far from the anchor, and in height.
     let along = max(max(abs(corners[0].x), abs(corners[0].z)), max(abs(a.x) + abs(b.x), abs(a.y) + abs(b.y)));
-    let rounding = ROUNDING * (along * (abs(slope.x) + abs(slope.y)) + abs(height) + abs(detail.anchor_height));
-    return vec4(height, slope, found.error + moved + rounding);
+    let rounding = ROUNDING * (along * (abs(slope.x) + abs(slope.y)) + abs(corners[0].y) + abs(rise) + abs(detail.anchor_height));
+    return ProbeAnswer(corners[0].y, rise, slope.x, slope.y, found.error + moved + rounding);
 }
 
 @compute @workgroup_size(64)

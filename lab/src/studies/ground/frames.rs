@@ -14,7 +14,7 @@ use dolomite_tessellation::detail::{DetailCells, Metric};
 use std::time::{Duration, Instant};
 
 /// Frames of a flight of the study.
-pub const FRAMES: u32 = 120;
+pub const FRAMES: u32 = 48;
 
 /// What a flight found.
 #[derive(Debug, Clone)]

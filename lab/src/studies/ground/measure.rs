@@ -97,7 +97,7 @@ pub fn check(
             }
             continue;
         };
-        let height = base + f64::from(answer.height);
+        let height = base + f64::from(answer.height) + f64::from(answer.rise);
         let normal = (b - a).cross(c - a);
         let slope = DVec2::new(-normal.x, -normal.z) / normal.y;
         verdict.checked.push(Checked {

@@ -190,7 +190,7 @@ fn drawn(question: &ProbeQuestion, part: &ProbePart, slot: u32) -> Option<DrawnA
     let answer = part.answers[(slot - part.first) as usize];
     answer.is_hit().then(|| DrawnAnswer {
         sample: GroundSample {
-            height: part.base + f64::from(answer.height),
+            height: part.base + f64::from(answer.height) + f64::from(answer.rise),
             gradient: DVec2::from(answer.gradient.map(f64::from)),
         },
         place: question.places[slot as usize].to_dvec2(),

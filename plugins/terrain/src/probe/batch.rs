@@ -105,12 +105,16 @@ pub struct ProbeQuestion {
     pub changed: Range<u32>,
 }
 
-/// What was found under one place: 16 bytes, as a shader writes them.
+/// What was found under one place: 20 bytes, as a shader writes them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct ProbeAnswer {
-    /// Height of the triangle, metres above y = 0, or above [`ProbePart::base`].
+    /// Height of the triangle, metres above y = 0, or above [`ProbePart::base`]; [`Self::rise`] is added
+    /// to it.
     pub height: f32,
+    /// Metres from `height` up to the triangle at the place. An f32 of 1000 m has steps of 6e-5 m: who
+    /// interpolates gives a corner's height and the rise from there, and loses nothing.
+    pub rise: f32,
     /// Its slope along x and z, rise over run.
     pub gradient: [f32; 2],
     /// How far it may lie above or below the true surface, metres; below 0 where no triangle is.
@@ -121,6 +125,7 @@ impl ProbeAnswer {
     /// No triangle there.
     pub const NOTHING: Self = Self {
         height: 0.0,
+        rise: 0.0,
         gradient: [0.0; 2],
         bound: -1.0,
     };
@@ -130,7 +135,7 @@ impl ProbeAnswer {
     pub fn is_hit(&self) -> bool {
         let [x, z] = self.gradient;
         self.bound >= 0.0
-            && [self.height, x, z, self.bound]
+            && [self.height, self.rise, x, z, self.bound]
                 .iter()
                 .all(|n| n.is_finite())
     }
@@ -141,8 +146,7 @@ impl ProbeAnswer {
 pub struct ProbePart {
     /// Slot of the first answer.
     pub first: u32,
-    /// What the heights of the answers are relative to, metres above y = 0: near the eye an f32 then has
-    /// steps of micrometres, however high the ground lies.
+    /// What the heights of the answers are relative to, metres above y = 0.
     pub base: f64,
     /// One a slot.
     pub answers: Arc<Vec<ProbeAnswer>>,

@@ -127,6 +127,7 @@ impl Renderer {
                     height: (truth.height + LIFTED) as f32,
                     gradient: [truth.gradient.x as f32, truth.gradient.y as f32],
                     bound: 1.5,
+                    ..ProbeAnswer::default()
                 }
             };
             let answers = question.places.iter().map(answer).collect();
@@ -314,6 +315,7 @@ fn answers_that_do_not_fit_are_refused_or_passed_over() {
         height,
         gradient: [slope, 0.0],
         bound,
+        ..ProbeAnswer::default()
     };
     for answer in [
         wrong(f32::NAN, 0.0, 1.0),

@@ -25,7 +25,7 @@ use super::select::{Selection, ViewCell};
 pub const ANSWER_PASS: (&str, &str) = ("detail/answer.wgsl", "answer");
 /// Threads of a workgroup of the pass.
 pub const ANSWER_GROUP: u32 = 64;
-/// Most places of one dispatch: 2²⁰, 16 MiB up and 16 MiB down.
+/// Most places of one dispatch: 2²⁰, 16 MiB up and 20 MiB down.
 pub const MOST_ASKED: u32 = 1 << 20;
 
 /// How many ground probes are answered from what is drawn.

@@ -54,7 +54,8 @@ fn a_part_answers_its_slots_alone_and_says_what_heights_are_relative_to() {
         base: 1e4,
         answers: vec![
             ProbeAnswer {
-                height: 0.001,
+                height: 1.0,
+                rise: 0.001,
                 bound: 1.0,
                 ..ProbeAnswer::default()
             };
@@ -72,8 +73,8 @@ fn a_part_answers_its_slots_alone_and_says_what_heights_are_relative_to() {
         let drawn = probe(&app, *entity).drawn;
         assert_eq!(drawn.is_some(), (4..7).contains(&slot), "{slot}");
         if let Some(drawn) = drawn {
-            // An f32 of 10 km has steps of a millimetre; these have none.
-            assert!((drawn.sample.height - 10_000.001).abs() < 1e-9);
+            // An f32 of 10 km has steps of a millimetre; the sum of these has none.
+            assert!((drawn.sample.height - 10_001.001).abs() < 1e-9);
             assert_eq!(drawn.place.x, slot as f64);
         }
     }
