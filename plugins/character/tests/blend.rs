@@ -35,7 +35,7 @@ fn random_pose(random: &mut Random, skeleton: &Skeleton) -> Pose {
     for joint in 0..skeleton.len() {
         // As far from rest as it goes: rest is no help in the choice of signs.
         let mut local = pose.get(joint);
-        local.rotation = local.rotation * random.rotation(std::f32::consts::PI);
+        local.rotation *= random.rotation(std::f32::consts::PI);
         local.translation += Vec3::new(random.range(-0.1, 0.1), 0.0, 0.1);
         // The same rotation, the other sign.
         if random.unit() < 0.5 {
