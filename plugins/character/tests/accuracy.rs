@@ -17,7 +17,8 @@ fn worst(skeleton: &Skeleton, clip: &Clip, data: &ClipData, times: &[f32]) -> (f
         let matrices = oracle::local_to_model(skeleton, &truth);
         for (joint, matrix) in matrices.iter().enumerate() {
             let at = model[joint].translation.to_array().map(f64::from);
-            let square: f64 = (0..3).map(|row| (at[row] - matrix[row][3]).powi(2)).sum();
+            let off = |row: usize| at[row] - matrix[row][3];
+            let square: f64 = (0..3).map(|row| off(row) * off(row)).sum();
             distance = distance.max(square.sqrt());
             let local = pose.get(joint).rotation.to_array().map(f64::from);
             angle = angle.max(oracle::angle(local, truth[joint].rotation));

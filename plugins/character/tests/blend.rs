@@ -35,7 +35,7 @@ fn random_pose(random: &mut Random, skeleton: &Skeleton) -> Pose {
     for joint in 0..skeleton.len() {
         // As far from rest as it goes: rest is no help in the choice of signs.
         let mut local = pose.get(joint);
-        local.rotation = local.rotation * random.rotation(std::f32::consts::PI);
+        local.rotation *= random.rotation(std::f32::consts::PI);
         local.translation += Vec3::new(random.range(-0.1, 0.1), 0.0, 0.1);
         // The same rotation, the other sign.
         if random.unit() < 0.5 {
@@ -235,7 +235,7 @@ fn swing(skeleton: &Skeleton, rate: f32, reach: f32) -> Clip {
         name: "swing".into(),
         channels: channels.collect(),
     };
-    Clip::new(skeleton, &data).unwrap()
+    Clip::new(skeleton, &data).expect("made as clips have to be")
 }
 
 /// Greatest acceleration of any joint, m/s², while a fade from a to b is turned round after `turn`
@@ -273,9 +273,9 @@ fn acceleration(skeleton: &Skeleton, clips: &[Clip; 2], dt: f64, smooth: bool) -
     }
     let mut most = 0.0_f64;
     for three in history.windows(3) {
-        for joint in 0..skeleton.len() {
-            let [a, b, c] = [0, 1, 2].map(|i| three[i][joint].as_dvec3());
-            most = most.max((a - b * 2.0 + c).length() / (dt * dt));
+        for ((a, b), c) in three[0].iter().zip(&three[1]).zip(&three[2]) {
+            let change = a.as_dvec3() - b.as_dvec3() * 2.0 + c.as_dvec3();
+            most = most.max(change.length() / (dt * dt));
         }
     }
     most

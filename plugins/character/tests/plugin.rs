@@ -42,7 +42,7 @@ fn person() -> Character {
 }
 
 fn pose(app: &App, entity: Entity) -> &CharacterPose {
-    app.world().get(entity).unwrap()
+    app.world().get(entity).expect("a figure")
 }
 
 #[test]

@@ -224,9 +224,9 @@ fn gather<const N: usize>(
                 let mut value =
                     lane_spline(&keys[from + span.key as usize * 3 * N..][..6 * N], span);
                 finish(&mut value);
-                for i in 0..N {
-                    ends.from[i][lane] = value[i];
-                    ends.to[i][lane] = value[i];
+                for (i, number) in value.into_iter().enumerate() {
+                    ends.from[i][lane] = number;
+                    ends.to[i][lane] = number;
                 }
                 continue;
             }

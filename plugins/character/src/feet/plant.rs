@@ -104,8 +104,8 @@ impl Feet {
         }
         self.last = Some(place.position);
         let mut targets = [None, None];
-        for side in 0..2 {
-            targets[side] = self.place_foot(side, body, settings, place, step, ground, model);
+        for (side, target) in targets.iter_mut().enumerate() {
+            *target = self.place_foot(side, body, settings, place, step, ground, model);
         }
         let down = self.lower(body, settings, place, step, &targets, model);
         let up = place.rotation.inverse() * Vec3::Y;

@@ -182,7 +182,7 @@ impl GaitData {
     /// # Errors
     /// [`GaitError`]: what is not there, or does not fit.
     pub fn resolve(&self, rig: &Rig) -> Result<Gait, GaitError> {
-        let clip = |of: &str, name: &String| find_clip(rig, of, name);
+        let clip = |of: &str, name: &str| find_clip(rig, of, name);
         let some =
             |of: &str, name: &Option<String>| name.as_ref().map(|name| clip(of, name)).transpose();
         let turn = |data: &Option<ClipMotion>| {
@@ -190,7 +190,7 @@ impl GaitData {
                 .map(|data| move_clip(rig, data, data.turn_rate))
                 .transpose()
         };
-        let joint = |of, name: &String| find_joint(&rig.skeleton, of, name);
+        let joint = |of, name: &str| find_joint(&rig.skeleton, of, name);
         let strides = self
             .strides
             .iter()
@@ -232,11 +232,11 @@ impl GaitData {
     }
 }
 
-fn find_clip(rig: &Rig, of: &str, name: &String) -> Result<usize, GaitError> {
+fn find_clip(rig: &Rig, of: &str, name: &str) -> Result<usize, GaitError> {
     let found = rig.clips.iter().position(|clip| clip.name() == name);
     found.ok_or_else(|| GaitError::NoClip {
         of: of.to_owned(),
-        clip: name.clone(),
+        clip: name.to_owned(),
         has: rig
             .clips
             .iter()
@@ -246,10 +246,10 @@ fn find_clip(rig: &Rig, of: &str, name: &String) -> Result<usize, GaitError> {
     })
 }
 
-fn find_joint(skeleton: &Skeleton, of: &'static str, name: &String) -> Result<usize, GaitError> {
+fn find_joint(skeleton: &Skeleton, of: &'static str, name: &str) -> Result<usize, GaitError> {
     skeleton.find(name).ok_or_else(|| GaitError::NoJoint {
         of,
-        joint: name.clone(),
+        joint: name.to_owned(),
     })
 }
 
@@ -291,7 +291,7 @@ fn move_clip(rig: &Rig, data: &ClipMotion, rate: f32) -> Result<MoveClip, GaitEr
 }
 
 fn leg(rig: &Rig, data: &LegData, side: usize) -> Result<LegJoints, GaitError> {
-    let find = |name| find_joint(&rig.skeleton, "legs", name);
+    let find = |name: &str| find_joint(&rig.skeleton, "legs", name);
     let leg = LegJoints {
         hip: find(&data.hip)?,
         knee: find(&data.knee)?,

@@ -154,7 +154,8 @@ impl Locomotion {
         self.turning.follow(motion.turn_rate, LAG, dt);
         let rate = self.phase_rate(gait, &motion);
         self.phase = (self.phase + rate * dt).rem_euclid(1.0);
-        if !(self.phase < 1.0) {
+        // `rem_euclid` rounds a tiny negative number to 1.
+        if self.phase >= 1.0 {
             self.phase = 0.0;
         }
         self.change_state(gait, clips, &motion);

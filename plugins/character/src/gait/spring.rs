@@ -26,7 +26,8 @@ impl Spring {
         if !(target.is_finite() && dt > 0.0) {
             return;
         }
-        if !(time > 0.0) || !self.value.is_finite() || !self.speed.is_finite() {
+        let follows = time > 0.0 && self.value.is_finite() && self.speed.is_finite();
+        if !follows {
             *self = Self::at(target);
             return;
         }

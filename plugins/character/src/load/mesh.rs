@@ -116,7 +116,9 @@ fn check(mesh: &SkinnedMesh, joints: usize) -> Result<(), String> {
             "a vertex names a joint beyond the {joints} of its skin"
         ));
     }
-    if mesh.indices.len() % 3 != 0 || mesh.indices.iter().any(|index| *index as usize >= vertices) {
+    if !mesh.indices.len().is_multiple_of(3)
+        || mesh.indices.iter().any(|index| *index as usize >= vertices)
+    {
         return Err("its indices are not triangles of its vertices".into());
     }
     let numbers = mesh.positions.iter().chain(&mesh.normals).flatten();

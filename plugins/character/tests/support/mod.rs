@@ -31,7 +31,7 @@ pub fn shared(name: &str) -> Option<PathBuf> {
 
 /// The soldier of the crowd tests: 41 joints of a skin, 76 clips.
 pub fn knight() -> Option<Rig> {
-    Some(Rig::read(&shared("glb/knight.glb")?).unwrap())
+    Some(Rig::read(&shared("glb/knight.glb")?).expect("a rig"))
 }
 
 /// Random numbers, the same every time.
@@ -78,7 +78,7 @@ pub fn skeleton(random: &mut Random) -> Skeleton {
             scale: Vec3::ONE,
         },
     });
-    Skeleton::new(joints.collect()).unwrap()
+    Skeleton::new(joints.collect()).expect("parents first")
 }
 
 /// A clip with channels of every interpolation, with key times of their own, missing channels, channels

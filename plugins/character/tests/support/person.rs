@@ -2,6 +2,7 @@
 //! waving. What a foot does in a stride is a function of the phase: it lands on the heel, rolls flat,
 //! lifts its heel over the ball, and swings.
 
+use bevy::math::ops::{cos, sin};
 use bevy::math::{Affine3A, Quat, Vec3};
 use dolomite_character::feet::{Limb, bend};
 use dolomite_character::gait::{ClipMotion, GaitData, LegData, OneShotData};
@@ -87,7 +88,11 @@ pub fn skeleton() -> Skeleton {
         parent,
         rest,
     };
-    Skeleton::new(joints.into_iter().map(joint).collect()).unwrap()
+    Skeleton::new(joints.into_iter().map(joint).collect()).expect("made as it has to be")
+}
+
+fn square(x: f32) -> f32 {
+    x * x
 }
 
 fn about(axis: Vec3, angle: f32) -> Quat {
@@ -112,9 +117,9 @@ fn foot(stride: &Stride, phase: f32) -> (Vec3, Quat) {
         let yaw = -stride.turning * time;
         let base = about(Vec3::Y, yaw) * ANKLE - Vec3::Z * (stride.speed * time);
         let pitch = if part < 0.2 {
-            0.35 * (1.0 - part / 0.2).powi(2)
+            0.35 * square(1.0 - part / 0.2)
         } else if part > 0.6 {
-            -0.6 * ((part - 0.6) / 0.4).powi(2)
+            -0.6 * square((part - 0.6) / 0.4)
         } else {
             0.0
         };
@@ -133,7 +138,7 @@ fn foot(stride: &Stride, phase: f32) -> (Vec3, Quat) {
     let part = (phase - stride.duty) / (1.0 - stride.duty);
     let ((from, a), (to, b)) = (stance(1.0), stance(0.0));
     let smooth = part * part * (3.0 - 2.0 * part);
-    let lift = Vec3::Y * 0.1 * (part * std::f32::consts::PI).sin();
+    let lift = Vec3::Y * 0.1 * sin(part * std::f32::consts::PI);
     (from.lerp(to, smooth) + lift, a.slerp(b, smooth))
 }
 
@@ -157,13 +162,13 @@ fn mirrored(ankle: Vec3, turn: Quat) -> (Vec3, Quat) {
 
 fn step_pose(skeleton: &Skeleton, stride: &Stride, phase: f32) -> Pose {
     let mut pose = skeleton.rest().clone();
-    let bob = 0.015 * (2.0 * TAU * phase).cos();
+    let bob = 0.015 * cos(2.0 * TAU * phase);
     pose.set(
         1,
         JointTransform::at(Vec3::new(0.0, 1.0 - stride.crouch - bob, 0.0)),
     );
     for side in 0..2 {
-        let swing = 0.4 * (TAU * (phase + 0.5 * side as f32)).cos();
+        let swing = 0.4 * cos(TAU * (phase + 0.5 * side as f32));
         pose.set_rotation(13 + 2 * side, about(Vec3::X, swing));
         let (ankle, turn) = foot(stride, phase - 0.5 * side as f32);
         let (ankle, turn) = match (side, stride.turning == 0.0) {
@@ -229,13 +234,13 @@ pub fn rig() -> Rig {
         let mut pose = stand(0.02);
         pose.set_rotation(
             15,
-            about(Vec3::Z, -2.4) * about(Vec3::X, 0.4 * (time * 9.0).sin()),
+            about(Vec3::Z, -2.4) * about(Vec3::X, 0.4 * sin(time * 9.0)),
         );
         pose
     };
     let sources = vec![
         clip(&skeleton, "idle", 3.0, |time| {
-            stand(0.02 + 0.004 * (time * TAU / 3.0).sin())
+            stand(0.02 + 0.004 * sin(time * TAU / 3.0))
         }),
         clip(&skeleton, "walk", WALK.period, |time| {
             step_pose(&skeleton, &WALK, time / WALK.period)
@@ -262,7 +267,7 @@ pub fn rig() -> Rig {
     Rig {
         clips: sources
             .iter()
-            .map(|data| Clip::new(&skeleton, data).unwrap())
+            .map(|data| Clip::new(&skeleton, data).expect("made as it has to be"))
             .collect(),
         joint_of_node: Vec::new(),
         skins: Vec::new(),
@@ -363,5 +368,5 @@ pub fn gaits() -> GaitData {
 }
 
 pub fn figure() -> Figure {
-    Figure::new(rig(), &gaits()).unwrap()
+    Figure::new(rig(), &gaits()).expect("made as it has to be")
 }
