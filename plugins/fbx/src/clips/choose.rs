@@ -126,46 +126,80 @@ fn choose<V: Value>(
         let channel = channel(sampled, property, &[value], &keys, Interpolation::Linear);
         return Choice { channel, at_rest };
     }
-    let linear = || {
-        signal
-            .linear(tolerance)
-            .map(|keys| make(&keys, Interpolation::Linear))
-    };
     let cubic = || make(&signal.cubic(tolerance), Interpolation::Cubic);
     let channel = match (signal.steps(tolerance), sampled.kinds) {
         (Some(keys), _) => make(&keys, Interpolation::Step),
-        (None, Kinds::Linear) => linear().unwrap_or_else(cubic),
         (None, Kinds::Cubic) => cubic(),
-        (None, Kinds::Any) => match linear() {
-            // Two keys of a line are smaller than any cubic.
-            Some(linear) if linear.times.len() <= 2 => linear,
-            // Nor are cubics through what lines need most samples for: their keys are three times
-            // as large, and nothing so rough is told in a third of the keys.
-            Some(linear) if linear.times.len() * 3 > sampled.stops.len() * 2 => linear,
-            Some(linear) => {
-                let cubic = cubic();
-                if bytes(&cubic) < bytes(&linear) {
-                    cubic
-                } else {
-                    linear
+        (None, kinds) => match lines(&signal, sampled.common, tolerance, &make) {
+            Some(lines) => {
+                let ask = kinds == Kinds::Any && lines.times.len() > 2;
+                match ask && cubics_pay(&signal, &lines, tolerance) {
+                    true => [cubic(), lines].into_iter().min_by_key(bytes),
+                    false => Some(lines),
                 }
+                .unwrap_or_else(cubic)
             }
             None => cubic(),
         },
     };
-    // Keys of which the times are kept anyway.
-    let on_common = signal
-        .linear_on(sampled.common, tolerance)
-        .map(|keys| make(&keys, Interpolation::Linear));
-    let channel =
-        match on_common.filter(|other| bytes(other) - other.times.len() * 4 < bytes(&channel)) {
-            Some(other) => other,
-            None => channel,
-        };
     Choice {
         channel,
         at_rest: false,
     }
+}
+
+/// The smaller of straight lines between the fewest keys, and between all of the file's own, of which
+/// the times are kept once for all channels.
+fn lines<V: Value, D: Fn(&V, &V) -> f64>(
+    signal: &Signal<V, D>,
+    common: &[usize],
+    tolerance: f64,
+    make: &impl Fn(&Keys<V>, Interpolation) -> Channel,
+) -> Option<Channel> {
+    let few = signal
+        .linear(tolerance)
+        .map(|keys| make(&keys, Interpolation::Linear));
+    let all = signal
+        .linear_on(common, tolerance)
+        .map(|keys| make(&keys, Interpolation::Linear));
+    match (few, all) {
+        (Some(few), Some(all)) if bytes(&all) - all.times.len() * 4 < bytes(&few) => Some(all),
+        (few, all) => few.or(all),
+    }
+}
+
+/// Stops of the part of a signal that is tried before all of it.
+const PART: usize = 32;
+
+/// Whether cubics may be smaller than `lines`: they are tried on a part in the middle.
+fn cubics_pay<V: Value, D: Fn(&V, &V) -> f64>(
+    signal: &Signal<V, D>,
+    lines: &Channel,
+    tolerance: f64,
+) -> bool {
+    let count = signal.stops.len();
+    if count <= PART {
+        return true;
+    }
+    let stops = &signal.stops[(count - PART) / 2..(count + PART) / 2];
+    let (first, last) = (stops[0], stops[PART - 1]);
+    let stops: Vec<usize> = stops.iter().map(|stop| stop - first).collect();
+    let part = Signal {
+        times: &signal.times[first..=last],
+        jumps: &signal.jumps[first..=last],
+        stops: &stops,
+        values: &signal.values[first..=last],
+        distance: &signal.distance,
+    };
+    let cubics = part.cubic(tolerance).at.len();
+    let times = signal.times[first] as f32..=signal.times[last] as f32;
+    let lines = lines
+        .times
+        .iter()
+        .filter(|time| times.contains(time))
+        .count();
+    // A cubic's key has three values; with its time it is less than three of a line's.
+    cubics * 2 <= lines
 }
 
 fn channel<V: Value>(
