@@ -2,8 +2,8 @@
 
 pub mod animation;
 pub mod budget;
-pub mod ground;
 pub mod fbx;
+pub mod ground;
 pub mod lod;
 pub mod noise;
 pub mod tessellation;

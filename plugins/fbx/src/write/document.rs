@@ -11,6 +11,7 @@ use gltf_json::extensions::scene::khr_lights_punctual::KhrLightsPunctual as Node
 use gltf_json::image::MimeType;
 use gltf_json::scene::UnitQuaternion;
 use gltf_json::{Asset, Image, Index, Root, Scene};
+use serde_json::Map;
 
 /// Where pictures go.
 pub(crate) enum Pictures<'a> {
@@ -71,6 +72,7 @@ pub(crate) fn document(model: &Model, pictures: Pictures) -> (Root, Vec<u8>) {
             khr_lights_punctual: Some(KhrLightsPunctual {
                 lights: model.lights.iter().map(light).collect(),
             }),
+            others: Map::new(),
         });
     }
     let mut children = vec![Vec::new(); model.nodes.len()];
@@ -107,6 +109,7 @@ fn node(node: &Node, children: Vec<Index<gltf_json::Node>>) -> gltf_json::Node {
             khr_lights_punctual: Some(NodeLight {
                 light: Index::new(light as u32),
             }),
+            others: Map::new(),
         }),
         extras: None,
         matrix: None,

@@ -77,6 +77,7 @@ fn info(root: &mut Root, texture: &TextureUse) -> Info {
                 tex_coord: None,
                 extras: None,
             }),
+            others: serde_json::Map::new(),
         });
     if extension.is_some() {
         super::document::uses(root, "KHR_texture_transform");
