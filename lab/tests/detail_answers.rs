@@ -13,15 +13,17 @@ use dolomite_tessellation::detail::{DetailCells, Metric};
 
 const PIXELS: Metric = Metric::ErrorBound { pixels: 12.0 };
 
-/// The island massif with its sea, or other ground by the same rules a million metres away.
+/// The island massif with its sea, or noise a million metres away.
 fn ground(centre: DVec2) -> Terrain {
-    let mountain = terrains::mountain(1);
-    let mut data: TerrainData = mountain.data().clone();
+    // Noise is everywhere; mountains are where they are, and the ground around them is flat.
+    let near = if centre == DVec2::ZERO {
+        terrains::mountain(1)
+    } else {
+        terrains::fbm(1)
+    };
+    let mut data: TerrainData = near.data().clone();
     data.extent.min += centre;
     data.extent.max += centre;
-    if centre != DVec2::ZERO {
-        data.sea_level = Some(-30.0);
-    }
     Terrain::new(data).expect("moved ground is as valid as it was")
 }
 
