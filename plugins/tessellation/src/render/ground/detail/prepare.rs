@@ -178,10 +178,14 @@ impl DetailState {
         }
     }
 
-    /// Forgets what was made, where less than half of the room is left: a camera that jumps finds room for
-    /// all that it sees.
-    fn forget_if_full(&mut self, queue: &RenderQueue, used: u32) {
-        if used > self.capacity / 2 {
+    /// Forgets what was made, where little room is left; or less than half, and most of it is of views long
+    /// gone: a camera that jumps finds room for all that it sees. A view that needs half of the room itself
+    /// keeps what it has.
+    fn forget_if_full(&mut self, queue: &RenderQueue, used: u32, vertices: u32) {
+        // Some two cells are looked at for a vertex.
+        let needed = vertices.saturating_mul(2);
+        let crowded = used > self.capacity / 2 && used / 2 > needed;
+        if crowded || used > self.capacity / 8 * 7 {
             self.fresh = true;
             queue.write_buffer(&self.kept[1], 0, cast_slice(&self.beginning.links));
         }
@@ -294,7 +298,8 @@ pub fn prepare<K: DetailKind>(
             own.bind(&device, &cache, pipelines, written);
         }
         if !state.settled {
-            own.forget_if_full(&queue, state.counters.newest.kept_cells);
+            let newest = state.counters.newest;
+            own.forget_if_full(&queue, newest.kept_cells, newest.vertices);
             let view = detail_view(view, &state.params().view, ground.relief, &detail);
             own.tell(&queue, view, state);
         }
