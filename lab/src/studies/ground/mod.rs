@@ -294,7 +294,8 @@ fn figures(cases: &[Case], flights: &[(usize, usize, Ages)]) -> Vec<Figure> {
         },
         Figure {
             name: "ground_error_true".into(),
-            caption: "Largest share of its bound by which an answer is off the true surface: never above 1."
+            caption: "Largest distance from the true surface, over the bound that the answer holds. Above 1, \
+                      what lies between the 25 samples of a cell is more than the cell allows for."
                 .into(),
             chart: chart(
                 "Error against the true surface",
