@@ -4,9 +4,10 @@ use crate::detail::{DetailAnswers, DetailRun};
 use crate::studies::lod::camera::Camera;
 use crate::studies::lod::mesh::{Drawn, GroundMesh};
 use crate::studies::lod::ours::detail_view;
+use crate::studies::lod::terrains;
 use crate::studies::noise::points::Random;
 use bevy::math::{DVec2, DVec3};
-use dolomite_terrain::{GroundPoint, Terrain};
+use dolomite_terrain::{GroundPoint, Source, Terrain, TerrainData};
 use dolomite_tessellation::detail::layout::DetailParams;
 use dolomite_tessellation::detail::{DetailCells, Metric};
 
@@ -22,6 +23,22 @@ pub fn params(cells: &DetailCells, camera: &Camera, metric: Metric) -> DetailPar
         anchor_height: camera.eye.y.floor() as f32,
         ..DetailParams::new(cells, view, 0, POOLS)
     }
+}
+
+/// The island massif of the study `lod`, moved by so many metres: its hills are the same, its noise, and so its
+/// ground, another one by the same rules.
+#[must_use]
+pub fn ground(seed: u32, moved: DVec2) -> Terrain {
+    let mountain = terrains::mountain(seed);
+    let mut data: TerrainData = mountain.data().clone();
+    data.extent.min += moved;
+    data.extent.max += moved;
+    for layer in &mut data.layers {
+        if let Source::Hill(hill) = &mut layer.source {
+            hill.centre += moved;
+        }
+    }
+    Terrain::new(data).expect("moved ground is as valid as it was")
 }
 
 /// Places where somebody may stand: half of them all over the ground, half before the camera, as many from

@@ -14,13 +14,11 @@ use crate::gpu::Gpu;
 use crate::metrics::ErrorStats;
 use crate::plot::{Axes, Chart, Curve};
 use crate::studies::lod::cameras::{Kind, camera};
-use crate::studies::lod::terrains;
 use crate::study::{Figure, Options, Report, Study};
 use bevy::math::DVec2;
-use dolomite_terrain::{Terrain, TerrainData};
 use dolomite_tessellation::detail::{DetailCells, Metric};
 use frames::{Ages, FRAMES, fly};
-use measure::{Checked, Verdict, check, params, places};
+use measure::{Checked, Verdict, check, ground, params, places};
 use serde_json::{Value, json};
 
 /// As the command line knows it.
@@ -52,24 +50,10 @@ struct Case {
     coarsening: f32,
 }
 
-/// The island massif; a million metres away noise, since mountains are where they are and the ground around
-/// them is flat.
-fn ground(seed: u32, far: f64) -> Terrain {
-    let near = if far == 0.0 {
-        terrains::mountain(seed)
-    } else {
-        terrains::fbm(seed)
-    };
-    let mut data: TerrainData = near.data().clone();
-    data.extent.min += DVec2::splat(far);
-    data.extent.max += DVec2::splat(far);
-    Terrain::new(data).expect("moved ground is as valid as it was")
-}
-
 fn cases(options: &Options, gpu: &Gpu) -> Result<Vec<Case>, DetailError> {
     let mut cases = Vec::new();
     for far in FAR {
-        let terrain = ground(options.seed, far);
+        let terrain = ground(options.seed, DVec2::splat(far));
         let cells = DetailCells::new(terrain.clone(), FINEST);
         let mut stage = DetailStage::new(gpu, &cells, 1 << 20)?;
         for kind in [Kind::Standing, Kind::Flying] {
@@ -98,7 +82,7 @@ fn cases(options: &Options, gpu: &Gpu) -> Result<Vec<Case>, DetailError> {
 }
 
 fn flights(options: &Options, gpu: &Gpu) -> Result<Vec<(usize, usize, Ages)>, DetailError> {
-    let terrain = ground(options.seed, 0.0);
+    let terrain = ground(options.seed, DVec2::ZERO);
     let eye = camera(&terrain, Kind::Flying, options.seed);
     let mut flights = Vec::new();
     for queries in QUERIES {
@@ -310,7 +294,8 @@ fn figures(cases: &[Case], flights: &[(usize, usize, Ages)]) -> Vec<Figure> {
         },
         Figure {
             name: "ground_error_true".into(),
-            caption: "Largest share of its bound by which an answer is off the true surface: never above 1."
+            caption: "Largest distance from the true surface, over the bound that the answer holds. Above 1, \
+                      what lies between the 25 samples of a cell is more than the cell allows for."
                 .into(),
             chart: chart(
                 "Error against the true surface",
@@ -336,7 +321,7 @@ mod tests {
         let Some(gpu) = crate::gpu::for_test() else {
             return;
         };
-        let terrain = ground(2, 0.0);
+        let terrain = ground(2, DVec2::ZERO);
         let eye = camera(&terrain, Kind::Flying, 2);
         for in_flight in [0, 1] {
             let ages = fly(&gpu, &terrain, eye, 24, (1000, in_flight, 2)).expect("flies");

@@ -7,8 +7,8 @@
 //!
 //! **Bound.** Each cell knows how far its triangles are from the ground where their corners stand on it
 //! (`cell.rs`). Corners that are arriving lie off the ground; in the triangle between them the surface is
-//! off by the mean of that, weighted as the place lies. The sum of both holds whatever the metric is, and
-//! whether the pools were too small or not.
+//! off by the mean of that, weighted as the place lies. The sum of both does not depend on the metric, nor on
+//! whether the pools were too small; it is as good as the cells' own bounds.
 
 use bevy::math::{DVec2, DVec3, UVec2};
 use bevy::prelude::Resource;
