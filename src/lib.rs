@@ -11,7 +11,8 @@
 //! | [`PatchPlugin`](tessellation::render::stage::PatchPlugin) | [`tessellation`] | patches of your own, tessellated by your control and evaluate functions | yes |
 //! | [`TerrainTessellationPlugin`](tessellation::TerrainTessellationPlugin) | [`tessellation`] | terrain refined and drawn on the GPU | yes |
 //!
-//! [`DolomitePlugins`] adds all of them, [`DolomiteMinimalPlugins`] those that need no renderer.
+//! [`DolomitePlugins`] adds all of them but the figures' two, which an app adds for itself;
+//! [`DolomiteMinimalPlugins`] those of them that need no renderer.
 //! A plugin with none of its components in the world adds nothing to the GPU.
 //!
 //! ```
@@ -34,7 +35,7 @@ pub mod game;
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
-/// Every plugin of Dolomite. Add after Bevy's `DefaultPlugins`.
+/// Every plugin of Dolomite but those of figures. Add after Bevy's `DefaultPlugins`.
 pub struct DolomitePlugins;
 
 impl PluginGroup for DolomitePlugins {
