@@ -75,7 +75,7 @@ const MOST_VERTICES: u32 = 1 << 19;
 struct Surface(ClassicHeights);
 
 /// Adds the kind, which shows nothing until the settings ask for it.
-pub(super) fn build(app: &mut App, heights: &ClassicHeights, settings: ClassicSettings) {
+pub(super) fn build(app: &mut App, heights: &ClassicHeights) {
     app.add_plugins(PatchPlugin(BoundedClassicKind::default()))
         .insert_resource(Surface(heights.clone()))
         .add_systems(
@@ -83,7 +83,6 @@ pub(super) fn build(app: &mut App, heights: &ClassicHeights, settings: ClassicSe
             follow.run_if(resource_exists_and_changed::<ClassicSettings>),
         );
     detail::build::<BoundedClassicKind>(app);
-    debug_assert!(!settings.is_static() || !settings.is_bounded());
 }
 
 /// Shows or removes the surface.

@@ -123,7 +123,7 @@ impl Plugin for ClassicPlugin {
             follow.run_if(resource_changed::<ClassicSettings>),
         );
         app.insert_resource(ClassicMesh(mesh.clone()));
-        bounded::build(app, &self.heights, self.settings);
+        bounded::build(app, &self.heights);
         if !self.settings.is_bounded() {
             app.world_mut()
                 .spawn(Patches::<ClassicKind>::new(mesh).with(0, self.settings.params()));

@@ -87,8 +87,8 @@ impl DetailState {
             .max_vertices
             .saturating_mul(4)
             .clamp(LEAST_CAPACITY, most)
-            .next_multiple_of(4);
-        let capacity = capacity.min(most / 4 * 4);
+            / 4
+            * 4;
         let empty = |label, size: u64| {
             device.create_buffer(&BufferDescriptor {
                 label: Some(label),
