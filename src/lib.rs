@@ -8,12 +8,12 @@
 //! | [`TerrainPlugin`](terrain::TerrainPlugin) | [`terrain`] | heights, slopes and ground answers from noise and height maps, in f64 | no |
 //! | [`CharacterPlugin`](character::CharacterPlugin) | [`character`] | animated figures with feet on the ground, sampled as large as they are seen | no |
 //! | [`CrowdPlugin`](character::render::CrowdPlugin) | [`character`] | crowds drawn from a palette of poses, 16 bytes a figure | yes |
+//! | [`FbxPlugin`](fbx::FbxPlugin) | [`fbx`] | `load("hero.fbx")`, with the sub-assets of Bevy's glTF loader | no |
 //! | [`PatchPlugin`](tessellation::render::stage::PatchPlugin) | [`tessellation`] | patches of your own, tessellated by your control and evaluate functions | yes |
 //! | [`TerrainTessellationPlugin`](tessellation::TerrainTessellationPlugin) | [`tessellation`] | terrain refined and drawn on the GPU | yes |
 //!
-//! [`DolomitePlugins`] adds all of them but the figures' two, which an app adds for itself;
-//! [`DolomiteMinimalPlugins`] those of them that need no renderer.
-//! A plugin with none of its components in the world adds nothing to the GPU.
+//! [`DolomitePlugins`] adds all of them; [`DolomiteMinimalPlugins`] those that need neither a renderer nor
+//! assets. A plugin with none of its components in the world adds nothing to the GPU.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -35,13 +35,15 @@ pub mod game;
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
-/// Every plugin of Dolomite but those of figures. Add after Bevy's `DefaultPlugins`.
+/// Every plugin of Dolomite. Add after Bevy's `DefaultPlugins`.
 pub struct DolomitePlugins;
 
 impl PluginGroup for DolomitePlugins {
     fn build(self) -> PluginGroupBuilder {
         PluginGroupBuilder::start::<Self>()
             .add_group(DolomiteMinimalPlugins)
+            .add(fbx::FbxPlugin)
+            .add(character::render::CrowdPlugin)
             .add(tessellation::TerrainTessellationPlugin)
     }
 }
@@ -51,6 +53,8 @@ pub struct DolomiteMinimalPlugins;
 
 impl PluginGroup for DolomiteMinimalPlugins {
     fn build(self) -> PluginGroupBuilder {
-        PluginGroupBuilder::start::<Self>().add(terrain::TerrainPlugin)
+        PluginGroupBuilder::start::<Self>()
+            .add(terrain::TerrainPlugin)
+            .add(character::CharacterPlugin)
     }
 }

@@ -17,7 +17,8 @@
 //! # }
 //! ```
 //!
-//! Nothing of Bevy is compiled.
+//! With the feature `bevy` (a default) `FbxPlugin` lets a Bevy app `load("hero.fbx")`. Without it nothing
+//! of Bevy is compiled.
 //!
 //! # How exact
 //!
@@ -59,6 +60,8 @@ mod error;
 mod load;
 pub mod model;
 mod options;
+#[cfg(feature = "bevy")]
+mod plugin;
 mod read;
 mod report;
 mod skinning;
@@ -68,5 +71,7 @@ mod write;
 pub use convert::{Conversion, convert};
 pub use error::FbxError;
 pub use options::{Limits, Options, Origin, Progress, Weights};
+#[cfg(feature = "bevy")]
+pub use plugin::{FbxConversion, FbxLoader, FbxLoaderError, FbxLoaderSettings, FbxPlugin};
 pub use report::{ClipReport, Lost, Report};
 pub use write::{GltfFiles, Output};

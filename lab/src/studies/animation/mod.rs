@@ -3,12 +3,8 @@
 //! How far are joints from where f64 has them, over random moments of all clips? How much does the order of
 //! a three-clip blend matter? What does a joint cost when 1000 figures each blend three clips, on one core?
 //! And how far is a vertex that the GPU skins from the one that the CPU skins?
-//!
-//! `bevy_animation` is a feature of this crate, `bevy-animation`, as it is large; the notes say so where it
-//! is not built in.
 
 pub mod accuracy;
-#[cfg(feature = "bevy-animation")]
 pub mod bevy_rival;
 pub mod blending;
 pub mod method;
@@ -33,17 +29,9 @@ pub const STUDY: Study = Study {
 pub const FIGURES: usize = 1000;
 
 /// Every method, for blends of these three clips in this order.
-#[cfg_attr(
-    not(feature = "bevy-animation"),
-    expect(
-        unused_variables,
-        reason = "ours needs no order, and what does is not built in"
-    )
-)]
 fn methods(model: &Model, clips: [usize; 3]) -> Vec<Box<dyn Method>> {
     vec![
         Box::new(ours::Ours::new(model)),
-        #[cfg(feature = "bevy-animation")]
         Box::new(bevy_rival::Bevy::new(model, clips)),
     ]
 }

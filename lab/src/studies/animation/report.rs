@@ -8,20 +8,11 @@ use serde_json::{Map, Value, json};
 
 /// Libraries that are not built in, and how they are.
 pub fn left_out() -> Vec<String> {
-    let mut notes = Vec::new();
-    if !cfg!(feature = "bevy-animation") {
-        notes.push(
-            "bevy_animation 0.19 is left out: build the lab with --features bevy-animation (it asks one \
-             more feature of Bevy's reflection, so Bevy is built anew)"
-                .to_owned(),
-        );
-    }
-    notes.push(
+    vec![
         "ozz-animation-rs 0.11 is left out: it needs `portable_simd`, which stable compilers have not, as it \
          was before `Mask::to_int` was renamed"
             .to_owned(),
-    );
-    notes
+    ]
 }
 
 /// Puts it together.

@@ -1,0 +1,183 @@
+//! FBX files as assets of Bevy.
+
+use crate::{Conversion, FbxError, Options, Origin, Report, Weights, convert};
+use bevy::asset::io::Reader;
+use bevy::asset::{AssetApp, AssetLoader, AssetPath, LoadContext};
+use bevy::gltf::extensions::GltfExtensionHandlers;
+use bevy::gltf::{
+    DefaultGltfImageSampler, Gltf, GltfError, GltfLoader, GltfLoaderSettings, GltfPlugin,
+};
+use bevy::image::{CompressedImageFormatSupport, CompressedImageFormats};
+use bevy::log::{info, warn};
+use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Lets `load("hero.fbx")` give what `load("hero.glb")` gives: a [`Gltf`] with the same sub-assets
+/// under the same labels (`GltfAssetLabel::Scene(0).from_asset("hero.fbx")`, ...), and one more:
+/// `hero.fbx#Conversion` is an [`FbxConversion`]. Add after Bevy's `DefaultPlugins`.
+///
+/// A file is converted in memory, on the tasks that load assets, and handed to Bevy's glTF loader as it
+/// was set up by [`GltfPlugin`]. Without an .fbx nothing is done.
+pub struct FbxPlugin;
+
+impl Plugin for FbxPlugin {
+    fn build(&self, app: &mut App) {
+        // Without assets there is no server to tell; `finish` says so.
+        if app.world().contains_resource::<AssetServer>() {
+            app.init_asset::<FbxConversion>();
+            app.preregister_asset_loader::<FbxLoader>(&["fbx"]);
+        }
+    }
+
+    fn finish(&self, app: &mut App) {
+        let set_up = app.get_added_plugins::<GltfPlugin>();
+        let world = app.world();
+        let sampler = world.get_resource::<DefaultGltfImageSampler>();
+        let extensions = world.get_resource::<GltfExtensionHandlers>();
+        let (Some(set_up), Some(sampler), Some(extensions)) = (set_up.first(), sampler, extensions)
+        else {
+            warn!("FbxPlugin does nothing: add Bevy's GltfPlugin before it");
+            return;
+        };
+        let formats = world.get_resource::<CompressedImageFormatSupport>();
+        let gltf = GltfLoader {
+            supported_compressed_formats: formats
+                .map_or(CompressedImageFormats::NONE, |known| known.0),
+            custom_vertex_attributes: set_up.custom_vertex_attributes.clone(),
+            default_sampler: sampler.get_internal(),
+            default_convert_coordinates: set_up.convert_coordinates,
+            extensions: extensions.0.clone(),
+            default_skinned_mesh_bounds_policy: set_up.skinned_mesh_bounds_policy,
+        };
+        app.register_asset_loader(FbxLoader { gltf });
+    }
+}
+
+/// What an .fbx file became, under the label [`FbxConversion::LABEL`]. Nobody holds it but who asks for it.
+#[derive(Asset, TypePath, Clone, Debug)]
+pub struct FbxConversion {
+    /// How exact it is, and what is lost.
+    pub report: Report,
+    /// The .glb that Bevy's loader was given.
+    pub glb: Arc<[u8]>,
+}
+
+impl FbxConversion {
+    /// Its label: `load("hero.fbx#Conversion")`.
+    pub const LABEL: &str = "Conversion";
+}
+
+/// Loads .fbx files as [`Gltf`].
+#[derive(TypePath)]
+pub struct FbxLoader {
+    gltf: GltfLoader,
+}
+
+/// Settings of one file: `asset_server.load_builder().with_settings(...)`.
+#[derive(Serialize, Deserialize, Default)]
+pub struct FbxLoaderSettings {
+    /// How far the skin may be from where the file has it, metres; `None` is the default of
+    /// [`Options`].
+    pub max_error: Option<f64>,
+    /// Settings of Bevy's glTF loader.
+    pub gltf: GltfLoaderSettings,
+}
+
+/// Why an .fbx file was not loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum FbxLoaderError {
+    /// It could not be read.
+    #[error(transparent)]
+    Read(#[from] std::io::Error),
+    /// It could not be converted.
+    #[error(transparent)]
+    Fbx(#[from] FbxError),
+    /// Bevy refused the result.
+    #[error(transparent)]
+    Gltf(#[from] GltfError),
+}
+
+impl AssetLoader for FbxLoader {
+    type Asset = Gltf;
+    type Settings = FbxLoaderSettings;
+    type Error = FbxLoaderError;
+
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        settings: &FbxLoaderSettings,
+        load_context: &mut LoadContext<'_>,
+    ) -> Result<Gltf, FbxLoaderError> {
+        let mut bytes = Vec::new();
+        reader.read_to_end(&mut bytes).await?;
+        let path = load_context.path().clone();
+        let mut origin = Origin {
+            name: path.to_string(),
+            ..Origin::default()
+        };
+        let made = converted(&bytes, &origin, settings)?;
+        origin.files = beside(&made, &path, load_context).await;
+        let made = match origin.files.is_empty() {
+            true => made,
+            false => converted(&bytes, &origin, settings)?,
+        };
+        for lost in &made.report.lost {
+            info!("{path}: {} {:?}: {}", lost.what, lost.name, lost.detail);
+        }
+        let glb: Arc<[u8]> = made.to_glb()?.into();
+        let conversion = FbxConversion {
+            report: made.report,
+            glb: glb.clone(),
+        };
+        load_context.add_labeled_asset(FbxConversion::LABEL, conversion);
+        Ok(GltfLoader::load_gltf(&self.gltf, &glb, load_context, &settings.gltf).await?)
+    }
+
+    fn extensions(&self) -> &[&str] {
+        &["fbx"]
+    }
+}
+
+fn converted(
+    bytes: &[u8],
+    origin: &Origin,
+    settings: &FbxLoaderSettings,
+) -> Result<Conversion, FbxError> {
+    let defaults = Options::default();
+    let options = Options {
+        max_error: settings.max_error.unwrap_or(defaults.max_error),
+        // Bevy's skinned meshes follow four joints.
+        weights: Weights::Four,
+        ..defaults
+    };
+    convert(bytes, origin, &options)
+}
+
+/// Pictures that were missed, as far as they lie beside the file or in `textures` there: assets come
+/// through asset sources, which have no folders that a file could be opened in.
+async fn beside(
+    made: &Conversion,
+    path: &AssetPath<'static>,
+    load_context: &mut LoadContext<'_>,
+) -> BTreeMap<String, Vec<u8>> {
+    let missed = made
+        .report
+        .lost
+        .iter()
+        .filter(|lost| lost.what == "texture-file");
+    let mut found = BTreeMap::new();
+    for name in missed.map(|lost| &lost.name) {
+        for place in [name.clone(), format!("textures/{name}")] {
+            let Ok(place) = path.resolve_embed_str(&place) else {
+                continue;
+            };
+            if let Ok(bytes) = load_context.read_asset_bytes(place).await {
+                found.insert(name.clone(), bytes);
+                break;
+            }
+        }
+    }
+    found
+}
