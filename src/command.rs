@@ -228,6 +228,8 @@ impl Play {
         })?;
         if self.scene.camera.is_none() {
             setup.start_behind_figure();
+            // The classic scene has nobody to follow.
+            setup.switches.follow = setup.scene.classic.is_none();
         }
         Ok(setup)
     }

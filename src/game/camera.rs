@@ -9,8 +9,10 @@ use bevy::prelude::*;
 use dolomite_terrain::{Ground, GroundRect};
 
 use super::input::PlayerInput;
+use super::player::Figure;
 use super::scenes::CurrentScene;
 use super::settings::{FOV_RANGE, Settings};
+use super::simulation::Switches;
 
 /// Furthest that the view tips up or down, radians: 89 degrees, so that "up" stays defined.
 pub const PITCH_LIMIT: f32 = 89.0 * std::f32::consts::PI / 180.0;
@@ -36,6 +38,12 @@ const CEILING: f64 = 20_000.0;
 const BEHIND: f64 = 9.0;
 const OVER: f64 = 2.4;
 const LOOKING_UP: f32 = 9.0 * std::f32::consts::PI / 180.0;
+
+/// A camera that follows looks at this height above the feet and from this far away, metres, and goes
+/// 63 % of the way to another height in this time, seconds.
+const EYES: f64 = 1.5;
+const AWAY: f64 = 4.5;
+const RISE: f32 = 0.15;
 
 /// Where a camera stands and looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,6 +106,8 @@ pub struct FreeCamera {
     pub velocity: Vec3,
     /// Vertical field of view, degrees, in [`FOV_RANGE`].
     pub fov: f32,
+    /// Height of the feet that it follows, as smooth as it follows them, metres; `None` while it flies.
+    pub followed: Option<f64>,
 }
 
 /// The set in which cameras move (schedule `Update`).
@@ -118,11 +128,26 @@ pub fn steer(
     time: Res<Time>,
     input: Res<PlayerInput>,
     settings: Res<Settings>,
+    switches: Res<Switches>,
     scene: Res<CurrentScene>,
+    figures: Query<&Transform, With<Figure>>,
     mut cameras: Query<&mut FreeCamera>,
 ) {
+    let followed = figures.iter().next().filter(|_| switches.follow);
+    let input = match followed {
+        // What else flies the camera walks the figure.
+        Some(_) => PlayerInput {
+            fly: Vec3::ZERO,
+            ..*input
+        },
+        None => *input,
+    };
     for mut camera in &mut cameras {
-        let next = steered(*camera, &input, &settings, time.delta_secs());
+        let mut next = steered(*camera, &input, &settings, time.delta_secs());
+        match followed {
+            Some(figure) => follow(&mut next, figure.translation, time.delta_secs()),
+            None => next.followed = None,
+        }
         let mut pose = contained(next.pose, scene.terrain.extent());
         // The classic scene's path is what it is, through a hill as well.
         if scene.classic.is_none() {
@@ -130,6 +155,23 @@ pub fn steer(
         }
         camera.set_if_neq(FreeCamera { pose, ..next });
     }
+}
+
+/// Puts the camera where someone at `feet` is before it, as it looks.
+fn follow(camera: &mut FreeCamera, feet: Vec3, seconds: f32) {
+    let feet = feet.as_dvec3();
+    // Every stone underfoot would shake the picture.
+    let height = match camera.followed {
+        Some(height) if (height - feet.y).abs() > 1e-3 => {
+            height + (feet.y - height) * f64::from(1.0 - ops::exp(-seconds / RISE))
+        }
+        _ => feet.y,
+    };
+    let head = DVec3::new(feet.x, height + EYES, feet.z);
+    let ahead = (camera.pose.rotation() * Vec3::NEG_Z).as_dvec3();
+    camera.pose.position = head - ahead * AWAY;
+    camera.velocity = Vec3::ZERO;
+    camera.followed = Some(height);
 }
 
 /// The camera one time step later, without regard to the ground.
@@ -143,6 +185,7 @@ fn steered(
         mut pose,
         velocity,
         fov,
+        followed,
     } = camera;
     // The narrower the view, the finer the turn: a pixel of mouse is a pixel of picture.
     let fineness = fov / settings.fov.max(1.0);
@@ -170,6 +213,7 @@ fn steered(
     FreeCamera {
         pose,
         velocity,
+        followed,
         fov: (fov * ops::powf(ZOOM_STEP, input.zoom)).clamp(FOV_RANGE.0, FOV_RANGE.1),
     }
 }
@@ -213,6 +257,7 @@ mod tests {
             },
             velocity: Vec3::ZERO,
             fov: 55.0,
+            followed: None,
         }
     }
 

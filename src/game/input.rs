@@ -20,6 +20,10 @@ pub struct PlayerInput {
     pub walk: Vec2,
     /// Moves faster.
     pub fast: bool,
+    /// The figure leaps, in this frame.
+    pub jump: bool,
+    /// The figure waves a hand, in this frame.
+    pub wave: bool,
     /// Turn of the view in this frame, radians: x to the right, y upwards.
     pub look: Vec2,
     /// Zoom in this frame, in wheel steps; positive zooms in.
@@ -30,6 +34,8 @@ pub struct PlayerInput {
     pub switch_fill: bool,
     /// Switches the point that detail follows.
     pub switch_focus: bool,
+    /// Switches between a camera that follows the figure and one that flies free.
+    pub switch_follow: bool,
     /// Switches the panel of keys.
     pub switch_keys: bool,
     /// Leaves the game.
@@ -98,6 +104,9 @@ fn read_keyboard_and_mouse(
             MouseScrollUnit::Line => scroll.delta.y,
             MouseScrollUnit::Pixel => scroll.delta.y / PIXELS_PER_STEP,
         },
+        jump: keys.just_pressed(KeyCode::KeyJ),
+        wave: keys.just_pressed(KeyCode::KeyH),
+        switch_follow: keys.just_pressed(KeyCode::KeyC),
         switch_lines: keys.just_pressed(KeyCode::KeyL),
         switch_fill: keys.just_pressed(KeyCode::KeyF),
         switch_focus: keys.just_pressed(KeyCode::Tab),
@@ -136,6 +145,9 @@ fn read_gamepads(
             input.look += Vec2::new(look_stick.x, pitch_sign * look_stick.y) * STICK_TURN * seconds;
         }
         input.fast |= pad.pressed(GamepadButton::RightTrigger2);
+        input.jump |= pad.just_pressed(GamepadButton::East);
+        input.wave |= pad.just_pressed(GamepadButton::RightThumb);
+        input.switch_follow |= pad.just_pressed(GamepadButton::LeftThumb);
         input.switch_lines |= pad.just_pressed(GamepadButton::West);
         input.switch_fill |= pad.just_pressed(GamepadButton::North);
         input.switch_focus |= pad.just_pressed(GamepadButton::South);

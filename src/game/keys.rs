@@ -12,13 +12,28 @@ pub struct Key {
 
 /// All keys of the game, in the order they are shown.
 pub const KEYS: &[Key] = &[
-    key("W A S D", "left stick", "fly forward, left, back, right"),
-    key("Space, left Shift", "right, left shoulder", "fly up, down"),
-    key("Ctrl", "right trigger", "faster, flying and walking"),
+    key(
+        "W A S D",
+        "left stick",
+        "walk; fly, when the camera is free",
+    ),
+    key(
+        "Space, left Shift",
+        "right, left shoulder",
+        "jump; fly up, down, when the camera is free",
+    ),
+    key(
+        "C",
+        "left stick down",
+        "camera follows the figure, or is free",
+    ),
+    key("Ctrl", "right trigger", "run; fly faster"),
     key("mouse", "right stick", "look around"),
     key("wheel", "left trigger + right stick", "zoom"),
     key("right mouse", "", "free the cursor, take it again"),
     key("arrows", "directional pad", "walk the figure"),
+    key("J", "east button", "jump"),
+    key("H", "right stick down", "wave a hand"),
     key("L", "west button", "lines on, off"),
     key("F", "north button", "fill on, off"),
     key(

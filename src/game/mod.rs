@@ -4,7 +4,8 @@
 //! |---|---|
 //! | [`simulation`] | the half that needs no renderer: scene, figure, camera, switches |
 //! | [`input`], [`keys`] | from devices to [`input::PlayerInput`]; the table of keys |
-//! | [`camera`], [`player`] | the free camera; the walking figure |
+//! | [`camera`], [`player`], [`jump`] | the camera, free or following; the walking figure; its leaps |
+//! | [`hero`] | what the figure looks like |
 //! | [`scenes`], [`scene_file`], [`hot_reload`] | from a name or file to a terrain; taking over changes |
 //! | [`settings`], [`paths`] | what the player may set; where files lie |
 //! | [`view`], [`textures`], [`hud`] | what is drawn |
@@ -21,9 +22,11 @@ pub mod camera;
 pub mod classic_view;
 pub mod device;
 pub mod galaxy;
+pub mod hero;
 pub mod hot_reload;
 pub mod hud;
 pub mod input;
+pub mod jump;
 pub mod keys;
 pub mod matrix;
 pub mod methods;

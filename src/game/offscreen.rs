@@ -20,6 +20,7 @@ use dolomite_tessellation::render::stage::StageStats;
 use thiserror::Error;
 
 use super::device::{self, Device};
+use super::hero;
 use super::scenes::CurrentScene;
 use super::settings::MAX_SIDE;
 use super::setup::{self, Setup};
@@ -198,7 +199,8 @@ impl Offscreen {
             });
             // The relief map arrives from the background when it is done; the classic scene has none.
             let relief = self.is_classic() || self.has_relief();
-            if pending.is_empty() && relief && at_rest && stats == last {
+            let person = self.is_classic() || hero::is_there(self.app.world_mut());
+            if pending.is_empty() && relief && person && at_rest && stats == last {
                 calm += 1;
                 if calm == CALM {
                     return Ok(());
@@ -210,6 +212,8 @@ impl Offscreen {
             last = stats;
             waiting = if !relief {
                 "waiting for the relief map of the terrain".to_owned()
+            } else if !person {
+                format!("waiting for {}", hero::MODEL)
             } else if pending.is_empty() {
                 format!("terrain at {state}")
             } else {

@@ -1,4 +1,5 @@
-//! The walking figure: a capsule whose feet stand on the ground of the CPU twin.
+//! The walking figure, whose feet stand on the ground of the CPU twin. What it looks like is
+//! [`hero`](super::hero)'s concern.
 //!
 //! It walks in fixed steps and is drawn between the last two. Its place on the ground is f64;
 //! the drawn feet are put on the ground under the drawn (f32) place, so rounding moves them along
@@ -9,12 +10,16 @@
 use bevy::math::{DVec2, ops};
 use bevy::prelude::*;
 
+use dolomite_character::CharacterMotion;
+use dolomite_character::gait::Motion;
 use dolomite_terrain::{Ground, GroundProbe, GroundSample, ProbeBatch, Terrain};
 
 use super::camera::FreeCamera;
 use super::input::PlayerInput;
+use super::jump::Jump;
 use super::scenes::CurrentScene;
 use super::settings::Settings;
+use super::simulation::Switches;
 
 /// Deepest water that the figure walks into, metres.
 pub const WADING_DEPTH: f64 = 1.0;
@@ -22,26 +27,26 @@ pub const WADING_DEPTH: f64 = 1.0;
 /// Least distance of the figure from the edge of the ground, metres.
 pub const EDGE: f64 = 2.0;
 
-/// Part of the slope's tilt that the figure takes over: it leans, but does not lie.
-const LEAN: f32 = 0.45;
-
-/// Time in which the lean goes 63 % of the way to its goal, seconds.
-const LEAN_TIME: f32 = 0.18;
-
 /// Time in which the facing goes 63 % of the way to the walked direction, seconds.
-const TURN_TIME: f32 = 0.10;
+const TURN_TIME: f32 = 0.12;
+
+/// How fast the velocity changes at most, m/s²: from standing to a run in half a second.
+const ACCELERATION: f32 = 9.0;
 
 /// Oldest answer of the renderer that the feet stand on, frames.
 const OLDEST_DRAWN: u32 = 3;
 
-/// The figure. Its `Transform` is at its feet.
+/// The figure. Its `Transform` is at its feet, upright, and looks along its +z, as models of people do;
+/// its [`CharacterMotion`] says what it does.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[require(Transform, Visibility, GroundProbe)]
+#[require(Transform, Visibility, GroundProbe, CharacterMotion)]
 pub struct Figure {
     /// State after the last fixed step.
     pub now: Stance,
     /// State one fixed step before.
     pub before: Stance,
+    /// A leap is wanted, and the fixed step has not seen it yet.
+    pub leap: bool,
 }
 
 /// Where the figure stands and how.
@@ -51,8 +56,10 @@ pub struct Stance {
     pub place: DVec2,
     /// Facing, radians about +y; 0 faces −z.
     pub yaw: f32,
-    /// Direction of the body, a unit vector.
-    pub up: Vec3,
+    /// Velocity along the surface, (x, z), metres a second.
+    pub velocity: Vec2,
+    /// Whether and how it is off the ground.
+    pub jump: Jump,
 }
 
 impl Figure {
@@ -62,11 +69,13 @@ impl Figure {
         let stance = Stance {
             place,
             yaw: 0.0,
-            up: leaning(&terrain.sample_f64(place)),
+            velocity: Vec2::ZERO,
+            jump: Jump::None,
         };
         Self {
             now: stance,
             before: stance,
+            leap: false,
         }
     }
 
@@ -90,8 +99,24 @@ impl Plugin for FigurePlugin {
         app.add_systems(FixedUpdate, walk.in_set(FigureSystems))
             .add_systems(
                 RunFixedMainLoop,
-                place_between_steps.in_set(RunFixedMainLoopSystems::AfterFixedMainLoop),
+                (
+                    // A wish of one frame must not be lost in frames without a fixed step.
+                    ask_for_leaps.in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop),
+                    place_between_steps.in_set(RunFixedMainLoopSystems::AfterFixedMainLoop),
+                ),
             );
+    }
+}
+
+fn ask_for_leaps(
+    input: Res<PlayerInput>,
+    switches: Res<Switches>,
+    mut figures: Query<&mut Figure>,
+) {
+    if input.jump || (switches.follow && input.fly.y > 0.0) {
+        for mut figure in &mut figures {
+            figure.leap = true;
+        }
     }
 }
 
@@ -100,38 +125,51 @@ fn walk(
     time: Res<Time>,
     input: Res<PlayerInput>,
     settings: Res<Settings>,
+    switches: Res<Switches>,
     scene: Res<CurrentScene>,
     camera: Query<&FreeCamera>,
     mut figures: Query<&mut Figure>,
 ) {
     let yaw = camera.iter().next().map_or(0.0, |camera| camera.pose.yaw);
     let (sin, cos) = ops::sin_cos(yaw);
-    let wish = input.walk.clamp_length_max(1.0);
+    let flown = match switches.follow {
+        true => Vec2::new(input.fly.x, input.fly.z),
+        false => Vec2::ZERO,
+    };
+    let wish = (input.walk + flown).clamp_length_max(1.0);
     // Camera right is (cos, −sin) on the ground (x, z), camera forward (−sin, −cos).
     let direction = Vec2::new(cos * wish.x - sin * wish.y, -sin * wish.x - cos * wish.y);
-    let speed = settings.walk_speed
-        * if input.fast {
-            settings.fast_factor
-        } else {
-            1.0
-        };
+    let speed = if input.fast {
+        settings.run_speed
+    } else {
+        settings.walk_speed
+    };
     for mut figure in &mut figures {
         let now = stepped(
             figure.now,
             direction * speed,
+            figure.leap,
             time.delta_secs(),
             &scene.terrain,
         );
         figure.set_if_neq(Figure {
             before: figure.now,
             now,
+            leap: false,
         });
     }
 }
 
-/// The stance one step of `seconds` later, walking with `velocity` (x, z) in metres a second
-/// along the surface.
-fn stepped(stance: Stance, velocity: Vec2, seconds: f32, terrain: &Terrain) -> Stance {
+/// The stance one step of `seconds` later; `wanted` is the velocity (x, z) along the surface that the
+/// player wants, metres a second.
+fn stepped(stance: Stance, wanted: Vec2, leap: bool, seconds: f32, terrain: &Terrain) -> Stance {
+    // Who bends the knees for a leap stands.
+    let wanted = match stance.jump {
+        Jump::Bending { .. } => Vec2::ZERO,
+        Jump::None | Jump::Air { .. } => wanted,
+    };
+    let change = (wanted - stance.velocity).clamp_length_max(ACCELERATION * seconds);
+    let velocity = stance.velocity + change;
     let here = terrain.sample_f64(stance.place);
     let place = walked(
         stance.place,
@@ -139,24 +177,42 @@ fn stepped(stance: Stance, velocity: Vec2, seconds: f32, terrain: &Terrain) -> S
         (velocity * seconds).as_dvec2(),
         terrain,
     );
-    let yaw = if velocity == Vec2::ZERO {
+    let yaw = if wanted == Vec2::ZERO {
         stance.yaw
     } else {
-        let goal = ops::atan2(-velocity.x, -velocity.y);
-        let turn = (goal - stance.yaw + std::f32::consts::PI).rem_euclid(std::f32::consts::TAU)
-            - std::f32::consts::PI;
-        stance.yaw + turn * part(seconds, TURN_TIME)
+        let goal = ops::atan2(-wanted.x, -wanted.y);
+        stance.yaw + turn(stance.yaw, goal) * part(seconds, TURN_TIME)
     };
-    let goal = leaning(&terrain.sample_f64(place));
-    let mut up = stance
-        .up
-        .lerp(goal, part(seconds, LEAN_TIME))
-        .normalize_or(Vec3::Y);
-    // Arrived: a standing figure must stop changing.
-    if up.distance_squared(goal) < 1e-10 {
-        up = goal;
+    let rise = match stance.jump {
+        Jump::None | Jump::Bending { .. } => 0.0,
+        Jump::Air { .. } => terrain.height(place) - here.height,
+    };
+    Stance {
+        place,
+        yaw,
+        velocity,
+        jump: stance.jump.stepped(leap, velocity.length(), rise, seconds),
     }
-    Stance { place, yaw, up }
+}
+
+/// The shorter way from one facing to another, −π to π.
+fn turn(from: f32, to: f32) -> f32 {
+    (to - from + std::f32::consts::PI).rem_euclid(std::f32::consts::TAU) - std::f32::consts::PI
+}
+
+/// What a figure does, as far as its last step of `seconds` shows.
+fn motion(figure: &Figure, seconds: f32) -> Motion {
+    let Figure { now, before, .. } = figure;
+    let way = (now.place - before.place).as_vec2() / seconds;
+    let (sin, cos) = ops::sin_cos(now.yaw);
+    let climb = now.jump.climb();
+    Motion {
+        speed: way.dot(Vec2::new(-sin, -cos)),
+        turn_rate: turn(before.yaw, now.yaw) / seconds,
+        climb: climb.unwrap_or(0.0),
+        airborne: climb.is_some(),
+        ..default()
+    }
 }
 
 /// Part of the way that an exponential approach with time constant `time` covers in `seconds`.
@@ -231,23 +287,17 @@ fn nearest_stand(wanted: DVec2, terrain: &Terrain) -> DVec2 {
     wanted
 }
 
-/// The direction of a body that leans with the slope.
-fn leaning(ground: &GroundSample) -> Vec3 {
-    Vec3::Y
-        .lerp(ground.normal().as_vec3(), LEAN)
-        .normalize_or(Vec3::Y)
-}
-
-/// Draws figures between their last two steps, feet on the ground.
+/// Puts figures between their last two steps, feet on the ground, and says what they do.
 fn place_between_steps(
     time: Res<Time<Fixed>>,
     scene: Res<CurrentScene>,
     probes: Option<Res<ProbeBatch>>,
-    mut figures: Query<(&Figure, &GroundProbe, &mut Transform)>,
+    mut figures: Query<(&Figure, &GroundProbe, &mut Transform, &mut CharacterMotion)>,
 ) {
     // The frame that is being made; without the plugin that answers there is nothing to be fresh.
     let frame = probes.map_or(0, |probes| probes.frame().wrapping_add(1));
-    for (figure, probe, mut transform) in &mut figures {
+    let seconds = time.timestep().as_secs_f32();
+    for (figure, probe, mut transform, mut doing) in &mut figures {
         let ground = |place: DVec2| {
             let truth = scene.terrain.sample_f64(place);
             probe
@@ -257,25 +307,23 @@ fn place_between_steps(
         };
         let drawn = drawn(figure, time.overstep_fraction(), ground);
         transform.set_if_neq(drawn);
+        doing.set_if_neq(CharacterMotion(motion(figure, seconds)));
     }
 }
 
 /// The transform of the feet, `overstep` (0 to 1) of the way from the step before to the last, on the
 /// height that `ground` has at a place.
 fn drawn(figure: &Figure, overstep: f32, ground: impl Fn(DVec2) -> f64) -> Transform {
-    let Figure { now, before } = figure;
-    let place = before.place.lerp(now.place, f64::from(overstep)).as_vec2();
-    let height = ground(place.as_dvec2()) as f32;
-    // Equal ends would still be rounded differently for each overstep: a standing figure stands.
-    let up = if before.up == now.up {
-        now.up
-    } else {
-        before.up.lerp(now.up, overstep).normalize_or(Vec3::Y)
-    };
+    let Figure { now, before, .. } = figure;
+    let share = f64::from(overstep);
+    let place = before.place.lerp(now.place, share).as_vec2();
+    let lift = before.jump.lift() * (1.0 - share) + now.jump.lift() * share;
+    let height = (ground(place.as_dvec2()) + lift) as f32;
     let yaw = before.yaw + (now.yaw - before.yaw) * overstep;
     Transform {
         translation: Vec3::new(place.x, height, place.y),
-        rotation: Quat::from_rotation_arc(Vec3::Y, up) * Quat::from_rotation_y(yaw),
+        // Facing 0 is −z, and the figure looks along its +z.
+        rotation: Quat::from_rotation_y(yaw + std::f32::consts::PI),
         scale: Vec3::ONE,
     }
 }

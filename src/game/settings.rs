@@ -37,7 +37,9 @@ pub struct Settings {
     pub fly_speed: f32,
     /// Speed of the walking figure along the ground, metres a second; above 0, at most 100.
     pub walk_speed: f32,
-    /// Both speeds are multiplied by this while Ctrl is held; 1 to 1000.
+    /// The same while Ctrl is held.
+    pub run_speed: f32,
+    /// The speed of the camera is multiplied by this while Ctrl is held; 1 to 1000.
     pub fast_factor: f32,
     /// Wanted length of a triangle edge on the screen, pixels; 1 to 256.
     pub pixels_per_edge: f32,
@@ -65,7 +67,8 @@ impl Default for Settings {
             mouse_sensitivity: 0.12,
             invert_y: false,
             fly_speed: 90.0,
-            walk_speed: 4.0,
+            walk_speed: 1.6,
+            run_speed: 5.0,
             fast_factor: 8.0,
             pixels_per_edge: 8.0,
             finest_patch: 16.0,
@@ -191,6 +194,7 @@ impl Settings {
             ),
             ("fly_speed", self.fly_speed, 0.0, false, 1e4),
             ("walk_speed", self.walk_speed, 0.0, false, 100.0),
+            ("run_speed", self.run_speed, 0.0, false, 100.0),
             ("fast_factor", self.fast_factor, 1.0, true, 1000.0),
             ("pixels_per_edge", self.pixels_per_edge, 1.0, true, 256.0),
             ("finest_patch", self.finest_patch, 1.0, true, 4096.0),
@@ -282,6 +286,7 @@ mod tests {
             "(fov: NaN)",
             "(fly_speed: 0.0)",
             "(walk_speed: inf)",
+            "(run_speed: 0.0)",
             "(fast_factor: 0.5)",
             "(pixels_per_edge: 0.0)",
             "(sun: (0.0, 91.0))",

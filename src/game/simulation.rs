@@ -32,6 +32,8 @@ pub struct Switches {
     pub focus: DetailFocus,
     /// The panel of keys is shown.
     pub keys: bool,
+    /// The camera follows the figure, which then walks by the keys that else fly the camera.
+    pub follow: bool,
 }
 
 impl Default for Switches {
@@ -41,6 +43,7 @@ impl Default for Switches {
             fill: true,
             focus: DetailFocus::Camera,
             keys: false,
+            follow: false,
         }
     }
 }
@@ -81,6 +84,7 @@ pub fn start_camera(pose: Pose, scene: &CurrentScene, settings: &Settings) -> Fr
         },
         velocity: Vec3::ZERO,
         fov: settings.fov,
+        followed: None,
     }
 }
 
@@ -95,6 +99,7 @@ fn switch(input: Res<PlayerInput>, mut switches: ResMut<Switches>) {
             (DetailFocus::Figure, true) => DetailFocus::Camera,
         },
         keys: old.keys ^ input.switch_keys,
+        follow: old.follow ^ input.switch_follow,
     };
     switches.set_if_neq(next);
 }

@@ -232,6 +232,7 @@ mod tests {
             },
             velocity: Vec3::ZERO,
             fov: 55.0,
+            followed: None,
         };
         let eye = app.world_mut().spawn(eye).id();
         assert_eq!(count(&mut app), [1, 1]);

@@ -1,4 +1,4 @@
-//! What the scene looks like: the camera's pipeline, the ground's material, the figure's body.
+//! What the scene looks like: the camera's pipeline, the ground's material.
 
 use bevy::anti_alias::smaa::Smaa;
 use bevy::camera::{Exposure, Hdr, RenderTarget};
@@ -14,6 +14,7 @@ use dolomite_tessellation::stage::StageCamera;
 use dolomite_tessellation::{MaterialBands, TerrainMaterial, TerrainView};
 
 use super::camera::{CameraSystems, FreeCamera};
+use super::hero::HeroPlugin;
 use super::hud::UiCamera;
 use super::player::Figure;
 use super::scene_file::BandsFile;
@@ -21,12 +22,6 @@ use super::scenes::CurrentScene;
 use super::settings::Settings;
 use super::simulation::{DetailFocus, Landscape, Switches};
 use super::sky::SkyPlugin;
-
-/// Radius of the capsule, metres.
-const RADIUS: f32 = 0.28;
-
-/// Height of the capsule, metres: that of a grown person.
-const HEIGHT: f32 = 1.8;
 
 /// Exposure of the camera, EV at ISO 100. Sunlit ground is metered at 15; a stop and a half more
 /// light opens the shadows and lets snow come near white without burning out under AgX.
@@ -59,8 +54,8 @@ pub struct ViewPlugin;
 impl Plugin for ViewPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(DefaultOpaqueRendererMethod::deferred())
-            .add_plugins(SkyPlugin)
-            .add_systems(Startup, (dress_camera, dress_figure, dress_landscape))
+            .add_plugins((SkyPlugin, HeroPlugin))
+            .add_systems(Startup, (dress_camera, dress_landscape))
             .add_systems(
                 Update,
                 (
@@ -119,42 +114,6 @@ fn dress_camera(
         if let Some(target) = &target {
             entity.insert(RenderTarget::Image(target.0.clone().into()));
         }
-    }
-}
-
-fn dress_figure(
-    mut commands: Commands,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-    figures: Query<Entity, With<Figure>>,
-) {
-    let body = meshes.add(Capsule3d::new(RADIUS, HEIGHT - 2.0 * RADIUS));
-    let visor = meshes.add(Capsule3d::new(0.07, 0.22));
-    let jacket = materials.add(StandardMaterial {
-        base_color: Color::srgb(0.80, 0.16, 0.07),
-        perceptual_roughness: 0.75,
-        ..default()
-    });
-    let glass = materials.add(StandardMaterial {
-        base_color: Color::srgb(0.02, 0.03, 0.05),
-        perceptual_roughness: 0.15,
-        ..default()
-    });
-    for entity in &figures {
-        commands.entity(entity).insert(children![
-            (
-                Mesh3d(body.clone()),
-                MeshMaterial3d(jacket.clone()),
-                Transform::from_xyz(0.0, HEIGHT / 2.0, 0.0),
-            ),
-            // Eyes at the front, so that one sees which way it walks.
-            (
-                Mesh3d(visor.clone()),
-                MeshMaterial3d(glass.clone()),
-                Transform::from_xyz(0.0, HEIGHT - RADIUS, -RADIUS * 0.86)
-                    .with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2)),
-            ),
-        ]);
     }
 }
 

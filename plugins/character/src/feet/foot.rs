@@ -1,8 +1,8 @@
 //! One foot: its sole, and where it is held.
 
-use crate::gait::{LegJoints, Spring, yaw_of};
+use crate::gait::{LegJoints, Spring, wrapped};
 use crate::skeleton::Skeleton;
-use bevy::math::{Affine3A, DVec3, Quat, Vec3};
+use bevy::math::{Affine3A, DVec3, Vec2, Vec3, ops};
 
 /// The two points that a sole stands on, in the ankle joint's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +48,11 @@ pub(super) struct Foot {
     pub held: Option<Held>,
     /// Seconds that a step on the spot goes on.
     pub stepping: Option<f32>,
+    /// The leg was too short to stay: it is in the air until its clip has swung it.
+    pub lifted: bool,
+    /// Where its clip pointed it when it was last flat enough to point anywhere, from where the figure
+    /// looks, radians to the left.
+    pub pointed: f32,
 }
 
 /// A sole in the world.
@@ -58,6 +63,9 @@ pub(super) struct Held {
     /// Whether it stood.
     pub firm: bool,
 }
+
+/// A sole whose length seen from above is a smaller part of its own stands too steeply to point anywhere.
+const FLAT: f32 = 0.8;
 
 /// Seconds in which a foot in the air comes back to where its clip has it.
 const RETURN: f32 = 0.18;
@@ -77,13 +85,19 @@ impl Foot {
         self.yaw = Spring::at(self.yaw.value + yaw);
     }
 
+    /// The direction in which a foot with these heel and ball points, radians about +y, by its sole and
+    /// not by its joint, whose axes may be any. On the toes it keeps the direction that it had, since
+    /// that of an upright sole is a matter of roundings.
+    pub fn heading(&mut self, [heel, ball]: [Vec3; 2], looks: f32) -> f32 {
+        let along = ball - heel;
+        if Vec2::new(along.x, along.z).length() > FLAT * along.length() {
+            self.pointed = wrapped(ops::atan2(along.x, along.z) - looks);
+        }
+        looks + self.pointed
+    }
+
     /// How far it is from where it would like to be, metres.
     pub fn away(&self) -> f32 {
         Vec3::new(self.x.value, 0.0, self.z.value).length()
     }
-}
-
-/// The direction of a foot about +y.
-pub(super) fn heading(rotation: Quat) -> f32 {
-    yaw_of(rotation)
 }

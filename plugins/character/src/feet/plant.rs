@@ -9,12 +9,13 @@
 //! where its clip has it. So a foot may roll from heel to ball, and slides neither way. Who stands still
 //! with a foot too far off takes a step on the spot.
 //!
-//! Then the pelvis comes down until both legs reach, and the legs are bent.
+//! Then the pelvis comes down until both legs reach, and the legs are bent. A foot that a leg cannot keep
+//! where it stands, behind a long stride uphill, is lifted before its time: better than dragged.
 
-use super::foot::{Foot, Held, Sole, heading};
+use super::foot::{Foot, Held, Sole};
 use super::two_bone::{EXACT_REACH, Limb, bend};
 use crate::blend::smooth;
-use crate::gait::{LegJoints, Spring, rotation_of, turned, wrapped};
+use crate::gait::{LegJoints, Spring, rotation_of, turned, wrapped, yaw_of};
 use crate::pose::Pose;
 use crate::skeleton::Skeleton;
 use bevy::math::{Affine3A, DVec2, DVec3, Quat, Vec3};
@@ -74,6 +75,8 @@ const STEP: f32 = 0.32;
 const STEP_HEIGHT: f32 = 0.05;
 /// A figure that moves farther in a frame was put there.
 const JUMP: f64 = 1.5;
+/// A leg may be too short by so much, metres, before its foot is lifted: less than is seen.
+const SHORT: f32 = 1e-3;
 /// Seconds in which the pelvis comes up again.
 const RISE: f32 = 0.2;
 
@@ -113,6 +116,12 @@ impl Feet {
         body.skeleton.local_to_model(pose, model);
         for (side, target) in targets.iter().enumerate() {
             if let Some(target) = target {
+                let (way, most) = leg_to(body, side, place, target, model);
+                let foot = &mut self.feet[side];
+                if let Some(held) = foot.held.as_mut().filter(|_| way.length() > most + SHORT) {
+                    foot.lifted |= held.firm;
+                    held.firm = false;
+                }
                 reach(body, side, place, target, step.ground, pose, model);
             }
         }
@@ -143,6 +152,8 @@ impl Feet {
         // Equal heights: the ball, on which a foot turns.
         let lower = usize::from(soles[1].y <= soles[0].y + 1e-4);
         let mut firm = step.firm[side] > 0.999 && step.ground > 0.999;
+        foot.lifted &= firm;
+        firm &= !foot.lifted;
         let far = foot.away() > settings.most_offset || foot.yaw.value.abs() > settings.most_turn;
         if firm
             && (far
@@ -169,20 +180,21 @@ impl Feet {
         } else {
             step.firm[side]
         };
+        let pointed = foot.heading(soles, yaw_of(place.rotation));
         let mut target = carry(foot, &ankle, &soles, place, hold, ground)?;
         if firm && let Some(held) = foot.held.filter(|held| held.firm) {
             // One round is exact on a plane; the second takes out what the ground's curvature leaves.
             for _ in 0..2 {
                 let point = target.points[lower].as_dvec3() + place.position;
                 let back = held.points[lower] - point;
-                let turn = wrapped(held.yaw - heading(target.rotation));
+                let turn = wrapped(held.yaw - pointed - foot.yaw.value);
                 foot.move_by(back.x as f32, back.z as f32, turn);
                 target = carry(foot, &ankle, &soles, place, hold, ground)?;
             }
         }
         foot.held = Some(Held {
             points: target.points.map(|point| point.as_dvec3() + place.position),
-            yaw: heading(target.rotation),
+            yaw: pointed + foot.yaw.value,
             firm,
         });
         target.ankle.y += lift;
@@ -202,11 +214,7 @@ impl Feet {
         let mut needed = 0.0_f32;
         for (side, target) in targets.iter().enumerate() {
             let Some(target) = target else { continue };
-            let leg = &body.legs[side];
-            let [hip, knee, ankle] = [leg.hip, leg.knee, leg.ankle]
-                .map(|joint| place.rotation * Vec3::from(model[joint].translation));
-            let reach = EXACT_REACH * (hip.distance(knee) + knee.distance(ankle));
-            let way = target.ankle - hip;
+            let (way, reach) = leg_to(body, side, place, target, model);
             let level = way.x * way.x + way.z * way.z;
             let down = way.y + (reach * reach - level).max(0.0).sqrt();
             needed = needed.min(step.firm[side] * down.min(0.0));
@@ -222,6 +230,21 @@ impl Feet {
         }
         self.pelvis.value
     }
+}
+
+/// The way from a hip to where its ankle should be, and how long it may be; figure's axes are the world's.
+fn leg_to(
+    body: &Body,
+    side: usize,
+    place: &Place,
+    target: &Target,
+    model: &[Affine3A],
+) -> (Vec3, f32) {
+    let leg = &body.legs[side];
+    let [hip, knee, ankle] = [leg.hip, leg.knee, leg.ankle]
+        .map(|joint| place.rotation * Vec3::from(model[joint].translation));
+    let reach = EXACT_REACH * (hip.distance(knee) + knee.distance(ankle));
+    (target.ankle - hip, reach)
 }
 
 /// Whether a foot is so far off that who stands still puts it back.

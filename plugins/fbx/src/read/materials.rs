@@ -141,6 +141,14 @@ fn metallic_roughness(
     if of_metal.is_none() && of_rough.is_none() {
         return (None, metallic, roughness);
     }
+    // Without metal nothing of the picture but its green is read, and in a picture of roughness that is
+    // grey: it serves as it is.
+    if of_metal.is_none() && metallic == 0.0 && !glossy && !pbr.glossiness.has_value {
+        return match picture(&pbr.roughness, report) {
+            Some(map) => (Some(map), 0.0, 1.0),
+            None => (None, metallic, roughness),
+        };
+    }
     let packed = of_metal == of_rough && matches!(material.shader_type, ShaderType::GltfMaterial);
     if !packed {
         let detail = "metalness and roughness lie in pictures of their own; glTF wants them in one";
