@@ -249,6 +249,16 @@ pub struct Shot {
     /// The PNG to write.
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// Let the figure walk meanwhile, this way as the camera sees it, and let the camera follow: 0 is
+    /// ahead, 90 to the left, 180 towards the camera. Of `--camera` the turn and the pitch count.
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        num_args = 0..=1,
+        default_missing_value = "0",
+        allow_negative_numbers = true
+    )]
+    pub walk: Option<f32>,
     /// Show the panel of frame times and counts.
     #[arg(long)]
     hud: bool,
@@ -262,6 +272,12 @@ impl Shot {
     pub fn setup(&self) -> Result<Setup, GameError> {
         let mut setup = self.scene.setup(|settings| settings.panel = self.hud)?;
         setup.panels = self.hud;
+        if self.walk.is_some() {
+            if self.scene.camera.is_none() {
+                setup.start_behind_figure();
+            }
+            setup.switches.follow = true;
+        }
         Ok(setup)
     }
 }

@@ -44,7 +44,13 @@ fn run(line: Line) -> Result<AppExit, GameError> {
     match line.command.unwrap_or(Command::Play(line.play)) {
         Command::Play(play) => play::play(play.setup()?),
         Command::Shot(shot) => {
-            let device = shot::shot(shot.setup()?, shot.size.0, shot.frames, &shot.out)?;
+            let device = shot::shot(
+                shot.setup()?,
+                shot.size.0,
+                shot.frames,
+                shot.walk.map(f32::to_radians),
+                &shot.out,
+            )?;
             eprintln!("dolomite: wrote {} (drawn by {device})", shot.out.display());
             Ok(AppExit::Success)
         }
