@@ -3,6 +3,7 @@
 //! It shows the model, plays its clips, and says what became of the file on its way to glTF and what of it
 //! glTF cannot carry. Another file may be dropped onto the window.
 
+mod bones;
 mod clips;
 mod panel;
 mod stage;
@@ -92,6 +93,7 @@ fn main() -> AppExit {
     )
     .add_plugins((
         FbxPlugin,
+        bones::BonesPlugin,
         stage::StagePlugin,
         clips::ClipsPlugin,
         panel::PanelPlugin,

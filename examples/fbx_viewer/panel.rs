@@ -134,6 +134,11 @@ fn told(name: &str, report: &Report, bytes: usize) -> String {
         "vertices, triangles",
         format!("{}, {}", report.vertices, report.triangles),
     );
+    let clips = report
+        .clips
+        .iter()
+        .map(|clip| clip.error)
+        .fold(0.0, f64::max);
     if !report.clips.is_empty() {
         row(
             "keys of baked",
@@ -141,7 +146,7 @@ fn told(name: &str, report: &Report, bytes: usize) -> String {
         );
         row(
             "error of clips, bound",
-            format!("{:.4}, {:.4} mm", report.error() * 1e3, report.bound * 1e3),
+            format!("{:.4}, {:.4} mm", clips * 1e3, report.bound * 1e3),
         );
     }
     if report.refitted > 0 {
