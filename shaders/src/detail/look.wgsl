@@ -1,7 +1,8 @@
-// Looks at the cells of one depth: their own demands. A thread a cell.
+// Looks at the cells of one depth: their own demands, and what lies around them. A thread a cell.
 
 #import dolomite::detail::types::{Cell, ViewCell, cell_quarters}
-#import dolomite::detail::bindings::{cells, counts, detail, detail_pass, links, seen, LOOK, THREADS, blocks_before, look_block}
+#import dolomite::detail::around::{find_around, find_around_root}
+#import dolomite::detail::bindings::{cells, counts, detail, detail_pass, links, seen, GROUP, LOOK, blocks_before, look_block}
 #import dolomite::detail::lattice::{cell_corner, cell_half, cell_sides, lattice_point}
 #import dolomite::detail::view::{Sight, box_share, box_sight}
 #import dolomite::terrain::fixed::ground_relative
@@ -46,26 +47,29 @@ fn look_at(at: u32, most: f32) {
     seen[at].whole = whole;
     seen[at].finer = clamp(finer * factor, 0.0, whole);
     seen[at].sides = clamp(sides * factor, vec4(0.0), vec4(whole));
-    seen[at].middles = vec4(0.0);
     seen[at].centre = 0.0;
     seen[at].seen = select(0u, 1u, sight.share > 0.0);
     seen[at].stamp = detail.stamp;
 }
 
 @compute @workgroup_size(64)
-fn look_at_cells(@builtin(global_invocation_id) id: vec3<u32>) {
+fn look_at_cells(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let depth = detail_pass.depth;
     let first = blocks_before(LOOK, depth);
     let last = 4u * atomicLoad(&counts[LOOK + depth]);
-    for (var k = id.x; k < last; k += THREADS) {
+    for (var k = id.x; k < last; k += groups.x * GROUP) {
         let at = look_block(first + k / 4u) + (k & 3u);
         // Where there are few roots a block of them is not full.
         if links[at].centre.x == 0u {
             continue;
         }
         var most = 1e30;
-        if depth > 0u {
-            most = seen[links[at].parent].finer;
+        if depth == 0u {
+            find_around_root(at);
+        } else {
+            let parent = links[at].parent;
+            find_around(at, parent);
+            most = seen[parent].finer;
         }
         look_at(at, most);
     }

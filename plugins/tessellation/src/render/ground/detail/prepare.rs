@@ -4,7 +4,7 @@ use std::any::TypeId;
 use std::collections::HashMap;
 use std::marker::PhantomData;
 
-use bevy::math::{DVec3, Vec3};
+use bevy::math::{DVec3, Vec2, Vec3};
 use bevy::prelude::*;
 use bevy::render::render_resource::{
     BindGroup, BindGroupEntries, Buffer, BufferBinding, BufferDescriptor, BufferInitDescriptor,
@@ -18,17 +18,18 @@ use super::pipeline::DetailPipelines;
 use super::{DetailKind, DetailShaders, ExtractedDetail, ExtractedGround, host};
 use crate::detail::lattice::MAX_DEPTH;
 use crate::detail::layout::{
-    Beginning, COUNT_WORDS, DetailParams, DetailPass, LEAST_CAPACITY, VIEW_CELL_BYTES,
+    ARGUMENT_BYTES, Beginning, CLOSING_BYTES, COUNT_WORDS, DetailParams, DetailPass,
+    LEAST_CAPACITY, LIST_BYTES, RECORD_BYTES, VIEW_CELL_BYTES,
 };
-use crate::detail::{Cell, Detail, DetailCells, DetailView};
-use crate::render::stage::prepare::{StageKinds, ViewKind};
+use crate::detail::{Cell, Detail, DetailCells, DetailView, Picture};
+use crate::render::stage::prepare::{KindTraits, StageKinds, ViewKind};
 use crate::render::stage::stats::StageShared;
 use crate::stage::layout::StageView;
 
 /// Bytes between the slots of a uniform buffer.
 pub(super) const SLOT: u64 = 256;
 
-/// Most cells that are kept: 700 MB.
+/// Most cells that are kept: 900 MB.
 const MOST_CELLS: u64 = 1 << 22;
 
 /// Every view that chooses its ground, and what all have in common.
@@ -64,11 +65,27 @@ pub(super) struct DetailState {
     pub corners: Buffer,
     /// Cells, links, the cells in the view, counts, lists.
     pub kept: [Buffer; 5],
+    /// Arguments of the dispatches: of even and odd depths, and of those that close the choice.
+    pub arguments: [Buffer; 2],
+    pub closing: Buffer,
+    /// What heights of vertices depend on.
+    records: Buffer,
     /// Of the view's buffers that the groups hold.
     written: Option<[Buffer; 3]>,
-    /// Shared, then for vertices, triangles and the head.
-    pub groups: Option<[BindGroup; 4]>,
+    pub groups: Option<DetailGroups>,
+    /// What was left out of the picture, and whether it was kept for shadows.
+    pub(super) culled: Option<(Picture, bool)>,
     pub depth: u32,
+}
+
+/// Bind groups of one view.
+pub(super) struct DetailGroups {
+    pub shared: BindGroup,
+    /// What even depths write, and odd ones.
+    pub arguments: [BindGroup; 2],
+    pub vertices: BindGroup,
+    pub triangles: BindGroup,
+    pub head: BindGroup,
 }
 
 impl DetailState {
@@ -89,14 +106,16 @@ impl DetailState {
             .clamp(LEAST_CAPACITY, most)
             / 4
             * 4;
-        let empty = |label, size: u64| {
+        let buffer = |label, size: u64, usage| {
             device.create_buffer(&BufferDescriptor {
                 label: Some(label),
                 size,
-                usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
+                usage: usage | BufferUsages::STORAGE | BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             })
         };
+        let empty = |label, size| buffer(label, size, BufferUsages::empty());
+        let indirect = |label, size| buffer(label, size, BufferUsages::INDIRECT);
         let filled = |label, contents: &[u8], usage| {
             device.create_buffer_with_data(&BufferInitDescriptor {
                 label: Some(label),
@@ -119,7 +138,7 @@ impl DetailState {
             empty("detail_links", 16 * room),
             empty("detail_seen", VIEW_CELL_BYTES * room),
             empty("detail_counts", 4 * COUNT_WORDS as u64),
-            empty("detail_lists", 2 * room),
+            empty("detail_lists", LIST_BYTES * room),
         ];
         queue.write_buffer(&kept[1], 0, cast_slice(&beginning.links));
         Self {
@@ -143,8 +162,15 @@ impl DetailState {
             stamp: 0,
             fresh: true,
             kept,
+            arguments: [0, 1].map(|_| indirect("detail_arguments", ARGUMENT_BYTES)),
+            closing: indirect("detail_closing", CLOSING_BYTES),
+            records: empty(
+                "detail_records",
+                RECORD_BYTES * u64::from(detail.max_vertices),
+            ),
             written: None,
             groups: None,
+            culled: None,
         }
     }
 
@@ -165,7 +191,16 @@ impl DetailState {
                 ],
             )
         };
+        let params = match &self.culled {
+            Some((picture, others)) => params.cull(picture, *others),
+            None => params,
+        };
         queue.write_buffer(&self.uniform, 0, bytes_of(&params));
+        let arguments = self.beginning.arguments(self.fresh);
+        for buffer in &self.arguments {
+            queue.write_buffer(buffer, 0, cast_slice(&arguments));
+        }
+        queue.write_buffer(&self.closing, 0, cast_slice(&Beginning::CLOSING));
         let counts = self.beginning.counts(self.fresh);
         let kept = usize::from(!self.fresh);
         queue.write_buffer(&self.kept[3], 4 * kept as u64, cast_slice(&counts[kept..]));
@@ -189,6 +224,15 @@ impl DetailState {
             self.fresh = true;
             queue.write_buffer(&self.kept[1], 0, cast_slice(&self.beginning.links));
         }
+    }
+}
+
+/// What the view draws.
+fn picture(view: &ExtractedView, state: &ViewKind, traits: KindTraits) -> Picture {
+    Picture {
+        clip: state.steady_clip,
+        half_size: view.viewport.zw().as_vec2().max(Vec2::ONE) * 0.5,
+        one_sided: !traits.double_sided,
     }
 }
 
@@ -282,6 +326,15 @@ pub fn prepare<K: DetailKind>(
             own.detail = detail;
             state.settled = false;
         }
+        // Shadow views see what the camera does not.
+        let shadowed = !state.shadows.is_empty();
+        let culled = detail
+            .culled
+            .then(|| (picture(view, state, kind.traits), shadowed));
+        if own.culled != culled {
+            own.culled = culled;
+            state.settled = false;
+        }
         if ground.on_host {
             if !state.settled {
                 let view = detail_view(view, &state.params().view, ground.relief, &detail);
@@ -333,18 +386,44 @@ impl DetailState {
                 lists.as_entire_binding(),
             )),
         );
-        let emit = |buffer: &Buffer| {
+        let [vertices, indices, head] = written;
+        let arguments = |turn: usize| {
             device.create_bind_group(
-                "detail_emit",
-                &cache.get_bind_group_layout(&pipelines.emit),
+                "detail_arguments",
+                &cache.get_bind_group_layout(&pipelines.arguments),
                 &BindGroupEntries::sequential((
-                    self.corners.as_entire_binding(),
-                    buffer.as_entire_binding(),
+                    // Of the next depth.
+                    self.arguments[1 - turn].as_entire_binding(),
+                    self.closing.as_entire_binding(),
                 )),
             )
         };
-        let [vertices, indices, head] = written.map(emit);
-        self.groups = Some([shared, vertices, indices, head]);
+        self.groups = Some(DetailGroups {
+            shared,
+            arguments: [0, 1].map(arguments),
+            vertices: device.create_bind_group(
+                "detail_vertices",
+                &cache.get_bind_group_layout(&pipelines.vertices),
+                &BindGroupEntries::sequential((
+                    self.corners.as_entire_binding(),
+                    vertices.as_entire_binding(),
+                    self.records.as_entire_binding(),
+                )),
+            ),
+            triangles: device.create_bind_group(
+                "detail_triangles",
+                &cache.get_bind_group_layout(&pipelines.triangles),
+                &BindGroupEntries::sequential((
+                    vertices.as_entire_binding(),
+                    indices.as_entire_binding(),
+                )),
+            ),
+            head: device.create_bind_group(
+                "detail_head",
+                &cache.get_bind_group_layout(&pipelines.head),
+                &BindGroupEntries::single(head.as_entire_binding()),
+            ),
+        });
         self.written = Some(written.map(Clone::clone));
     }
 }
