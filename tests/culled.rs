@@ -19,7 +19,7 @@ use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
 use dolomite::DolomitePlugins;
 use dolomite::game::device;
-use dolomite::terrain::{Fractal, GroundRect, Layer, Source, Terrain, TerrainData};
+use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
 use dolomite::tessellation::detail::{Detail, Metric};
 use dolomite::tessellation::render::ground::texture::{LAYERS, texture_array};
 use dolomite::tessellation::render::stage::StageStats;
@@ -207,7 +207,10 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
         };
         eprintln!("{name}: {drawn} of {triangles} triangles");
         assert!(*triangles > 300, "{name}: {triangles}");
-        assert!(drawn * 100 <= triangles * most, "{name}: {drawn} of {triangles}");
+        assert!(
+            drawn * 100 <= triangles * most,
+            "{name}: {drawn} of {triangles}"
+        );
         let others = all.iter().zip(seen).filter(|(a, b)| a != b).count();
         assert_eq!(others, 0, "{name}: bytes differ");
         // There is something to differ in.

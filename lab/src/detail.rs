@@ -12,7 +12,7 @@ use dolomite_tessellation::detail::lattice::MAX_DEPTH;
 use dolomite_tessellation::detail::layout::{
     ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DEPTH_PASSES, DetailParams, DetailPass, Groups,
     HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, Pass, RECORD_BYTES, Second,
-    VIEW_CELL_BYTES, arguments_at,
+    VIEW_CELL_BYTES, arguments_at, without,
 };
 use dolomite_tessellation::stage::layout::{HEAD_WORDS, OTHERS_ARGUMENTS, VERTEX_BYTES};
 use std::borrow::Cow;
@@ -177,8 +177,13 @@ impl<'a> DetailStage<'a> {
     /// [`DetailError`].
     pub fn new(gpu: &'a Gpu, cells: &DetailCells, capacity: u32) -> Result<Self, DetailError> {
         let layouts = Layouts::new(gpu);
+        let without = without(cells.terrain());
         let pipeline = |(file, entry, second, _): &Pass| {
-            let module = dolomite_shaders::compose_with(file, &[], &scratch())?;
+            let defs: &[&str] = match second {
+                Second::Ground => &without,
+                _ => &[],
+            };
+            let module = dolomite_shaders::compose_with(file, defs, &scratch())?;
             let module = gpu
                 .device()
                 .create_shader_module(wgpu::ShaderModuleDescriptor {

@@ -7,7 +7,7 @@ use dolomite_lab::gpu::for_test;
 use dolomite_terrain::{
     Fractal, GroundPoint, GroundRect, Hill, Layer, Mask, Source, Terrain, TerrainData,
 };
-use dolomite_tessellation::detail::layout::DetailParams;
+use dolomite_tessellation::detail::layout::{DEPTH_PASSES, DetailParams, LAST_PASSES};
 use dolomite_tessellation::detail::{
     Detail, DetailCells, DetailMesh, DetailView, Metric, Picture, mesh, select,
 };
@@ -317,7 +317,10 @@ fn gpu_what_a_picture_does_not_show_is_left_out_and_kept_for_shadows() {
         let (whole, seen) = (by_bits(&all, &all.triangles), by_bits(&run, &run.triangles));
         let others = by_bits(&run, &run.others);
         assert!(seen.is_disjoint(&others));
-        assert!(whole == seen.union(&others).copied().collect(), "none is lost or moved");
+        assert!(
+            whole == seen.union(&others).copied().collect(),
+            "none is lost or moved"
+        );
         assert!(
             (seen.len() as f32) < most * whole.len() as f32,
             "{} of {}",
@@ -336,5 +339,29 @@ fn gpu_what_a_picture_does_not_show_is_left_out_and_kept_for_shadows() {
         let run = stage.run(given.cull(&picture, false)).expect("runs");
         assert_eq!(by_bits(&run, &run.triangles), seen);
         assert!(run.others.is_empty());
+    }
+}
+
+#[test]
+fn gpu_a_timed_choice_is_the_same_and_names_every_dispatch() {
+    let Some(gpu) = for_test() else { return };
+    let terrain = terrain();
+    let cells = DetailCells::new(terrain.clone(), 0.25);
+    let mut stage = DetailStage::new(&gpu, &cells, 1 << 18).expect("passes");
+    let view = view(&terrain, 0.0, 3.0, Metric::ErrorBound { pixels: 8.0 });
+    let run = stage.run(params(&cells, view)).expect("runs");
+    let (timed, times) = stage.run_timed(params(&cells, view)).expect("runs");
+    assert!(by_bits(&run, &run.triangles) == by_bits(&timed, &timed.triangles));
+    // None where the device has no timestamps.
+    if let Some(last) = times.last() {
+        let depths = cells.lattice.depth as usize + 1;
+        assert_eq!(times.len(), depths * DEPTH_PASSES.len() + LAST_PASSES.len());
+        assert_eq!(last.entry, "finish");
+        let all: std::time::Duration = times.iter().map(|pass| pass.time).sum();
+        assert!(
+            !all.is_zero() && all <= timed.time,
+            "{all:?} of {:?}",
+            timed.time
+        );
     }
 }

@@ -54,7 +54,7 @@ fn part(step: vec2<u32>, half: u32, k: u32) -> Fixed {
 }
 
 fn sample_place(centre: vec2<u32>, half: u32, sample: u32) -> GroundPoint {
-    let middle = lattice_point(detail, centre);
+    let middle = lattice_point(centre);
     return ground_point(
         fixed_add(ground_x(middle), part(detail.step_x, half, sample % SAMPLES)),
         fixed_add(ground_z(middle), part(detail.step_z, half, sample / SAMPLES)),
@@ -166,9 +166,9 @@ fn made(cell: u32, centre: vec2<u32>, half: u32) -> Cell {
         all.low = min(all.low, other.low);
         all.high = max(all.high, other.high);
     }
-    let sides = cell_sides(detail, half);
+    let sides = cell_sides(half);
     let missed = TAIL * all.finest
-        + unseen(lattice_point(detail, centre), sides, max(sides.x, sides.y) / f32(STEPS))
+        + unseen(lattice_point(centre), sides, max(sides.x, sides.y) / f32(STEPS))
         + ROUNDING * max(abs(all.low), abs(all.high));
     let quarters = max(all.quarters, vec4(all.finer)) + missed;
     let error = max(all.halves + missed, greatest(quarters));

@@ -43,7 +43,7 @@ fn find_middles(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
             let there = beside[side];
             if there == NO_CELL {
                 // Nothing is beyond the border of the ground.
-                if !on_lattice(detail, centre + side_direction(side) * (2u * half)) {
+                if !on_lattice(centre + side_direction(side) * (2u * half)) {
                     demands[side] = own;
                 }
             } else if seen[there].centre > APPEARS {

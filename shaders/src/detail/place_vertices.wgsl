@@ -16,7 +16,7 @@
 
 fn store(number: u32, at: vec2<u32>, ground: vec3<f32>) -> f32 {
     let surface = max(ground.x, detail.sea);
-    let place = ground_relative(lattice_point(detail, at), detail.view.anchor);
+    let place = ground_relative(lattice_point(at), detail.view.anchor);
     let depth = clamp(detail.sea - ground.x, -detail.depth_range, detail.depth_range);
     let base = number * VERTEX_WORDS;
     vertices[base] = bitcast<u32>(place.x);

@@ -2,7 +2,7 @@
 //! `shaders/src/detail/types.wgsl` and `bindings.wgsl` (a test compares them).
 
 use bytemuck::{Pod, Zeroable};
-use dolomite_terrain::GpuTerrainUniform;
+use dolomite_terrain::{GpuTerrainUniform, Source, Terrain};
 
 use super::cell::DetailCells;
 use super::cull::Picture;
@@ -223,6 +223,32 @@ pub const LAST_PASSES: [Pass; 7] = [
     ),
     ("detail/finish.wgsl", "finish", Second::Head, Groups::One),
 ];
+
+/// Definitions for the shader that makes cells: the kinds of layers that a terrain has not. Software Vulkan runs
+/// all sides of a branch.
+#[must_use]
+pub fn without(terrain: &Terrain) -> Vec<&'static str> {
+    let layers = &terrain.data().layers;
+    let kinds: [(&str, fn(&Source) -> bool); 4] = [
+        ("TERRAIN_WITHOUT_FRACTALS", |source| {
+            matches!(source, Source::Fractal(_))
+        }),
+        ("TERRAIN_WITHOUT_CLASSIC", |source| {
+            matches!(source, Source::Classic(_))
+        }),
+        ("TERRAIN_WITHOUT_MAPS", |source| {
+            matches!(source, Source::Map(_))
+        }),
+        ("TERRAIN_WITHOUT_HILLS", |source| {
+            matches!(source, Source::Hill(_))
+        }),
+    ];
+    kinds
+        .into_iter()
+        .filter(|(_, is)| !layers.iter().any(|layer| is(&layer.source)))
+        .map(|(name, _)| name)
+        .collect()
+}
 
 /// Depths that arguments are kept for: all, and the one after the last.
 const ARGUMENT_DEPTHS: u32 = super::lattice::MAX_DEPTH + 2;

@@ -29,14 +29,17 @@ pub(super) struct DetailPipelines {
     pub vertices: BindGroupLayoutDescriptor,
     pub triangles: BindGroupLayoutDescriptor,
     pub head: BindGroupLayoutDescriptor,
+    /// Definitions for what evaluates the ground.
+    pub without: Vec<&'static str>,
     ids: Vec<CachedComputePipelineId>,
 }
 
 impl DetailPipelines {
-    /// Queues all; `ground` is the layout of the ground's data.
+    /// Queues all; `ground` is the layout of the ground's data, `without` what it has not.
     pub(super) fn new(
         shaders: &DetailShaders,
         ground: &BindGroupLayoutDescriptor,
+        without: Vec<&'static str>,
         cache: &PipelineCache,
     ) -> Self {
         let compute = ShaderStages::COMPUTE;
@@ -79,6 +82,10 @@ impl DetailPipelines {
             .chain(&LAST_PASSES)
             .zip(&shaders.entries)
             .map(|((_, entry, second, _), shader)| {
+                let defs: &[&str] = match second {
+                    Second::Ground => &without,
+                    _ => &[],
+                };
                 let second = match second {
                     Second::Nothing => None,
                     Second::Ground => Some(ground),
@@ -91,6 +98,7 @@ impl DetailPipelines {
                     label: Some(format!("detail_{entry}").into()),
                     layout: [&shared].into_iter().chain(second).cloned().collect(),
                     shader: shader.clone(),
+                    shader_defs: defs.iter().map(|def| (*def).into()).collect(),
                     entry_point: Some((*entry).into()),
                     ..default()
                 })
@@ -102,6 +110,7 @@ impl DetailPipelines {
             vertices,
             triangles,
             head,
+            without,
             ids,
         }
     }

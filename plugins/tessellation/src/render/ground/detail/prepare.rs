@@ -19,7 +19,7 @@ use super::{DetailKind, DetailShaders, ExtractedDetail, ExtractedGround, host};
 use crate::detail::lattice::MAX_DEPTH;
 use crate::detail::layout::{
     ARGUMENT_BYTES, Beginning, CLOSING_BYTES, COUNT_WORDS, DetailParams, DetailPass,
-    LEAST_CAPACITY, LIST_BYTES, RECORD_BYTES, VIEW_CELL_BYTES,
+    LEAST_CAPACITY, LIST_BYTES, RECORD_BYTES, VIEW_CELL_BYTES, without,
 };
 use crate::detail::{Cell, Detail, DetailCells, DetailView, Picture};
 use crate::render::stage::prepare::{KindTraits, StageKinds, ViewKind};
@@ -301,9 +301,14 @@ pub fn prepare<K: DetailKind>(
     details
         .views
         .retain(|entity, _| kind.views.contains_key(entity));
+    let without = without(terrain);
+    details.pipelines = details
+        .pipelines
+        .take()
+        .filter(|known| known.without == without);
     let pipelines = details
         .pipelines
-        .get_or_insert_with(|| DetailPipelines::new(&shaders, data_layout, &cache));
+        .get_or_insert_with(|| DetailPipelines::new(&shaders, data_layout, without, &cache));
     for (entity, view, detail) in &cameras {
         let Some(state) = kind.views.get_mut(&entity) else {
             continue;
