@@ -1,6 +1,7 @@
 //! The passes of the level of detail without Bevy's renderer, as `dolomite_tessellation` records them.
 
 mod answers;
+mod layouts;
 mod times;
 
 pub use answers::{DetailAnswers, Staged};
@@ -15,15 +16,13 @@ use dolomite_tessellation::detail::layout::{
     VIEW_CELL_BYTES, arguments_at, without,
 };
 use dolomite_tessellation::stage::layout::{HEAD_WORDS, OTHERS_ARGUMENTS, VERTEX_BYTES};
+use layouts::{Layouts, group};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 pub use times::PassTime;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
-use wgpu::{
-    BindGroup, BindGroupLayout, BindGroupLayoutEntry, BindingType, Buffer, BufferBindingType,
-    BufferUsages, ComputePass, ComputePipeline, ShaderStages,
-};
+use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages, ComputePass, ComputePipeline};
 
 /// Why the passes could not be run.
 #[derive(Debug, Error)]
@@ -80,43 +79,6 @@ pub struct DetailStage<'a> {
     times: Option<times::Timer>,
 }
 
-/// Of what all passes share, and of each [`Second`].
-struct Layouts {
-    shared: BindGroupLayout,
-    ground: BindGroupLayout,
-    arguments: BindGroupLayout,
-    vertices: BindGroupLayout,
-    triangles: BindGroupLayout,
-    head: BindGroupLayout,
-}
-
-impl Layouts {
-    fn new(gpu: &Gpu) -> Self {
-        let write = (WRITE, false);
-        let read = (READ, false);
-        let uniform = [(UNIFORM, false), (UNIFORM, true)];
-        Self {
-            shared: layout(gpu, &[&uniform[..], &[write; 5]].concat()),
-            ground: layout(gpu, &[read, read, uniform[0]]),
-            arguments: layout(gpu, &[write; 2]),
-            vertices: layout(gpu, &[read, write, write]),
-            triangles: layout(gpu, &[read, write]),
-            head: layout(gpu, &[write]),
-        }
-    }
-
-    fn of(&self, second: Second) -> Option<&BindGroupLayout> {
-        match second {
-            Second::Nothing => None,
-            Second::Ground => Some(&self.ground),
-            Second::Arguments => Some(&self.arguments),
-            Second::Vertices => Some(&self.vertices),
-            Second::Triangles => Some(&self.triangles),
-            Second::Head => Some(&self.head),
-        }
-    }
-}
-
 /// What a choice is written to.
 struct Chosen {
     encoder: wgpu::CommandEncoder,
@@ -127,48 +89,6 @@ struct Chosen {
 
 /// Bytes between the slots of a uniform buffer.
 const SLOT: u64 = 256;
-
-const UNIFORM: BufferBindingType = BufferBindingType::Uniform;
-const READ: BufferBindingType = BufferBindingType::Storage { read_only: true };
-const WRITE: BufferBindingType = BufferBindingType::Storage { read_only: false };
-
-fn layout(gpu: &Gpu, types: &[(BufferBindingType, bool)]) -> BindGroupLayout {
-    let entries: Vec<_> = (0..)
-        .zip(types)
-        .map(
-            |(binding, &(ty, has_dynamic_offset))| BindGroupLayoutEntry {
-                binding,
-                visibility: ShaderStages::COMPUTE,
-                ty: BindingType::Buffer {
-                    ty,
-                    has_dynamic_offset,
-                    min_binding_size: None,
-                },
-                count: None,
-            },
-        )
-        .collect();
-    let descriptor = wgpu::BindGroupLayoutDescriptor {
-        label: None,
-        entries: &entries,
-    };
-    gpu.device().create_bind_group_layout(&descriptor)
-}
-
-fn group(gpu: &Gpu, layout: &BindGroupLayout, resources: &[wgpu::BindingResource]) -> BindGroup {
-    let entries: Vec<_> = (0..)
-        .zip(resources)
-        .map(|(binding, resource)| wgpu::BindGroupEntry {
-            binding,
-            resource: resource.clone(),
-        })
-        .collect();
-    gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout,
-        entries: &entries,
-    })
-}
 
 impl<'a> DetailStage<'a> {
     /// Compiles the passes and makes buffers with room for `capacity` cells.
@@ -183,7 +103,7 @@ impl<'a> DetailStage<'a> {
                 Second::Ground => &without,
                 _ => &[],
             };
-            let module = dolomite_shaders::compose_with(file, defs, &scratch())?;
+            let module = dolomite_shaders::compose(file, defs)?;
             let module = gpu
                 .device()
                 .create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -457,21 +377,4 @@ impl<'a> DetailStage<'a> {
             head,
         }
     }
-}
-
-fn scratch() -> Vec<dolomite_shaders::ShaderFile> {
-    let Ok(dir) = std::env::var("SHADER_DIR") else {
-        return Vec::new();
-    };
-    dolomite_shaders::ALL
-        .iter()
-        .map(|f| dolomite_shaders::ShaderFile {
-            path: f.path,
-            source: Box::leak(
-                std::fs::read_to_string(format!("{dir}/{}", f.path))
-                    .unwrap_or_else(|_| f.source.to_owned())
-                    .into_boxed_str(),
-            ),
-        })
-        .collect()
 }
