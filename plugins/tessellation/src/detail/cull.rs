@@ -108,7 +108,7 @@ mod tests {
             bevy::math::EulerRot::YXZ,
             std::f32::consts::TAU * hash(k, 1),
             3.1 * (hash(k, 2) - 0.5),
-            if k % 5 == 0 {
+            if k.is_multiple_of(5) {
                 std::f32::consts::PI
             } else {
                 0.3 * hash(k, 3)
@@ -116,13 +116,13 @@ mod tests {
         );
         let half_size = Vec2::new(320.0, 180.0);
         let aspect = half_size.x / half_size.y;
-        let lens = if k % 3 == 0 {
+        let lens = if k.is_multiple_of(3) {
             // Reversed, as Bevy's.
             Mat4::orthographic_rh(-20.0 * aspect, 20.0 * aspect, -20.0, 20.0, 400.0, 0.1)
         } else {
             Mat4::perspective_infinite_reverse_rh(0.1 + 2.0 * hash(k, 4), aspect, 0.1)
         };
-        let mirror = if k % 7 == 0 {
+        let mirror = if k.is_multiple_of(7) {
             Vec3::new(-1.0, 1.0, 1.0)
         } else {
             Vec3::ONE
