@@ -10,7 +10,7 @@
 //! pixel (temporal anti-aliasing), and corners are snapped to a grid: Vulkan promises 1/16 pixel, so that a
 //! corner is off by 1/32 a side. A triangle lies beyond a border if all corners lie beyond a line one pixel
 //! outside of it, or beyond the near or the far plane by more than rounding. It faces away if its corners
-//! still go round the other way after each was moved by e = [`SNAP`] pixels and what rounding adds: moved
+//! still go round the other way after each was moved by e = 0.1 pixels and what rounding adds: moved
 //! corners change twice the area by at most e · (sum of its sides) + 4 e².
 
 use bevy::math::{Mat4, Vec2, Vec3, Vec4, Vec4Swizzles as _};
