@@ -1,6 +1,8 @@
 //! The passes of the level of detail without Bevy's renderer, as `dolomite_tessellation` records them.
 
 mod answers;
+mod layouts;
+mod times;
 
 pub use answers::{DetailAnswers, Staged};
 
@@ -9,18 +11,18 @@ use bytemuck::{bytes_of, cast_slice, pod_collect_to_vec};
 use dolomite_tessellation::detail::DetailCells;
 use dolomite_tessellation::detail::lattice::MAX_DEPTH;
 use dolomite_tessellation::detail::layout::{
-    Beginning, DEPTH_PASSES, DetailParams, DetailPass, GROUPS, HEAD_COARSENING, HEAD_LEFT,
-    HEAD_USED, LAST_PASSES, VIEW_CELL_BYTES,
+    ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DEPTH_PASSES, DetailParams, DetailPass, Groups,
+    HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, Pass, RECORD_BYTES, Second,
+    VIEW_CELL_BYTES, arguments_at, without,
 };
-use dolomite_tessellation::stage::layout::VERTEX_BYTES;
+use dolomite_tessellation::stage::layout::{HEAD_WORDS, OTHERS_ARGUMENTS, VERTEX_BYTES};
+use layouts::{Layouts, group};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
 use thiserror::Error;
+pub use times::PassTime;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
-use wgpu::{
-    BindGroup, BindGroupLayout, BindGroupLayoutEntry, BindingType, Buffer, BufferBindingType,
-    BufferUsages, ComputePass, ComputePipeline, ShaderStages,
-};
+use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages, ComputePass, ComputePipeline};
 
 /// Why the passes could not be run.
 #[derive(Debug, Error)]
@@ -38,8 +40,11 @@ pub enum DetailError {
 pub struct DetailRun {
     /// Positions relative to the anchor.
     pub positions: Vec<[f32; 3]>,
-    /// Counter-clockwise seen from above.
+    /// Counter-clockwise seen from above; where the choice leaves out what its picture does not show,
+    /// those that it may show.
     pub triangles: Vec<[u32; 3]>,
+    /// Those that were left out, where they are kept.
+    pub others: Vec<[u32; 3]>,
     /// What demands were divided by.
     pub coarsening: f32,
     /// The greatest demand that finest cells leave.
@@ -55,8 +60,7 @@ pub struct DetailStage<'a> {
     gpu: &'a Gpu,
     depth_passes: Vec<ComputePipeline>,
     last_passes: Vec<ComputePipeline>,
-    pass_layout: BindGroupLayout,
-    emit_layout: BindGroupLayout,
+    layouts: Layouts,
     beginning: Beginning,
     terrain: BindGroup,
     corners: Buffer,
@@ -64,11 +68,15 @@ pub struct DetailStage<'a> {
     /// A slot a depth.
     depths: Buffer,
     kept: [Buffer; 5],
+    arguments: [Buffer; 2],
+    closing: Buffer,
     capacity: u32,
     stamp: u32,
     /// Of the newest choice.
     vertices: Option<Buffer>,
     answers: Option<answers::AnswerPass>,
+    /// Of the newest choice, where they are wanted.
+    times: Option<times::Timer>,
 }
 
 /// What a choice is written to.
@@ -82,82 +90,33 @@ struct Chosen {
 /// Bytes between the slots of a uniform buffer.
 const SLOT: u64 = 256;
 
-const UNIFORM: BufferBindingType = BufferBindingType::Uniform;
-const READ: BufferBindingType = BufferBindingType::Storage { read_only: true };
-const WRITE: BufferBindingType = BufferBindingType::Storage { read_only: false };
-
-fn layout(gpu: &Gpu, types: &[(BufferBindingType, bool)]) -> BindGroupLayout {
-    let entries: Vec<_> = (0..)
-        .zip(types)
-        .map(
-            |(binding, &(ty, has_dynamic_offset))| BindGroupLayoutEntry {
-                binding,
-                visibility: ShaderStages::COMPUTE,
-                ty: BindingType::Buffer {
-                    ty,
-                    has_dynamic_offset,
-                    min_binding_size: None,
-                },
-                count: None,
-            },
-        )
-        .collect();
-    let descriptor = wgpu::BindGroupLayoutDescriptor {
-        label: None,
-        entries: &entries,
-    };
-    gpu.device().create_bind_group_layout(&descriptor)
-}
-
-fn group(gpu: &Gpu, layout: &BindGroupLayout, resources: &[wgpu::BindingResource]) -> BindGroup {
-    let entries: Vec<_> = (0..)
-        .zip(resources)
-        .map(|(binding, resource)| wgpu::BindGroupEntry {
-            binding,
-            resource: resource.clone(),
-        })
-        .collect();
-    gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout,
-        entries: &entries,
-    })
-}
-
 impl<'a> DetailStage<'a> {
     /// Compiles the passes and makes buffers with room for `capacity` cells.
     ///
     /// # Errors
     /// [`DetailError`].
     pub fn new(gpu: &'a Gpu, cells: &DetailCells, capacity: u32) -> Result<Self, DetailError> {
-        let pass_layout = layout(
-            gpu,
-            &[
-                (UNIFORM, false),
-                (UNIFORM, true),
-                (WRITE, false),
-                (WRITE, false),
-                (WRITE, false),
-                (WRITE, false),
-                (WRITE, false),
-            ],
-        );
-        let terrain_layout = layout(gpu, &[(READ, false), (READ, false), (UNIFORM, false)]);
-        let emit_layout = layout(gpu, &[(READ, false), (WRITE, false)]);
-        let pipeline = |file: &str, entry: &str, second: Option<&BindGroupLayout>| {
-            let module = dolomite_shaders::compose(file, &[])?;
+        let layouts = Layouts::new(gpu);
+        let without = without(cells.terrain());
+        let pipeline = |(file, entry, second, _): &Pass| {
+            let defs: &[&str] = match second {
+                Second::Ground => &without,
+                _ => &[],
+            };
+            let module = dolomite_shaders::compose(file, defs)?;
             let module = gpu
                 .device()
                 .create_shader_module(wgpu::ShaderModuleDescriptor {
-                    label: Some(file),
+                    label: Some(*file),
                     source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
                 });
-            let layouts = [Some(&pass_layout), second];
+            let second = layouts.of(*second);
+            let groups = [Some(&layouts.shared), second];
             let layout = gpu
                 .device()
                 .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                     label: Some(entry),
-                    bind_group_layouts: &layouts[..1 + usize::from(second.is_some())],
+                    bind_group_layouts: &groups[..1 + usize::from(second.is_some())],
                     immediate_size: 0,
                 });
             Ok::<_, DetailError>(gpu.device().create_compute_pipeline(
@@ -171,26 +130,18 @@ impl<'a> DetailStage<'a> {
                 },
             ))
         };
-        let depth_passes = DEPTH_PASSES
-            .iter()
-            .map(|(file, entry)| {
-                let second = file.contains("make").then_some(&terrain_layout);
-                pipeline(file, entry, second)
-            })
-            .collect::<Result<_, _>>()?;
-        let last_passes = LAST_PASSES
-            .iter()
-            .map(|(file, entry, _)| {
-                let emits = file.contains("emit") || file.contains("finish");
-                pipeline(file, entry, emits.then_some(&emit_layout))
-            })
-            .collect::<Result<_, _>>()?;
+        let all = |passes: &[Pass]| passes.iter().map(pipeline).collect::<Result<_, _>>();
+        let depth_passes = all(&DEPTH_PASSES)?;
+        let last_passes = all(&LAST_PASSES)?;
         let beginning = Beginning::new(cells);
         let empty = |size: u64| {
             gpu.device().create_buffer(&wgpu::BufferDescriptor {
                 label: None,
                 size,
-                usage: BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
+                usage: BufferUsages::STORAGE
+                    | BufferUsages::COPY_DST
+                    | BufferUsages::COPY_SRC
+                    | BufferUsages::INDIRECT,
                 mapped_at_creation: false,
             })
         };
@@ -207,7 +158,7 @@ impl<'a> DetailStage<'a> {
             empty(16 * room),
             empty(VIEW_CELL_BYTES * room),
             empty(size_of_val(&beginning.counts(true)) as u64),
-            empty(2 * room),
+            empty(LIST_BYTES * room),
         ];
         let blocks = &beginning.blocks;
         let mut lists = vec![0_u32; capacity as usize / 2];
@@ -231,7 +182,7 @@ impl<'a> DetailStage<'a> {
         let given = cells.terrain().gpu();
         let terrain = group(
             gpu,
-            &terrain_layout,
+            &layouts.ground,
             &[
                 filled(cast_slice(&given.layers), BufferUsages::STORAGE).as_entire_binding(),
                 filled(cast_slice(&given.data), BufferUsages::STORAGE).as_entire_binding(),
@@ -242,8 +193,9 @@ impl<'a> DetailStage<'a> {
             gpu,
             depth_passes,
             last_passes,
-            pass_layout,
-            emit_layout,
+            layouts,
+            arguments: [0, 1].map(|_| empty(ARGUMENT_BYTES)),
+            closing: empty(CLOSING_BYTES),
             terrain,
             corners: filled(cast_slice(&beginning.corners), BufferUsages::STORAGE),
             uniform: filled(&[0; size_of::<DetailParams>()], BufferUsages::UNIFORM),
@@ -254,6 +206,7 @@ impl<'a> DetailStage<'a> {
             stamp: 0,
             vertices: None,
             answers: None,
+            times: None,
         })
     }
 
@@ -277,17 +230,21 @@ impl<'a> DetailStage<'a> {
         let words: Vec<u32> = pod_collect_to_vec(&gpu.read(&vertices)?);
         let numbers: Vec<u32> = pod_collect_to_vec(&gpu.read(&indices)?);
         let (vertices, triangles) = (head[12] as usize, head[13] as usize);
+        let others = &head[OTHERS_ARGUMENTS as usize / 4..];
+        let listed = |first: usize, count: usize| {
+            let triples = numbers.chunks_exact(3).skip(first).take(count);
+            triples
+                .map(|corners| [corners[0], corners[1], corners[2]])
+                .collect()
+        };
         Ok(DetailRun {
             positions: words
                 .chunks_exact(5)
                 .take(vertices)
                 .map(|vertex| [vertex[0], vertex[1], vertex[2]].map(f32::from_bits))
                 .collect(),
-            triangles: numbers
-                .chunks_exact(3)
-                .take(triangles)
-                .map(|corners| [corners[0], corners[1], corners[2]])
-                .collect(),
+            triangles: listed(0, triangles),
+            others: listed(others[2] as usize / 3, others[0] as usize / 3),
             coarsening: f32::from_bits(head[HEAD_COARSENING]),
             left: f32::from_bits(head[HEAD_LEFT]),
             used: head[HEAD_USED],
@@ -315,6 +272,11 @@ impl<'a> DetailStage<'a> {
             cast_slice(&counts[skipped..]),
         );
         queue.write_buffer(&self.kept[4], 0, cast_slice(&self.beginning.blocks));
+        let arguments = self.beginning.arguments(fresh);
+        for buffer in &self.arguments {
+            queue.write_buffer(buffer, 0, cast_slice(&arguments));
+        }
+        queue.write_buffer(&self.closing, 0, cast_slice(&Beginning::CLOSING));
         let out = |bytes: u64| {
             gpu.device().create_buffer(&wgpu::BufferDescriptor {
                 label: None,
@@ -325,7 +287,8 @@ impl<'a> DetailStage<'a> {
         };
         let vertices = out(VERTEX_BYTES * u64::from(params.max_vertices));
         let indices = out(12 * u64::from(params.max_triangles));
-        let head = out(128);
+        let head = out(4 * HEAD_WORDS);
+        let records = out(RECORD_BYTES * u64::from(params.max_vertices));
         let slot = wgpu::BufferBinding {
             buffer: &self.depths,
             offset: 0,
@@ -336,35 +299,75 @@ impl<'a> DetailStage<'a> {
             wgpu::BindingResource::Buffer(slot),
         ];
         bound.extend(self.kept.iter().map(Buffer::as_entire_binding));
-        let shared = group(gpu, &self.pass_layout, &bound);
-        let emit = |buffer: &Buffer| {
-            let bound = [self.corners.as_entire_binding(), buffer.as_entire_binding()];
-            group(gpu, &self.emit_layout, &bound)
+        let layouts = &self.layouts;
+        let shared = group(gpu, &layouts.shared, &bound);
+        let bind = |layout: &BindGroupLayout, buffers: &[&Buffer]| {
+            let bound: Vec<_> = buffers
+                .iter()
+                .map(|buffer| buffer.as_entire_binding())
+                .collect();
+            group(gpu, layout, &bound)
         };
-        let [to_vertices, to_indices, to_head] = [&vertices, &indices, &head].map(emit);
+        let [even, odd] = &self.arguments;
+        let to_arguments = [odd, even].map(|next| bind(&layouts.arguments, &[next, &self.closing]));
+        let to_vertices = bind(&layouts.vertices, &[&self.corners, &vertices, &records]);
+        let to_triangles = bind(&layouts.triangles, &[&vertices, &indices]);
+        let to_head = bind(&layouts.head, &[&head]);
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            let dispatch = |pass: &mut ComputePass, pipeline, groups| {
+        let mut steps = Vec::new();
+        for depth in 0..=params.depth {
+            let passes = self.depth_passes.iter().zip(DEPTH_PASSES);
+            steps.extend(passes.map(|(pipeline, pass)| (depth, pipeline, pass)));
+        }
+        let last = self.last_passes.iter().zip(LAST_PASSES);
+        steps.extend(last.map(|(pipeline, pass)| (params.depth, pipeline, pass)));
+        let mut timer = self
+            .times
+            .take()
+            .map(|_| times::Timer::new(gpu, steps.len()));
+        let mut one = None;
+        if timer.is_none() {
+            one = Some(
+                encoder
+                    .begin_compute_pass(&Default::default())
+                    .forget_lifetime(),
+            );
+        }
+        for (depth, pipeline, (_, entry, second, count)) in steps {
+            let turn = (depth & 1) as usize;
+            let record = |pass: &mut ComputePass| {
                 pass.set_pipeline(pipeline);
-                pass.dispatch_workgroups(groups, 1, 1);
-            };
-            for depth in 0..=params.depth {
                 pass.set_bind_group(0, &shared, &[depth * SLOT as u32]);
-                pass.set_bind_group(1, &self.terrain, &[]);
-                for pipeline in &self.depth_passes {
-                    dispatch(&mut pass, pipeline, GROUPS);
-                }
-            }
-            for (pipeline, (file, entry, single)) in self.last_passes.iter().zip(LAST_PASSES) {
-                let target = match (file, entry) {
-                    ("detail/emit_triangles.wgsl", _) => &to_indices,
-                    ("detail/finish.wgsl", _) => &to_head,
-                    _ => &to_vertices,
+                let second = match second {
+                    Second::Nothing => None,
+                    Second::Ground => Some(&self.terrain),
+                    Second::Arguments => Some(&to_arguments[turn]),
+                    Second::Vertices => Some(&to_vertices),
+                    Second::Triangles => Some(&to_triangles),
+                    Second::Head => Some(&to_head),
                 };
-                pass.set_bind_group(1, target, &[]);
-                dispatch(&mut pass, pipeline, if single { 1 } else { GROUPS });
+                if let Some(second) = second {
+                    pass.set_bind_group(1, second, &[]);
+                }
+                match count {
+                    Groups::One => pass.dispatch_workgroups(1, 1, 1),
+                    Groups::Kept => pass.dispatch_workgroups_indirect(&self.closing, 0),
+                    Groups::Make | Groups::Look => {
+                        let at = arguments_at(depth, count);
+                        pass.dispatch_workgroups_indirect(&self.arguments[turn], at);
+                    }
+                }
+            };
+            match (&mut timer, &mut one) {
+                (Some(timer), _) => record(&mut timer.begin(&mut encoder, entry, depth)),
+                (None, Some(pass)) => record(pass),
+                (None, None) => {}
             }
+        }
+        drop(one);
+        if let Some(timer) = timer {
+            timer.end(&mut encoder);
+            self.times = Some(timer);
         }
         self.vertices = Some(vertices.clone());
         Chosen {

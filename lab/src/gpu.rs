@@ -14,7 +14,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
     Backends, BindGroupDescriptor, BindGroupEntry, Buffer, BufferDescriptor, BufferUsages,
     CommandEncoderDescriptor, ComputePassDescriptor, ComputePipelineDescriptor, DeviceDescriptor,
-    Instance, InstanceDescriptor, Limits, MapMode, PollType, PowerPreference,
+    Instance, InstanceDescriptor, InstanceFlags, Limits, MapMode, PollType, PowerPreference,
     RequestAdapterOptions, ShaderModuleDescriptor, ShaderSource,
 };
 
@@ -70,10 +70,15 @@ impl Gpu {
     /// # Errors
     /// Without a Vulkan adapter, or if it lacks WebGPU's default limits.
     pub fn new() -> Result<Self, GpuError> {
-        let instance = Instance::new(InstanceDescriptor {
+        let mut descriptor = InstanceDescriptor {
             backends: Backends::VULKAN,
             ..InstanceDescriptor::new_without_display_handle_from_env()
-        });
+        };
+        // As in the game: our own passes write the arguments of indirect dispatches.
+        descriptor
+            .flags
+            .remove(InstanceFlags::VALIDATION_INDIRECT_CALL);
+        let instance = Instance::new(descriptor);
         let wanted = std::env::var("WGPU_ADAPTER_NAME")
             .unwrap_or_default()
             .to_lowercase();
@@ -93,6 +98,8 @@ impl Gpu {
         let info = adapter.get_info();
         let (device, queue) = block_on(adapter.request_device(&DeviceDescriptor {
             label: Some("lab"),
+            // For studies that tell the passes of a queue apart.
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             required_limits: Limits::default(),
             ..Default::default()
         }))

@@ -1,15 +1,15 @@
 //! The level of detail through its passes on whatever adapter there is, against the twin.
 
-use bevy::math::{DVec2, EulerRot, IVec2, Mat4, Quat, Vec3, Vec4};
+use bevy::math::{DVec2, EulerRot, IVec2, Mat4, Quat, Vec2, Vec3, Vec4};
 use bytemuck::Zeroable;
 use dolomite_lab::detail::{DetailRun, DetailStage};
 use dolomite_lab::gpu::for_test;
 use dolomite_terrain::{
     Fractal, GroundPoint, GroundRect, Hill, Layer, Mask, Source, Terrain, TerrainData,
 };
-use dolomite_tessellation::detail::layout::DetailParams;
+use dolomite_tessellation::detail::layout::{DEPTH_PASSES, DetailParams, LAST_PASSES};
 use dolomite_tessellation::detail::{
-    Detail, DetailCells, DetailMesh, DetailView, Metric, mesh, select,
+    Detail, DetailCells, DetailMesh, DetailView, Metric, Picture, mesh, select,
 };
 use std::collections::{HashMap, HashSet};
 
@@ -273,5 +273,95 @@ fn gpu_pools_that_are_too_small_coarsen_evenly_and_stay_closed() {
                 assert!(on_border, "a gap at {a:?} {b:?}");
             }
         }
+    }
+}
+
+/// Corners of triangles by their bits, from the least on.
+fn by_bits(run: &DetailRun, triangles: &[[u32; 3]]) -> HashSet<[[u32; 3]; 3]> {
+    let at = |k: u32| run.positions[k as usize].map(f32::to_bits);
+    triangles
+        .iter()
+        .map(|triangle| {
+            let corners = triangle.map(at);
+            let least = (0..3).min_by_key(|&k| corners[k]).expect("three");
+            [0, 1, 2].map(|k| corners[(least + k) % 3])
+        })
+        .collect()
+}
+
+#[test]
+fn gpu_what_a_picture_does_not_show_is_left_out_and_kept_for_shadows() {
+    let Some(gpu) = for_test() else { return };
+    let terrain = terrain();
+    let cells = DetailCells::new(terrain.clone(), 0.25);
+    let mut stage = DetailStage::new(&gpu, &cells, 1 << 18).expect("passes");
+    let metric = Metric::ErrorBound { pixels: 2.0 };
+    for (yaw, above, most) in [(0.0, 3.0, 0.8), (2.0, 60.0, 0.9)] {
+        let mut view = view(&terrain, yaw, above, metric);
+        // The sun is low: cells beside the picture throw their shadows into it.
+        view.sweep = [150.0, -20.0, 80.0];
+        view.shadow_share = 0.25;
+        let given = params(&cells, view);
+        let all = stage.run(given).expect("runs");
+        assert!(all.others.is_empty());
+        let eye = Vec3::from(view.eye);
+        let rotation = Quat::from_euler(EulerRot::YXZ, yaw, -0.15, 0.0);
+        let clip = Mat4::perspective_infinite_reverse_rh(1.0, 16.0 / 9.0, 0.1)
+            * Mat4::from_rotation_translation(rotation, eye).inverse();
+        let picture = Picture {
+            clip,
+            half_size: Vec2::new(960.0, 540.0),
+            one_sided: true,
+        };
+        let run = stage.run(given.cull(&picture, true)).expect("runs");
+        let (whole, seen) = (by_bits(&all, &all.triangles), by_bits(&run, &run.triangles));
+        let others = by_bits(&run, &run.others);
+        assert!(seen.is_disjoint(&others));
+        assert!(
+            whole == seen.union(&others).copied().collect(),
+            "none is lost or moved"
+        );
+        assert!(
+            (seen.len() as f32) < most * whole.len() as f32,
+            "{} of {}",
+            seen.len(),
+            whole.len()
+        );
+        // By the twin. On the threshold, which has its margin, roundings may differ.
+        let at = |k: u32| Vec3::from(run.positions[k as usize]);
+        let wrong = |list: &[[u32; 3]], hidden: bool| {
+            let differs = |triangle: &&[u32; 3]| picture.hides(triangle.map(at)) != hidden;
+            list.iter().filter(differs).count()
+        };
+        let wrong = wrong(&run.triangles, false) + wrong(&run.others, true);
+        assert!(wrong * 500 <= whole.len(), "{wrong} of {}", whole.len());
+        // Without shadows nobody asks for the others.
+        let run = stage.run(given.cull(&picture, false)).expect("runs");
+        assert_eq!(by_bits(&run, &run.triangles), seen);
+        assert!(run.others.is_empty());
+    }
+}
+
+#[test]
+fn gpu_a_timed_choice_is_the_same_and_names_every_dispatch() {
+    let Some(gpu) = for_test() else { return };
+    let terrain = terrain();
+    let cells = DetailCells::new(terrain.clone(), 0.25);
+    let mut stage = DetailStage::new(&gpu, &cells, 1 << 18).expect("passes");
+    let view = view(&terrain, 0.0, 3.0, Metric::ErrorBound { pixels: 8.0 });
+    let run = stage.run(params(&cells, view)).expect("runs");
+    let (timed, times) = stage.run_timed(params(&cells, view)).expect("runs");
+    assert!(by_bits(&run, &run.triangles) == by_bits(&timed, &timed.triangles));
+    // None where the device has no timestamps.
+    if let Some(last) = times.last() {
+        let depths = cells.lattice.depth as usize + 1;
+        assert_eq!(times.len(), depths * DEPTH_PASSES.len() + LAST_PASSES.len());
+        assert_eq!(last.entry, "finish");
+        let all: std::time::Duration = times.iter().map(|pass| pass.time).sum();
+        assert!(
+            !all.is_zero() && all <= timed.time,
+            "{all:?} of {:?}",
+            timed.time
+        );
     }
 }

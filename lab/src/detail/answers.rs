@@ -1,6 +1,7 @@
 //! Ground answers after a choice: at once for tests, or frame by frame without waiting.
 
-use super::{DetailError, DetailStage, READ, UNIFORM, WRITE};
+use super::layouts::{READ, UNIFORM, WRITE};
+use super::{DetailError, DetailStage};
 use crate::gpu::Gpu;
 use bytemuck::{bytes_of, cast_slice, pod_collect_to_vec, pod_read_unaligned};
 use dolomite_terrain::{GroundPoint, ProbeAnswer};

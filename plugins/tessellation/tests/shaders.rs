@@ -210,6 +210,9 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
             sea,
             opaque_depth,
             anchor_height,
+            flags,
+            clip,
+            half_size,
         }
     );
     same_layout!(&look, DetailPass { depth });
@@ -249,7 +252,7 @@ fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
     use dolomite_tessellation::detail::probe::ANSWER_PASS;
     let files = DEPTH_PASSES
         .iter()
-        .map(|(file, _)| file)
+        .map(|(file, ..)| file)
         .chain(LAST_PASSES.iter().map(|(file, ..)| file))
         .chain([&ANSWER_PASS.0]);
     for file in files {

@@ -3,7 +3,8 @@
 #import dolomite::detail::bindings::detail
 #import dolomite::detail::locate::{Located, locate}
 #import dolomite::detail::types::NO_CELL
-#import dolomite::detail::vertices::{term, vertex_number}
+#import dolomite::detail::roots::root_corners
+#import dolomite::detail::vertices::{ROOT_CORNER, Vertex, cell_ground, vertex_number}
 #import dolomite::stage::vertex::VERTEX_WORDS
 #import dolomite::terrain::fixed::{Fixed, GroundPoint, fixed_metres, fixed_sub, ground_x, ground_z, metres_fixed}
 
@@ -58,6 +59,14 @@ fn from_vertex(place: GroundPoint, vertex: vec3<f32>) -> vec2<f32> {
     return vec2(fixed_metres(fixed_sub(x, metres_fixed(vertex.x))), fixed_metres(fixed_sub(z, metres_fixed(vertex.z))));
 }
 
+// The drawn surface at a vertex that has arrived.
+fn surface_at(vertex: Vertex) -> f32 {
+    if vertex.slot == ROOT_CORNER {
+        return max(root_corners[vertex.cell].x, detail.sea);
+    }
+    return max(cell_ground(vertex).x, detail.sea);
+}
+
 fn cross_of(a: vec2<f32>, b: vec2<f32>) -> f32 {
     return a.x * b.y - a.y * b.x;
 }
@@ -72,12 +81,12 @@ fn answer_at(place: GroundPoint) -> ProbeAnswer {
     // How far each corner still is from the ground, upwards.
     var arriving: vec3<f32>;
     for (var k = 0u; k < 3u; k++) {
-        let number = vertex_number(found.cell, found.corners[k]);
+        let number = vertex_number(found.corners[k]);
         if number >= detail.max_vertices {
             return nothing;
         }
         corners[k] = stored(number);
-        arriving[k] = corners[k].y + detail.anchor_height - term(found.cell, found.corners[k], 0.0).surface;
+        arriving[k] = corners[k].y + detail.anchor_height - surface_at(found.corners[k]);
     }
     let a = corners[1].xz - corners[0].xz;
     let b = corners[2].xz - corners[0].xz;

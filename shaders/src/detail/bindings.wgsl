@@ -20,7 +20,8 @@ struct DetailPass {
 // Of this view.
 @group(0) @binding(4) var<storage, read_write> seen: array<ViewCell>;
 @group(0) @binding(5) var<storage, read_write> counts: array<atomic<u32>>;
-// First cells of blocks of four: those to look at from the front, those to make from the back.
+// First cells of blocks of four: those to look at from the front of the first capacity / 2 words, those to
+// make from the back; behind them the cells that are kept.
 @group(0) @binding(6) var<storage, read_write> lists: array<u32>;
 
 // Words of `counts`. Kept: cells in use.
@@ -38,13 +39,22 @@ const WITHOUT_ROOM: u32 = 3u;
 const COARSENING: u32 = 4u;
 // Bits of the greatest demand that finest cells leave.
 const LEFT: u32 = 5u;
+// Cells that are kept: their centre has a demand.
+const KEPT: u32 = 6u;
+// Vertices that are arriving.
+const ARRIVING: u32 = 7u;
+// Triangles that the camera does not see.
+const OTHERS: u32 = 8u;
 // Middles and centres by demand, eight steps an octave from APPEARS on.
 const HISTOGRAM: u32 = 96u;
 const STEPS_AN_OCTAVE: f32 = 8.0;
 const BINS: u32 = 256u;
-// Threads of a pass: 256 groups of 64, each of which works for every 16384th.
-const GROUPS: u32 = 256u;
-const THREADS: u32 = 16384u;
+// Threads of a workgroup, and most workgroups of a dispatch; each works for every (workgroups)th item.
+const GROUP: u32 = 64u;
+const MOST_GROUPS: u32 = 65535u;
+// Arguments of the dispatches of a depth: of those that make, of those that look and keep; 3 words each.
+const ARGUMENTS: u32 = 6u;
+const LOOK_ARGUMENTS: u32 = 3u;
 
 // How many blocks come before those of a depth, in a list whose counts begin at `list`.
 fn blocks_before(list: u32, depth: u32) -> u32 {
@@ -63,4 +73,13 @@ fn look_block(at: u32) -> u32 {
 // A block to make.
 fn make_block(at: u32) -> u32 {
     return lists[detail.capacity / 2u - 1u - at];
+}
+
+// A kept cell.
+fn kept_cell(at: u32) -> u32 {
+    return lists[detail.capacity / 2u + at];
+}
+
+fn root_count() -> u32 {
+    return detail.roots.x * detail.roots.y;
 }

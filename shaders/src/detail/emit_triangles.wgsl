@@ -1,92 +1,93 @@
-// Triangles of all cells that are drawn and may be seen, and of roots that stay two. A thread a cell.
+// Triangles of all cells that are drawn and may be seen, and of roots that stay two: what the camera sees
+// from the front of the list, what shadows need of the others from its back. A thread a cell.
 
-#import dolomite::detail::bindings::{counts, detail, links, seen, LOOK, THREADS, TRIANGLES, blocks_before, look_block}
-#import dolomite::detail::lattice::{cell_corner, cell_half, cell_quarter, cell_side_mid}
-#import dolomite::detail::vertices::{appears, is_drawn, vertex_number}
+#import dolomite::detail::bindings::{counts, detail, links, seen, GROUP, KEPT, OTHERS, TRIANGLES, kept_cell, root_count}
+#import dolomite::detail::cull::{CULL, KEEP_OTHERS, Drawn, draw_at, is_hidden}
+#import dolomite::detail::lattice::{cell_half, cell_quarter}
+#import dolomite::detail::vertices::{appears, corner_of, is_drawn, middle_of, vertex_number}
+#import dolomite::stage::vertex::VERTEX_WORDS
 
+@group(1) @binding(0) var<storage, read> vertices: array<u32>;
 @group(1) @binding(1) var<storage, read_write> indices: array<u32>;
 
-fn store(number: u32, a: u32, b: u32, c: u32) {
-    if number < detail.max_triangles {
-        indices[3u * number] = a;
-        indices[3u * number + 1u] = b;
-        indices[3u * number + 2u] = c;
+// A corner of triangles.
+struct Corner {
+    number: u32,
+    drawn: Drawn,
+}
+
+fn corner(number: u32) -> Corner {
+    let base = VERTEX_WORDS * number;
+    let place = bitcast<vec3<f32>>(vec3(vertices[base], vertices[base + 1u], vertices[base + 2u]));
+    return Corner(number, draw_at(place));
+}
+
+fn store(place: u32, a: u32, b: u32, c: u32) {
+    if place < detail.max_triangles {
+        indices[3u * place] = a;
+        indices[3u * place + 1u] = b;
+        indices[3u * place + 2u] = c;
     }
 }
 
-fn whole_root(at: u32, centre: vec2<u32>, half: u32) {
-    let outer = cell_quarter(centre, half);
-    var corners: array<u32, 4>;
-    for (var k = 0u; k < 4u; k++) {
-        corners[k] = vertex_number(at, cell_corner(centre, half, outer + k));
-    }
-    let number = atomicAdd(&counts[TRIANGLES], 2u);
-    store(number, corners[2], corners[1], corners[0]);
-    store(number + 1u, corners[0], corners[3], corners[2]);
-}
-
-fn drawn_cell(at: u32, centre: vec2<u32>, half: u32) {
-    let children = links[at].children;
-    var middles: array<bool, 4>;
-    var own: array<bool, 4>;
-    var triangles = 0u;
-    for (var side = 0u; side < 4u; side++) {
-        middles[side] = seen[at].middles[side] > appears();
-        own[side] = is_drawn(children, side);
-    }
-    for (var side = 0u; side < 4u; side++) {
-        triangles += select(1u, select(1u, 0u, own[side]) + select(1u, 0u, own[(side + 3u) & 3u]), middles[side]);
-    }
-    if triangles == 0u {
+fn emit(a: Corner, b: Corner, c: Corner) {
+    if (detail.flags & CULL) != 0u && is_hidden(a.drawn, b.drawn, c.drawn) {
+        if (detail.flags & KEEP_OTHERS) != 0u {
+            // From the back; what is before the first wraps, and is not stored.
+            store(detail.max_triangles - 1u - atomicAdd(&counts[OTHERS], 1u), a.number, b.number, c.number);
+        }
         return;
     }
-    var number = atomicAdd(&counts[TRIANGLES], triangles);
-    let middle = seen[at].first;
+    store(atomicAdd(&counts[TRIANGLES], 1u), a.number, b.number, c.number);
+}
+
+fn whole_root(at: u32) {
+    let centre = links[at].centre;
+    let outer = cell_quarter(centre, cell_half(centre));
+    var corners: array<Corner, 4>;
+    for (var k = 0u; k < 4u; k++) {
+        corners[k] = corner(vertex_number(corner_of(at, outer + k)));
+    }
+    emit(corners[2], corners[1], corners[0]);
+    emit(corners[0], corners[3], corners[2]);
+}
+
+// Round the cell, from corner 3 by the sides' middles back to it.
+fn drawn_cell(at: u32) {
+    let children = links[at].children;
+    let middle = corner(seen[at].first);
+    var before = corner(vertex_number(corner_of(at, 3u)));
     for (var side = 0u; side < 4u; side++) {
-        let here = own[side];
-        let there = own[(side + 3u) & 3u];
-        if middles[side] && here && there {
-            continue;
+        let after = corner(vertex_number(corner_of(at, side)));
+        let halved = seen[at].middles[side] > appears();
+        var mid = before;
+        if halved {
+            mid = corner(vertex_number(middle_of(at, side)));
         }
-        var after = 0u;
-        var before = 0u;
-        if !middles[side] || !here {
-            after = vertex_number(at, cell_corner(centre, half, side));
+        // Each half of the side belongs to a quarter of the cell.
+        if !halved || !is_drawn(children, side) {
+            emit(middle, after, mid);
         }
-        if !middles[side] || !there {
-            before = vertex_number(at, cell_corner(centre, half, side + 3u));
+        if halved && !is_drawn(children, side + 3u) {
+            emit(middle, mid, before);
         }
-        if !middles[side] {
-            store(number, middle, after, before);
-            number += 1u;
-            continue;
-        }
-        let mid = vertex_number(at, cell_side_mid(centre, half, side));
-        if !here {
-            store(number, middle, after, mid);
-            number += 1u;
-        }
-        if !there {
-            store(number, middle, mid, before);
-            number += 1u;
-        }
+        before = after;
     }
 }
 
 @compute @workgroup_size(64)
-fn emit_triangles(@builtin(global_invocation_id) id: vec3<u32>) {
-    let last = 4u * blocks_before(LOOK, detail.depth + 1u);
-    for (var k = id.x; k < last; k += THREADS) {
-        let at = look_block(k / 4u) + (k & 3u);
-        let centre = links[at].centre;
-        if centre.x == 0u || seen[at].seen == 0u {
-            continue;
+fn emit_triangles(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let threads = groups.x * GROUP;
+    for (var at = id.x; at < root_count(); at += threads) {
+        if seen[at].seen != 0u && seen[at].centre <= appears() {
+            whole_root(at);
         }
-        let half = cell_half(centre);
-        if seen[at].centre > appears() {
-            drawn_cell(at, centre, half);
-        } else if half == 1u << detail.depth {
-            whole_root(at, centre, half);
+    }
+    let last = atomicLoad(&counts[KEPT]);
+    for (var k = id.x; k < last; k += threads) {
+        let at = kept_cell(k);
+        if seen[at].seen != 0u && seen[at].centre > appears() {
+            drawn_cell(at);
         }
     }
 }

@@ -15,30 +15,21 @@ const BED_SHARE: f32 = 0.5;
 // Error of a height as a share of the largest.
 const ROUNDING: f32 = 6e-7;
 
-// Samples of all squares that a cell is cut into: one of 8 steps, four of 4, sixteen of 2.
-const ERRORS: u32 = 325u;
-
-// A sample of a square.
-struct Place {
-    // Where the square begins, and its steps.
-    corner: vec2<u32>,
-    size: u32,
-    // Where the sample stands in it.
-    sample: vec2<u32>,
+// Corners 0 to 3 of a square of samples, its middle, and through which corner its diagonal goes.
+struct Square {
+    nw: vec2<f32>,
+    ne: vec2<f32>,
+    se: vec2<f32>,
+    sw: vec2<f32>,
+    middle: vec2<f32>,
+    outer: u32,
 }
 
-fn error_place(k: u32) -> Place {
-    if k < 81u {
-        return Place(vec2(0u), 8u, vec2(k % 9u, k / 9u));
-    }
-    if k < 181u {
-        let square = (k - 81u) / 25u;
-        let sample = (k - 81u) % 25u;
-        return Place(4u * vec2(square & 1u, square >> 1u), 4u, vec2(sample % 5u, sample / 5u));
-    }
-    let square = (k - 181u) / 9u;
-    let sample = (k - 181u) % 9u;
-    return Place(2u * vec2(square & 3u, square >> 2u), 2u, vec2(sample % 3u, sample / 3u));
+// What a sample is off the square as two triangles, and off the quarter that it lies in, and which that is.
+struct Off {
+    halves: f32,
+    quarters: f32,
+    side: u32,
 }
 
 fn residual(off: vec2<f32>) -> f32 {
@@ -71,4 +62,20 @@ fn side_of(dx: f32, dz: f32) -> u32 {
 // Interpolated over the triangle between the middle and a side, from corner a to corner b.
 fn on_quarter(middle: vec2<f32>, a: vec2<f32>, b: vec2<f32>, out: f32, along: f32) -> vec2<f32> {
     return middle * (1.0 - out) + (a + b) * (0.5 * out) + (b - a) * (0.5 * along);
+}
+
+// The sample at a place in the square, 0 to 1.
+fn off(square: Square, sample: vec2<f32>, u: f32, v: f32) -> Off {
+    let halves = residual(sample - on_halves(square.nw, square.ne, square.se, square.sw, u, v, square.outer));
+    let dx = 2.0 * u - 1.0;
+    let dz = 2.0 * v - 1.0;
+    let side = side_of(dx, dz);
+    // From corner side - 1 to corner side.
+    let upright = (side & 1u) == 0u;
+    let second = side >= 2u;
+    let a = select(select(square.nw, square.se, second), select(square.sw, square.ne, second), upright);
+    let b = select(select(square.ne, square.sw, second), select(square.nw, square.se, second), upright);
+    let along = select(select(dx, -dx, second), select(-dz, dz, second), upright);
+    let quarter = on_quarter(square.middle, a, b, max(abs(dx), abs(dz)), along);
+    return Off(halves, residual(sample - quarter), side);
 }

@@ -1,15 +1,12 @@
 // What all demands are divided by so that the vertices fit, one thread: 1 where they do as they are.
 
 #import dolomite::detail::types::APPEARS
-#import dolomite::detail::bindings::{counts, detail, BINS, COARSENING, HISTOGRAM, STEPS_AN_OCTAVE, WITHOUT_ROOM}
+#import dolomite::detail::bindings::{counts, BINS, COARSENING, HISTOGRAM, STEPS_AN_OCTAVE, WITHOUT_ROOM}
+#import dolomite::detail::room::room
 
 @compute @workgroup_size(1)
 fn fit() {
-    // The corners of the roots are always there; of two triangles a vertex a few are spared.
-    let corners = (detail.roots.x + 1u) * (detail.roots.y + 1u);
-    let room = min(detail.max_vertices, detail.max_triangles / 2u);
-    // In halves.
-    let most = 2u * (room - min(room, corners + corners));
+    let most = room();
     var above = 0u;
     var coarsening = 1.0;
     for (var k = BINS; k > 0u; k--) {

@@ -1,21 +1,24 @@
 // Demands of the centres of one depth; cells that are drawn have their quarters looked at next, which
-// are made where they are new. A thread a cell.
+// are made where they are new. A thread a cell. Also counts the workgroups of the passes to come.
 
 #import dolomite::detail::types::{Link, APPEARS, NO_CELL}
-#import dolomite::detail::bindings::{counts, detail, detail_pass, links, lists, seen, LEFT, LOOK, MAKE, THREADS, USED, WITHOUT_ROOM, blocks_before, look_block}
-#import dolomite::detail::find::find_cell
-#import dolomite::detail::lattice::{cell_corner, cell_half, side_direction}
+#import dolomite::detail::bindings::{counts, detail, detail_pass, links, lists, seen, ARGUMENTS, GROUP, KEPT, LEFT, LOOK, LOOK_ARGUMENTS, MAKE, MOST_GROUPS, USED, WITHOUT_ROOM, blocks_before, look_block}
+#import dolomite::detail::lattice::{cell_corner, cell_half}
+
+// Arguments of the dispatches of the next depth, and of those that close the choice: what a dispatch reads
+// its own from cannot be written in it, so that the depths take turns between two buffers.
+@group(1) @binding(0) var<storage, read_write> next: array<atomic<u32>>;
+@group(1) @binding(1) var<storage, read_write> closing: array<atomic<u32>>;
 
 // Its own demand, and what the cells around it need.
-fn demand_of(at: u32, centre: vec2<u32>, half: u32) -> f32 {
+fn demand_of(at: u32) -> f32 {
     var demand = seen[at].whole;
     for (var side = 0u; side < 4u; side++) {
-        let beside = centre + side_direction(side) * (2u * half);
-        let there = find_cell(at, beside, half);
+        let there = seen[at].beside[side];
         if there != NO_CELL {
             demand = max(demand, max(seen[there].sides[(side + 2u) & 3u], seen[there].finer));
         }
-        let across = find_cell(at, beside + side_direction(side + 1u) * (2u * half), half);
+        let across = seen[at].across[side];
         if across != NO_CELL {
             demand = max(demand, seen[across].finer);
         }
@@ -38,29 +41,33 @@ fn quarters_of(at: u32, centre: vec2<u32>, half: u32) -> u32 {
     }
     links[at].children = first;
     let before = blocks_before(MAKE, detail_pass.depth + 1u);
-    let place = before + atomicAdd(&counts[MAKE + detail_pass.depth + 1u], 1u);
-    lists[detail.capacity / 2u - 1u - place] = first;
+    let place = atomicAdd(&counts[MAKE + detail_pass.depth + 1u], 1u);
+    lists[detail.capacity / 2u - 1u - before - place] = first;
+    // A workgroup a block.
+    atomicMax(&next[ARGUMENTS * (detail_pass.depth + 1u)], min(place + 1u, MOST_GROUPS));
     return first;
 }
 
 @compute @workgroup_size(64)
-fn keep_cells(@builtin(global_invocation_id) id: vec3<u32>) {
+fn keep_cells(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let depth = detail_pass.depth;
     let first = blocks_before(LOOK, depth);
     let blocks = atomicLoad(&counts[LOOK + depth]);
-    let next = first + blocks;
-    for (var k = id.x; k < 4u * blocks; k += THREADS) {
+    for (var k = id.x; k < 4u * blocks; k += groups.x * GROUP) {
         let at = look_block(first + k / 4u) + (k & 3u);
         let centre = links[at].centre;
         if centre.x == 0u {
             continue;
         }
-        let half = cell_half(centre);
-        let demand = demand_of(at, centre, half);
+        let demand = demand_of(at);
         if demand <= APPEARS {
             continue;
         }
         seen[at].centre = demand;
+        let number = atomicAdd(&counts[KEPT], 1u);
+        lists[detail.capacity / 2u + number] = at;
+        atomicMax(&closing[0], min(number / GROUP + 1u, MOST_GROUPS));
+        let half = cell_half(centre);
         if half == 1u {
             atomicMax(&counts[LEFT], bitcast<u32>(seen[at].finer));
             continue;
@@ -70,6 +77,8 @@ fn keep_cells(@builtin(global_invocation_id) id: vec3<u32>) {
             atomicMax(&counts[WITHOUT_ROOM], bitcast<u32>(demand));
             continue;
         }
-        lists[next + atomicAdd(&counts[LOOK + depth + 1u], 1u)] = children;
+        let place = atomicAdd(&counts[LOOK + depth + 1u], 1u);
+        lists[first + blocks + place] = children;
+        atomicMax(&next[ARGUMENTS * (depth + 1u) + LOOK_ARGUMENTS], min(4u * place / GROUP + 1u, MOST_GROUPS));
     }
 }

@@ -3,7 +3,7 @@
 // Places on the lattice, in integers: the twin of plugins/tessellation/src/detail/lattice.rs, where
 // sides, corners and quarters are defined. Coordinates are unsigned and wrap.
 
-#import dolomite::detail::types::DetailParams
+#import dolomite::detail::bindings::detail
 #import dolomite::terrain::fixed::{Fixed, GroundPoint, fixed_add, ground_point, mul_wide}
 
 // 1 or -1 (as u32) along x and z towards a corner.
@@ -45,53 +45,8 @@ fn cell_quarter(centre: vec2<u32>, half: u32) -> u32 {
     return select(0u, 1u, east);
 }
 
-fn cell_parent(centre: vec2<u32>, half: u32) -> vec2<u32> {
-    return cell_corner(centre, half, cell_quarter(centre, half) + 2u);
-}
-
-struct Ends {
-    a: vec2<u32>,
-    b: vec2<u32>,
-}
-
-fn is_centre(vertex: vec2<u32>) -> bool {
-    return countTrailingZeros(vertex.x) == countTrailingZeros(vertex.y);
-}
-
-// The vertices in whose middle a vertex lies.
-fn vertex_ends(vertex: vec2<u32>) -> Ends {
-    let t = vec2(countTrailingZeros(vertex.x), countTrailingZeros(vertex.y));
-    if t.x == t.y {
-        let half = 1u << t.x;
-        let outer = cell_quarter(vertex, half);
-        return Ends(cell_corner(vertex, half, outer + 2u), cell_corner(vertex, half, outer));
-    }
-    let along = select(vec2(0u, 1u), vec2(1u, 0u), t.x < t.y) * (1u << min(t.x, t.y));
-    return Ends(vertex - along, vertex + along);
-}
-
-// The lesser of the two cells that share a side's middle, and its side; the other lies across it.
-struct MidOwner {
-    centre: vec2<u32>,
-    half: u32,
-    side: u32,
-}
-
-fn mid_owner(mid: vec2<u32>) -> MidOwner {
-    let t = vec2(countTrailingZeros(mid.x), countTrailingZeros(mid.y));
-    let half = 1u << min(t.x, t.y);
-    if t.x < t.y {
-        return MidOwner(vec2(mid.x, mid.y - half), half, 3u);
-    }
-    return MidOwner(vec2(mid.x - half, mid.y), half, 2u);
-}
-
-fn on_lattice(detail: DetailParams, centre: vec2<u32>) -> bool {
+fn on_lattice(centre: vec2<u32>) -> bool {
     return all(centre < (detail.roots << vec2(detail.depth + 1u)));
-}
-
-fn is_root_corner(detail: DetailParams, vertex: vec2<u32>) -> bool {
-    return ((vertex.x | vertex.y) & ((1u << (detail.depth + 1u)) - 1u)) == 0u;
 }
 
 fn times(step: vec2<u32>, at: u32) -> Fixed {
@@ -100,14 +55,14 @@ fn times(step: vec2<u32>, at: u32) -> Fixed {
 }
 
 // World place of a lattice point.
-fn lattice_point(detail: DetailParams, at: vec2<u32>) -> GroundPoint {
+fn lattice_point(at: vec2<u32>) -> GroundPoint {
     let x = Fixed(bitcast<u32>(detail.origin_cell.x), detail.origin_frac.x);
     let z = Fixed(bitcast<u32>(detail.origin_cell.y), detail.origin_frac.y);
     return ground_point(fixed_add(x, times(detail.step_x, at.x)), fixed_add(z, times(detail.step_z, at.y)));
 }
 
 // Sides of a cell, metres.
-fn cell_sides(detail: DetailParams, half: u32) -> vec2<f32> {
+fn cell_sides(half: u32) -> vec2<f32> {
     let step = vec2(
         f32(detail.step_x.x) + f32(detail.step_x.y) * 2.3283064e-10,
         f32(detail.step_z.x) + f32(detail.step_z.y) * 2.3283064e-10,

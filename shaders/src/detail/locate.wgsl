@@ -5,22 +5,23 @@
 // numbers, so that it is exact at any distance from the origin.
 
 #import dolomite::detail::bindings::{cells, detail, links, seen}
-#import dolomite::detail::lattice::{cell_corner, cell_half, cell_quarter, cell_side_mid, corner_direction, times}
+#import dolomite::detail::lattice::{cell_half, cell_quarter, corner_direction, times}
 #import dolomite::detail::types::{NO_CELL, cell_quarters}
-#import dolomite::detail::vertices::{appears, is_drawn}
+#import dolomite::detail::vertices::{CENTRE, Vertex, appears, corner_of, is_drawn, middle_of}
 #import dolomite::terrain::fixed::{Fixed, GroundPoint, fixed_metres, fixed_sub, ground_x, ground_z}
 
 struct Located {
     // The cell that draws the triangle; NO_CELL where none is drawn.
     cell: u32,
-    // Its corners on the lattice, counter-clockwise seen from above.
-    corners: array<vec2<u32>, 3>,
+    // Its corners, counter-clockwise seen from above.
+    corners: array<Vertex, 3>,
     // How far the triangle is from the ground at most where its corners stand on it, metres.
     error: f32,
 }
 
 fn nowhere() -> Located {
-    return Located(NO_CELL, array(vec2(0u), vec2(0u), vec2(0u)), 0.0);
+    let none = Vertex(0u, 0u);
+    return Located(NO_CELL, array(none, none, none), 0.0);
 }
 
 // a < b, both without a sign.
@@ -43,9 +44,9 @@ fn root_along(place: Fixed, step: vec2<u32>, count: u32) -> u32 {
 // The triangle of a root that stays two; `off` is relative to its centre, in half sides.
 fn of_root(at: u32, centre: vec2<u32>, half: u32, off: vec2<f32>) -> Located {
     let outer = cell_quarter(centre, half);
-    var corners: array<vec2<u32>, 4>;
+    var corners: array<Vertex, 4>;
     for (var k = 0u; k < 4u; k++) {
-        corners[k] = cell_corner(centre, half, outer + k);
+        corners[k] = corner_of(at, outer + k);
     }
     // On which side of the diagonal through corner `outer` the place is, and corner `outer` + 1.
     let along = vec2<f32>(bitcast<vec2<i32>>(corner_direction(outer)));
@@ -60,14 +61,14 @@ fn of_root(at: u32, centre: vec2<u32>, half: u32, off: vec2<f32>) -> Located {
 }
 
 // The triangle of a cell that is drawn, in its quarter `quarter`, which is no cell of its own.
-fn of_cell(at: u32, centre: vec2<u32>, half: u32, quarter: u32, off: vec2<f32>) -> Located {
+fn of_cell(at: u32, quarter: u32, off: vec2<f32>) -> Located {
     // A quarter lies at the end of the side of its number and at the beginning of the next.
     let upright = abs(off.x) > abs(off.y);
     let ends = upright == ((quarter & 1u) == 0u);
     let side = select(quarter + 1u, quarter, ends) & 3u;
-    let corner = cell_corner(centre, half, quarter);
+    let middle = Vertex(at, CENTRE);
     if seen[at].middles[side] <= appears() {
-        let corners = array(centre, cell_corner(centre, half, side), cell_corner(centre, half, side + 3u));
+        let corners = array(middle, corner_of(at, side), corner_of(at, side + 3u));
         return Located(at, corners, cell_quarters(cells[at])[side]);
     }
     // Half of it: one of the two triangles of the quarter as a cell.
@@ -76,11 +77,12 @@ fn of_cell(at: u32, centre: vec2<u32>, half: u32, quarter: u32, off: vec2<f32>) 
     if children != 0u {
         error = cells[children + quarter].error;
     }
-    let mid = cell_side_mid(centre, half, side);
+    let corner = corner_of(at, quarter);
+    let mid = middle_of(at, side);
     if ends {
-        return Located(at, array(centre, corner, mid), error);
+        return Located(at, array(middle, corner, mid), error);
     }
-    return Located(at, array(centre, mid, corner), error);
+    return Located(at, array(middle, mid, corner), error);
 }
 
 fn locate(place: GroundPoint) -> Located {
@@ -116,7 +118,7 @@ fn locate(place: GroundPoint) -> Located {
         if whole {
             found = of_root(at, centre, half, off);
         } else {
-            found = of_cell(at, centre, half, quarter, off);
+            found = of_cell(at, quarter, off);
         }
         break;
     }

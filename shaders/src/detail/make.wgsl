@@ -1,27 +1,34 @@
-// Makes cells: a workgroup a block of four. Heights come from here alone. First a thread a sample, then a
-// thread an error, then a thread a cell.
+// Makes cells: a workgroup a block of four, eight threads a cell. Heights come from here alone. First the
+// samples, then errors, then the cell; each thread has every eighth sample, row or square of its cell.
 
 #import dolomite::detail::types::Cell
-#import dolomite::detail::bindings::{cells, counts, detail, detail_pass, links, GROUPS, MAKE, blocks_before, make_block}
+#import dolomite::detail::bindings::{cells, counts, detail, detail_pass, links, MAKE, blocks_before, make_block}
+#import dolomite::detail::errors::{COUNT, MIDDLE, ROUNDING, SAMPLES, STEPS, Square, TAIL, off}
 #import dolomite::detail::lattice::{cell_half, cell_quarter, cell_sides, lattice_point}
-#import dolomite::detail::errors::{BED_SHARE, COUNT, MIDDLE, ROUNDING, SAMPLES, STEPS, TAIL, ERRORS, Place, error_place, on_halves, on_quarter, residual, side_of}
 #import dolomite::detail::unseen::unseen
 #import dolomite::terrain::fixed::{Fixed, GroundPoint, fixed_add, fixed_negate, ground_point, ground_x, ground_z, mul_wide}
 #import dolomite::terrain::height::terrain_height
 
-const THREADS: u32 = 128u;
+// Threads of a cell. No barrier and no atomic number stands between them and a cell's errors: software Vulkan
+// pays for both by the thread.
+const THREADS: u32 = 8u;
 
 // COUNT a cell.
-var<workgroup> heights: array<vec3<f32>, 324>;
-// Bits of the largest errors, which are 0 and above, WORDS a cell.
-var<workgroup> largest: array<atomic<u32>, 28>;
+var<workgroup> heights: array<f32, 324>;
+// Heights and gradients at the middles of the sides and the centre, five a cell.
+var<workgroup> corners: array<vec3<f32>, 20>;
+// Of each thread.
+var<workgroup> found: array<Found, 32>;
 
-const WORDS: u32 = 7u;
-const HALVES: u32 = 0u;
-// Four.
-const QUARTERS: u32 = 1u;
-const FINER: u32 = 5u;
-const FINEST: u32 = 6u;
+// The largest errors among some samples, and the heights between which they lie.
+struct Found {
+    quarters: vec4<f32>,
+    halves: f32,
+    finer: f32,
+    finest: f32,
+    low: f32,
+    high: f32,
+}
 
 // half * step * (k - MIDDLE) / MIDDLE along one axis, rounded towards 0.
 fn part(step: vec2<u32>, half: u32, k: u32) -> Fixed {
@@ -47,104 +54,131 @@ fn part(step: vec2<u32>, half: u32, k: u32) -> Fixed {
 }
 
 fn sample_place(centre: vec2<u32>, half: u32, sample: u32) -> GroundPoint {
-    let middle = lattice_point(detail, centre);
+    let middle = lattice_point(centre);
     return ground_point(
         fixed_add(ground_x(middle), part(detail.step_x, half, sample % SAMPLES)),
         fixed_add(ground_z(middle), part(detail.step_z, half, sample / SAMPLES)),
     );
 }
 
+// Middles of the sides 0 to 3, the centre 4; 5 for other samples.
+fn slot_of(i: u32, j: u32) -> u32 {
+    let upright = select(select(5u, 3u, j == STEPS), 1u, j == 0u);
+    let level = select(select(5u, 2u, i == STEPS), 0u, i == 0u);
+    let middle = select(level, 4u, i == MIDDLE);
+    return select(select(5u, upright, i == MIDDLE), middle, j == MIDDLE);
+}
+
 // Height of the drawn surface, and of the bed as far as it is seen.
-fn surface(child: u32, i: u32, j: u32) -> vec2<f32> {
-    let height = heights[child * COUNT + j * SAMPLES + i].x;
+fn surface(cell: u32, i: u32, j: u32) -> vec2<f32> {
+    let height = heights[cell * COUNT + j * SAMPLES + i];
     return vec2(max(height, detail.sea), clamp(height, detail.sea - detail.opaque_depth, detail.sea));
 }
 
-fn raise(child: u32, word: u32, error: f32) {
-    // NaN counts as nothing: no comparison with it holds.
-    if error > 0.0 {
-        atomicMax(&largest[child * WORDS + word], bitcast<u32>(error));
-    }
+fn square_at(cell: u32, i: u32, j: u32, n: u32, outer: u32) -> Square {
+    return Square(
+        surface(cell, i, j),
+        surface(cell, i + n, j),
+        surface(cell, i + n, j + n),
+        surface(cell, i, j + n),
+        surface(cell, i + n / 2u, j + n / 2u),
+        outer,
+    );
 }
 
-fn raised(child: u32, word: u32) -> f32 {
-    return bitcast<f32>(atomicLoad(&largest[child * WORDS + word]));
+// The greater; what is not a number counts as nothing: no comparison with it holds.
+fn greater(a: f32, b: f32) -> f32 {
+    return select(a, b, b > a);
 }
 
-// One sample of one square: off the two triangles by its diagonal, and off the quarter that it lies in.
-fn measure(child: u32, place: Place, centre: vec2<u32>, half: u32) {
-    let n = place.size;
-    let i = place.corner.x;
-    let j = place.corner.y;
-    let c0 = surface(child, i, j);
-    let c1 = surface(child, i + n, j);
-    let c2 = surface(child, i + n, j + n);
-    let c3 = surface(child, i, j + n);
-    let sample = surface(child, i + place.sample.x, j + place.sample.y);
-    let u = f32(place.sample.x) / f32(n);
-    let v = f32(place.sample.y) / f32(n);
-    var outer = cell_quarter(centre, half);
-    if n < STEPS {
-        // Corners 0, 1, 2, 3 of the square of two squares that it is a quarter of.
-        let odd = vec2((i / n) & 1u, (j / n) & 1u);
-        outer = select(odd.x, 3u - odd.x, odd.y == 1u);
+// Through which corner the diagonal of a square of two squares' side goes, as quarters count.
+fn diagonal(i: u32, j: u32) -> u32 {
+    return select(i & 1u, 3u - (i & 1u), (j & 1u) == 1u);
+}
+
+// Errors of the cell as a whole: every eighth sample.
+fn whole(cell: u32, first: u32, outer: u32, before: Found) -> Found {
+    var here = before;
+    let square = square_at(cell, 0u, 0u, STEPS, outer);
+    for (var k = first; k < COUNT; k += THREADS) {
+        let i = k % SAMPLES;
+        let j = k / SAMPLES;
+        let sample = surface(cell, i, j);
+        here.low = select(here.low, sample.x, sample.x < here.low);
+        here.high = greater(here.high, sample.x);
+        let error = off(square, sample, f32(i) / f32(STEPS), f32(j) / f32(STEPS));
+        here.halves = greater(here.halves, error.halves);
+        let own = vec4(error.side) == vec4(0u, 1u, 2u, 3u);
+        here.quarters = select(here.quarters, vec4(error.quarters), own & (vec4(error.quarters) > here.quarters));
     }
-    let halves = residual(sample - on_halves(c0, c1, c2, c3, u, v, outer));
-    let middle = surface(child, i + n / 2u, j + n / 2u);
-    let dx = 2.0 * u - 1.0;
-    let dz = 2.0 * v - 1.0;
-    let out = max(abs(dx), abs(dz));
-    let side = side_of(dx, dz);
-    var quarter = vec2(0.0);
-    // From corner side - 1 to corner side.
-    if side == 0u {
-        quarter = on_quarter(middle, c3, c0, out, -dz);
-    } else if side == 1u {
-        quarter = on_quarter(middle, c0, c1, out, dx);
-    } else if side == 2u {
-        quarter = on_quarter(middle, c1, c2, out, dz);
-    } else {
-        quarter = on_quarter(middle, c2, c3, out, -dx);
+    return here;
+}
+
+// Of its quarters: every eighth row of samples.
+fn quarters(cell: u32, first: u32, before: Found) -> Found {
+    const N: u32 = STEPS / 2u;
+    var here = before;
+    for (var k = first; k < 4u * (N + 1u); k += THREADS) {
+        let number = k / (N + 1u);
+        let row = k % (N + 1u);
+        let i = number & 1u;
+        let j = number >> 1u;
+        let square = square_at(cell, i * N, j * N, N, diagonal(i, j));
+        for (var x = 0u; x <= N; x++) {
+            let error = off(square, surface(cell, i * N + x, j * N + row), f32(x) / f32(N), f32(row) / f32(N));
+            here.finer = greater(here.finer, greater(error.halves, error.quarters));
+        }
     }
-    let quarters = residual(sample - quarter);
-    if n == STEPS {
-        raise(child, HALVES, halves);
-        raise(child, QUARTERS + side, quarters);
-        return;
+    return here;
+}
+
+// Of their quarters: every eighth square.
+fn sixteenths(cell: u32, first: u32, before: Found) -> Found {
+    const N: u32 = STEPS / 4u;
+    var here = before;
+    for (var number = first; number < 16u; number += THREADS) {
+        let i = number & 3u;
+        let j = number >> 2u;
+        let square = square_at(cell, i * N, j * N, N, diagonal(i, j));
+        for (var k = 0u; k < (N + 1u) * (N + 1u); k++) {
+            let x = k % (N + 1u);
+            let z = k / (N + 1u);
+            let error = off(square, surface(cell, i * N + x, j * N + z), f32(x) / f32(N), f32(z) / f32(N));
+            here.finer = greater(here.finer, greater(error.halves, error.quarters));
+            here.finest = greater(here.finest, error.quarters);
+        }
     }
-    raise(child, FINER, max(halves, quarters));
-    if n == 2u {
-        raise(child, FINEST, quarters);
-    }
+    return here;
 }
 
 fn greatest(v: vec4<f32>) -> f32 {
     return max(max(v.x, v.y), max(v.z, v.w));
 }
 
-fn made(child: u32, centre: vec2<u32>, half: u32) -> Cell {
-    let finer = raised(child, FINER);
-    var low = 1e30;
-    var high = -1e30;
-    for (var k = 0u; k < COUNT; k++) {
-        let height = max(heights[child * COUNT + k].x, detail.sea);
-        low = min(low, height);
-        high = max(high, height);
+fn made(cell: u32, centre: vec2<u32>, half: u32) -> Cell {
+    var all = found[cell * THREADS];
+    for (var k = 1u; k < THREADS; k++) {
+        let other = found[cell * THREADS + k];
+        all.quarters = max(all.quarters, other.quarters);
+        all.halves = max(all.halves, other.halves);
+        all.finer = max(all.finer, other.finer);
+        all.finest = max(all.finest, other.finest);
+        all.low = min(all.low, other.low);
+        all.high = max(all.high, other.high);
     }
-    let sides = cell_sides(detail, half);
-    let missed = TAIL * raised(child, FINEST)
-        + unseen(lattice_point(detail, centre), sides, max(sides.x, sides.y) / f32(STEPS))
-        + ROUNDING * max(abs(low), abs(high));
-    let own = vec4(raised(child, QUARTERS), raised(child, QUARTERS + 1u), raised(child, QUARTERS + 2u), raised(child, QUARTERS + 3u));
-    let quarters = max(own, vec4(finer)) + missed;
-    let error = max(raised(child, HALVES) + missed, greatest(quarters));
-    let first = child * COUNT;
-    let north = heights[first + MIDDLE];
-    let east = heights[first + MIDDLE * SAMPLES + STEPS];
-    let south = heights[first + STEPS * SAMPLES + MIDDLE];
+    let sides = cell_sides(half);
+    let missed = TAIL * all.finest
+        + unseen(lattice_point(centre), sides, max(sides.x, sides.y) / f32(STEPS))
+        + ROUNDING * max(abs(all.low), abs(all.high));
+    let quarters = max(all.quarters, vec4(all.finer)) + missed;
+    let error = max(all.halves + missed, greatest(quarters));
+    let first = 5u * cell;
+    let north = corners[first + 1u];
+    let east = corners[first + 2u];
+    let south = corners[first + 3u];
     return Cell(
-        vec4(heights[first + MIDDLE * SAMPLES + MIDDLE], low - error),
-        heights[first + MIDDLE * SAMPLES],
+        vec4(corners[first + 4u], all.low - error),
+        corners[first],
         north.x,
         north.yz,
         east.xy,
@@ -152,40 +186,46 @@ fn made(child: u32, centre: vec2<u32>, half: u32) -> Cell {
         south.x,
         south.yz,
         error,
-        high + error,
+        all.high + error,
         quarters.xy,
         quarters.zw,
-        finer + missed,
+        all.finer + missed,
         0.0,
     );
 }
 
-@compute @workgroup_size(128)
-fn make_cells(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+@compute @workgroup_size(32)
+fn make_cells(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
     let first = blocks_before(MAKE, detail_pass.depth);
     let last = first + atomicLoad(&counts[MAKE + detail_pass.depth]);
+    let cell = thread / THREADS;
+    let own = thread % THREADS;
     // The same for all threads of a group, as barriers need it.
-    for (var at = first + group.x; at < last; at += GROUPS) {
-        let block = make_block(at);
-        for (var k = thread; k < 4u * COUNT; k += THREADS) {
-            let centre = links[block + k / COUNT].centre;
-            heights[k] = terrain_height(sample_place(centre, cell_half(centre), k % COUNT));
-        }
-        if thread < 4u * WORDS {
-            atomicStore(&largest[thread], 0u);
-        }
-        workgroupBarrier();
-        for (var k = thread; k < 4u * ERRORS; k += THREADS) {
-            let child = k / ERRORS;
-            let centre = links[block + child].centre;
-            measure(child, error_place(k % ERRORS), centre, cell_half(centre));
-        }
-        workgroupBarrier();
-        if thread < 4u {
-            let centre = links[block + thread].centre;
-            if centre.x != 0u {
-                cells[block + thread] = made(thread, centre, cell_half(centre));
+    for (var at = first + group.x; at < last; at += groups.x) {
+        let number = make_block(at) + cell;
+        let centre = links[number].centre;
+        let half = cell_half(centre);
+        for (var k = own; k < COUNT; k += THREADS) {
+            let height = terrain_height(sample_place(centre, half, k));
+            heights[cell * COUNT + k] = height.x;
+            let slot = slot_of(k % SAMPLES, k / SAMPLES);
+            if slot < 5u {
+                corners[5u * cell + slot] = height;
             }
+        }
+        workgroupBarrier();
+        var here = Found(vec4(0.0), 0.0, 0.0, 0.0, 1e30, -1e30);
+        here = whole(cell, own, cell_quarter(centre, half), here);
+        here = quarters(cell, own, here);
+        found[thread] = sixteenths(cell, own, here);
+        workgroupBarrier();
+        // Where there are few roots a block of them is not full.
+        if own == 0u && centre.x != 0u {
+            cells[number] = made(cell, centre, half);
         }
         workgroupBarrier();
     }

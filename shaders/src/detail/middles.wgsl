@@ -1,10 +1,10 @@
-// Demands of the middles of all cells that are drawn, and how many vertices have which demand. A
-// thread a cell.
+// Demands of the middles of all cells that are kept, and how many vertices have which demand. A thread a
+// cell.
 
 #import dolomite::detail::types::{APPEARS, NO_CELL}
-#import dolomite::detail::bindings::{counts, detail, links, seen, BINS, HISTOGRAM, LOOK, STEPS_AN_OCTAVE, THREADS, blocks_before, look_block}
-#import dolomite::detail::find::find_cell
+#import dolomite::detail::bindings::{counts, detail, links, seen, BINS, GROUP, HISTOGRAM, KEPT, STEPS_AN_OCTAVE, kept_cell}
 #import dolomite::detail::lattice::{cell_half, on_lattice, side_direction}
+#import dolomite::detail::room::room
 
 // The greatest demand of the quarters of a cell that touch one of its sides.
 fn touching(at: u32, side: u32) -> f32 {
@@ -30,33 +30,35 @@ fn count(demand: f32, vertices: u32) {
 }
 
 @compute @workgroup_size(64)
-fn find_middles(@builtin(global_invocation_id) id: vec3<u32>) {
-    let last = 4u * blocks_before(LOOK, detail.depth + 1u);
-    for (var k = id.x; k < last; k += THREADS) {
-        let at = look_block(k / 4u) + (k & 3u);
+fn find_middles(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let last = atomicLoad(&counts[KEPT]);
+    for (var k = id.x; k < last; k += groups.x * GROUP) {
+        let at = kept_cell(k);
         let centre = links[at].centre;
-        if centre.x == 0u || seen[at].centre <= APPEARS {
-            continue;
-        }
         let half = cell_half(centre);
+        let beside = seen[at].beside;
         var demands = vec4(0.0);
         for (var side = 0u; side < 4u; side++) {
             let own = max(seen[at].sides[side], touching(at, side));
-            let beside = centre + side_direction(side) * (2u * half);
-            if !on_lattice(detail, beside) {
-                demands[side] = own;
-                count(own, 2u);
-                continue;
-            }
-            let there = find_cell(at, beside, half);
-            if there != NO_CELL && seen[there].centre > APPEARS {
+            let there = beside[side];
+            if there == NO_CELL {
+                // Nothing is beyond the border of the ground.
+                if !on_lattice(centre + side_direction(side) * (2u * half)) {
+                    demands[side] = own;
+                }
+            } else if seen[there].centre > APPEARS {
                 let facing = (side + 2u) & 3u;
                 demands[side] = max(own, max(seen[there].sides[facing], touching(there, facing)));
-                // Each of both cells counts a half.
-                count(demands[side], 1u);
             }
         }
         seen[at].middles = demands;
-        count(seen[at].centre, 2u);
+        // In halves: a centre counts two, a middle one for each of the cells beside it. Where all of them
+        // have room anyway nobody asks.
+        if 10u * last > room() {
+            count(seen[at].centre, 2u);
+            for (var side = 0u; side < 4u; side++) {
+                count(demands[side], select(1u, 2u, beside[side] == NO_CELL));
+            }
+        }
     }
 }

@@ -46,7 +46,13 @@ struct DetailParams {
     opaque_depth: f32,
     // Height of the stage's anchor: positions are stored relative to it.
     anchor_height: f32,
-    pad: f32,
+    // What is left out of the picture, see cull.wgsl.
+    flags: u32,
+    // The picture: from places in the stage to clip space, and half its size in pixels.
+    clip: mat4x4<f32>,
+    half_size: vec2<f32>,
+    pad_a: f32,
+    pad_b: f32,
 }
 
 // A cell as it was made, see Cell in cell.rs.
@@ -80,10 +86,14 @@ struct Link {
 
 // A cell in a view.
 struct ViewCell {
-    // Demands of the middles of the sides.
+    // Demands of the middles of the sides; of kept cells.
     middles: vec4<f32>,
     // Own demands: of the triangles at the sides.
     sides: vec4<f32>,
+    // The cells of its size beyond the sides and beyond the corners; NO_CELL where this choice did not
+    // look at any.
+    beside: vec4<u32>,
+    across: vec4<u32>,
     // As two triangles, and of everything finer.
     whole: f32,
     finer: f32,
@@ -93,10 +103,11 @@ struct ViewCell {
     stamp: u32,
     // Number of its first vertex: the centre, then the middles that it owns.
     first: u32,
+    // Bits of the middles that it owns.
+    own: u32,
     // 1 where it is seen, itself or its shadow.
     seen: u32,
-    pad_a: u32,
-    pad_b: u32,
+    pad: u32,
 }
 
 const NO_CELL: u32 = 0xffffffffu;

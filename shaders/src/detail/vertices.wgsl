@@ -1,13 +1,19 @@
 #define_import_path dolomite::detail::vertices
 
-// Numbers and heights of the vertices that are drawn; the twin of Finder in
-// plugins/tessellation/src/detail/mesh.rs, where the height of an arriving vertex is derived.
+// Vertices by the cells that own them, and their numbers. What lies at a cell's corner is found by going up:
+// a corner is the parent's centre, the middle of one of its sides, or its corner too.
 
-#import dolomite::detail::types::{APPEARS, cell_mid}
-#import dolomite::detail::bindings::{cells, counts, detail, seen, COARSENING}
-#import dolomite::detail::find::find_cell
-#import dolomite::detail::lattice::{is_centre, is_root_corner, mid_owner, on_lattice, side_direction, vertex_ends}
-#import dolomite::detail::roots::root_corner
+#import dolomite::detail::types::{APPEARS, NO_CELL, cell_mid}
+#import dolomite::detail::bindings::{cells, counts, detail, links, seen, COARSENING, root_count}
+
+// A vertex: middle of one of a cell's sides 0 to 3, its centre; or a corner of the roots by its number.
+struct Vertex {
+    cell: u32,
+    slot: u32,
+}
+
+const CENTRE: u32 = 4u;
+const ROOT_CORNER: u32 = 5u;
 
 fn coarsening() -> f32 {
     return bitcast<f32>(atomicLoad(&counts[COARSENING]));
@@ -28,118 +34,74 @@ fn is_drawn(first: u32, quarter: u32) -> bool {
     return first != 0u && seen[child].stamp == detail.stamp && seen[child].centre > appears();
 }
 
-// Whether the middle of a side is drawn and belongs to the cell: of two cells to the one with the lesser
-// coordinate.
-fn owns(at: u32, centre: vec2<u32>, half: u32, side: u32) -> bool {
-    let beside = centre + side_direction(side) * (2u * half);
-    return seen[at].middles[side] > appears() && (side >= 2u || !on_lattice(detail, beside));
+// Bits of the middles that are drawn and belong to the cell: of two cells to the one with the lesser
+// coordinate. Where a middle is drawn both cells are kept, unless one is beyond the border.
+fn owned(at: u32) -> u32 {
+    var bits = 0u;
+    for (var side = 0u; side < 4u; side++) {
+        let own = seen[at].middles[side] > appears() && (side >= 2u || seen[at].beside[side] == NO_CELL);
+        bits |= select(0u, 1u << side, own);
+    }
+    return bits;
 }
 
-struct Owner {
-    cell: u32,
-    side: u32,
+// The middle of a side that is drawn.
+fn middle_of(cell: u32, side: u32) -> Vertex {
+    let k = side & 3u;
+    let beside = seen[cell].beside[k];
+    if k < 2u && beside != NO_CELL {
+        return Vertex(beside, k + 2u);
+    }
+    return Vertex(cell, k);
 }
 
-// Where a middle stands. `near` is any cell.
-fn owner_of(near: u32, mid: vec2<u32>) -> Owner {
-    let lesser = mid_owner(mid);
-    if on_lattice(detail, lesser.centre) {
-        return Owner(find_cell(near, lesser.centre, lesser.half), lesser.side);
-    }
-    let other = lesser.centre + side_direction(lesser.side) * (2u * lesser.half);
-    return Owner(find_cell(near, other, lesser.half), lesser.side ^ 2u);
+fn root_corner_number(root: u32, corner: u32) -> u32 {
+    let k = corner & 3u;
+    let x = root % detail.roots.x + select(0u, 1u, k == 1u || k == 2u);
+    let z = root / detail.roots.x + select(0u, 1u, k >= 2u);
+    return z * (detail.roots.x + 1u) + x;
 }
 
-// Number of a vertex that is drawn.
-fn vertex_number(near: u32, vertex: vec2<u32>) -> u32 {
-    if is_root_corner(detail, vertex) {
-        let place = vertex >> vec2(detail.depth + 1u);
-        return place.y * (detail.roots.x + 1u) + place.x;
+// The vertex at a corner of a cell that is drawn, or of a root.
+fn corner_of(cell: u32, corner: u32) -> Vertex {
+    var at = cell;
+    // 0 where the corner is the parent's too, else 1 to 3 round from there.
+    var turn = 0u;
+    var quarter = 0u;
+    while turn == 0u && at >= root_count() {
+        // Blocks of four are aligned.
+        quarter = at & 3u;
+        turn = (corner - quarter) & 3u;
+        at = links[at].parent;
     }
-    if is_centre(vertex) {
-        return seen[find_cell(near, vertex, 1u << countTrailingZeros(vertex.x))].first;
+    if turn == 0u {
+        return Vertex(root_corner_number(at, corner), ROOT_CORNER);
     }
-    let owner = owner_of(near, vertex);
-    let half = 1u << min(countTrailingZeros(vertex.x), countTrailingZeros(vertex.y));
-    let centre = vertex - side_direction(owner.side) * half;
-    var number = seen[owner.cell].first + 1u;
-    for (var side = 0u; side < owner.side; side++) {
-        number += select(0u, 1u, owns(owner.cell, centre, half, side));
+    if turn == 2u {
+        return Vertex(at, CENTRE);
     }
-    return number;
+    return middle_of(at, quarter + select(0u, 1u, turn == 1u));
 }
 
-// A vertex as the height of others depends on it.
-struct Term {
-    vertex: vec2<u32>,
-    weight: f32,
-    // Its share of the way, and the surface where it has arrived.
-    share: f32,
-    surface: f32,
+fn vertex_number(vertex: Vertex) -> u32 {
+    if vertex.slot == ROOT_CORNER {
+        return vertex.cell;
+    }
+    let before = seen[vertex.cell].own & ((1u << vertex.slot) - 1u);
+    return seen[vertex.cell].first + select(1u + countOneBits(before), 0u, vertex.slot == CENTRE);
 }
 
-fn term(near: u32, vertex: vec2<u32>, weight: f32) -> Term {
-    var share = 1.0;
-    var height: f32;
-    if is_root_corner(detail, vertex) {
-        height = root_corner(vertex).x;
-    } else if is_centre(vertex) {
-        let cell = find_cell(near, vertex, 1u << countTrailingZeros(vertex.x));
-        share = arrived(seen[cell].centre);
-        height = cells[cell].centre.x;
-    } else {
-        let owner = owner_of(near, vertex);
-        share = arrived(seen[owner.cell].middles[owner.side]);
-        height = cell_mid(cells[owner.cell], owner.side).x;
+// Height and gradient of the ground at a vertex of a cell.
+fn cell_ground(vertex: Vertex) -> vec3<f32> {
+    if vertex.slot == CENTRE {
+        return cells[vertex.cell].centre.xyz;
     }
-    return Term(vertex, weight, share, max(height, detail.sea));
+    return cell_mid(cells[vertex.cell], vertex.slot);
 }
 
-// Height of the drawn surface at a vertex.
-fn drawn_height(near: u32, vertex: vec2<u32>) -> f32 {
-    var terms: array<Term, 4>;
-    terms[0] = term(near, vertex, 1.0);
-    var count = 1u;
-    var since = 0.0;
-    var height = 0.0;
-    loop {
-        var least = 0u;
-        var surface = 0.0;
-        for (var k = 0u; k < count; k++) {
-            surface += terms[k].weight * terms[k].surface;
-            if terms[k].share < terms[least].share {
-                least = k;
-            }
-        }
-        let until = max(terms[least].share, since);
-        if until >= 1.0 && since == 0.0 {
-            // No sum where nothing moves: the very bits of the height.
-            return surface;
-        }
-        height += (until - since) * surface;
-        if until >= 1.0 {
-            break;
-        }
-        since = until;
-        let leaving = terms[least];
-        count -= 1u;
-        terms[least] = terms[count];
-        let ends = vertex_ends(leaving.vertex);
-        for (var e = 0u; e < 2u; e++) {
-            let end = select(ends.a, ends.b, e == 1u);
-            var known = false;
-            for (var k = 0u; k < count; k++) {
-                if all(terms[k].vertex == end) {
-                    terms[k].weight += 0.5 * leaving.weight;
-                    known = true;
-                }
-            }
-            // Never more than the three corners of one triangle.
-            if !known && count < 4u {
-                terms[count] = term(near, end, 0.5 * leaving.weight);
-                count += 1u;
-            }
-        }
+fn cell_demand(vertex: Vertex) -> f32 {
+    if vertex.slot == CENTRE {
+        return seen[vertex.cell].centre;
     }
-    return height;
+    return seen[vertex.cell].middles[vertex.slot];
 }

@@ -3,7 +3,7 @@
 // What an error on the ground is in the picture, at most: the twin of
 // plugins/tessellation/src/detail/view.rs, where the formulas are derived.
 
-#import dolomite::detail::types::DetailView
+#import dolomite::detail::bindings::detail
 
 struct Sight {
     // Share of the detail: 1 in the frustum, less where only its shadow is, 0 where nothing is.
@@ -14,15 +14,15 @@ struct Sight {
     distance: f32,
 }
 
-fn box_share(view: DetailView, low: vec3<f32>, high: vec3<f32>) -> f32 {
+fn box_share(low: vec3<f32>, high: vec3<f32>) -> f32 {
     var share = 1.0;
     for (var k = 0u; k < 6u; k++) {
-        let plane = view.planes[k];
+        let plane = detail.view.planes[k];
         let farthest = select(low, high, plane.xyz >= vec3(0.0));
         let inside = dot(plane.xyz, farthest) + plane.w;
         if inside < 0.0 {
-            share = select(view.shadow_share, 0.0, all(view.sweep == vec3(0.0)));
-            if inside + max(dot(plane.xyz, view.sweep), 0.0) < 0.0 {
+            share = select(detail.view.shadow_share, 0.0, all(detail.view.sweep == vec3(0.0)));
+            if inside + max(dot(plane.xyz, detail.view.sweep), 0.0) < 0.0 {
                 return 0.0;
             }
         }
@@ -36,20 +36,20 @@ fn across(axis: vec3<f32>, centre: vec3<f32>, half: vec3<f32>) -> f32 {
 }
 
 // `centre` relative to the eye.
-fn box_pixels(view: DetailView, centre: vec3<f32>, half: vec3<f32>, distance: f32) -> f32 {
-    if view.orthographic == 1.0 {
-        return view.scale * sqrt(view.right.y * view.right.y + view.up.y * view.up.y);
+fn box_pixels(centre: vec3<f32>, half: vec3<f32>, distance: f32) -> f32 {
+    if detail.view.orthographic == 1.0 {
+        return detail.view.scale * sqrt(detail.view.right.y * detail.view.right.y + detail.view.up.y * detail.view.up.y);
     }
-    let least = max(dot(centre, view.forward) - dot(half, abs(view.forward)), view.near);
-    let seen = max(least, distance * view.cos_corner);
-    let moved = max(least, seen - 2.0 * half.y * abs(view.forward.y));
-    let far = length(vec2(across(view.right, centre, half), across(view.up, centre, half))) / (seen * moved);
-    return view.scale * min(far, 1.0 / (view.cos_corner * moved));
+    let least = max(dot(centre, detail.view.forward) - dot(half, abs(detail.view.forward)), detail.view.near);
+    let seen = max(least, distance * detail.view.cos_corner);
+    let moved = max(least, seen - 2.0 * half.y * abs(detail.view.forward.y));
+    let far = length(vec2(across(detail.view.right, centre, half), across(detail.view.up, centre, half))) / (seen * moved);
+    return detail.view.scale * min(far, 1.0 / (detail.view.cos_corner * moved));
 }
 
-fn box_sight(view: DetailView, low: vec3<f32>, high: vec3<f32>) -> Sight {
-    let centre = (low + high) * 0.5 - view.eye;
+fn box_sight(low: vec3<f32>, high: vec3<f32>) -> Sight {
+    let centre = (low + high) * 0.5 - detail.view.eye;
     let half = (high - low) * 0.5;
     let distance = length(max(abs(centre) - half, vec3(0.0)));
-    return Sight(box_share(view, low, high), box_pixels(view, centre, half, distance), distance);
+    return Sight(box_share(low, high), box_pixels(centre, half, distance), distance);
 }

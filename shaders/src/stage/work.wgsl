@@ -2,7 +2,7 @@
 
 // What the passes of the stage leave to each other in one buffer, in words:
 //
-//   head      32  draw and dispatch arguments, counters
+//   head      40  draw and dispatch arguments, counters
 //   corners    1  each: 1 where a patch uses it
 //   edges      1  each: the greatest level that a patch beside it asks for, 0 without
 //   inner      4  each patch: inner levels (isolines: lines, segments), 0 where it is discarded; as
@@ -40,7 +40,9 @@ const SHARE: u32 = 18u;
 const GRID_DISPATCH: u32 = 19u;
 // draw_indirect of the same primitives, their indices fetched by the shader: index count, 1, 0, 0.
 const PLAIN: u32 = 22u;
-const HEAD: u32 = 32u;
+// draw_indexed_indirect of what the camera does not see, for shadows: of the level of detail.
+const OTHERS: u32 = 32u;
+const HEAD: u32 = 40u;
 #ifdef STAGE_SPLIT
 const INNER_WORDS: u32 = 5u;
 #else

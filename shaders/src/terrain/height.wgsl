@@ -4,7 +4,7 @@
 // `Terrain::sample` in plugins/terrain/src/terrain.rs.
 
 #import dolomite::terrain::fixed::{Fixed, GroundPoint, fixed_metres, fixed_sub, ground_x, ground_z}
-#import dolomite::terrain::layer::{Layer, ERODED, CLASSIC, BICUBIC}
+#import dolomite::terrain::layer::{Layer, ERODED, CLASSIC, BILINEAR, BICUBIC, HILL}
 #import dolomite::terrain::bindings::{terrain, terrain_layers}
 #import dolomite::terrain::fractal::fractal_height
 #import dolomite::terrain::classic::classic_height
@@ -38,16 +38,29 @@ fn terrain_height(p: GroundPoint) -> vec3<f32> {
     var height = vec3(terrain.base, 0.0, 0.0);
     for (var i = 0u; i < terrain.layer_count; i++) {
         let layer = terrain_layers[i];
-        var added: vec3<f32>;
+        var added = vec3(0.0);
+        // Whoever knows that a terrain has no layer of a kind leaves it out: software Vulkan runs all sides of a
+        // branch.
+#ifndef TERRAIN_WITHOUT_FRACTALS
         if layer.kind <= ERODED {
             added = fractal_height(layer, x, z);
-        } else if layer.kind == CLASSIC {
+        }
+#endif
+#ifndef TERRAIN_WITHOUT_CLASSIC
+        if layer.kind == CLASSIC {
             added = classic_height(layer, x, z);
-        } else if layer.kind <= BICUBIC {
+        }
+#endif
+#ifndef TERRAIN_WITHOUT_MAPS
+        if layer.kind == BILINEAR || layer.kind == BICUBIC {
             added = map_height(layer, x, z);
-        } else {
+        }
+#endif
+#ifndef TERRAIN_WITHOUT_HILLS
+        if layer.kind == HILL {
             added = hill_height(layer, x, z);
         }
+#endif
         height = masked(layer, height, added);
     }
     return height;

@@ -25,12 +25,14 @@
 //! | [`view`] | what a vertical metre is in pixels, at most |
 //! | [`mod@select`] | which vertices a view gets |
 //! | [`mod@mesh`] | their heights, and the triangles |
+//! | [`cull`] | which of these a picture shows nothing of |
 //! | [`layout`] | the same on the GPU: records and passes |
 //! | [`probe`] | the triangle under a place: ground answers |
 //! | [`ring`] | answers on their way back, without waiting |
 
 pub mod budget;
 pub mod cell;
+pub mod cull;
 pub mod lattice;
 pub mod layout;
 pub mod mesh;
@@ -41,6 +43,7 @@ pub mod settings;
 pub mod view;
 
 pub use cell::{Cell, DetailCells};
+pub use cull::Picture;
 pub use lattice::{CellPlace, DetailLattice};
 pub use mesh::{DetailMesh, DetailVertex};
 pub use probe::DrawnProbes;

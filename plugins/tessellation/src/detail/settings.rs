@@ -126,6 +126,9 @@ pub struct Detail {
     pub max_vertices: u32,
     /// Share of the detail that ground gets which is seen through its shadow alone, 0 to 1.
     pub shadow_share: f32,
+    /// Leaves out the triangles of which the picture shows nothing: beyond its borders, or facing away. The
+    /// picture is the same without; it is there to be compared with.
+    pub culled: bool,
 }
 
 impl Default for Detail {
@@ -135,6 +138,7 @@ impl Default for Detail {
             finest: 0.125,
             max_vertices: 1 << 18,
             shadow_share: 0.25,
+            culled: true,
         }
     }
 }
@@ -148,6 +152,7 @@ impl Detail {
             finest: within(self.finest, 1.0 / 1024.0, 1024.0, 0.125),
             max_vertices: self.max_vertices.clamp(1 << 10, 1 << 22),
             shadow_share: within(self.shadow_share, 0.0, 1.0, 0.25),
+            culled: self.culled,
         }
     }
 }

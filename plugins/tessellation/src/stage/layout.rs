@@ -79,13 +79,15 @@ impl StageParams {
 }
 
 /// Words at the start of the work buffer, as `HEAD` in `work.wgsl`.
-pub const HEAD_WORDS: u64 = 32;
+pub const HEAD_WORDS: u64 = 40;
 /// Items of a block, as in `work.wgsl`.
 pub const BLOCK: u32 = 256;
 /// Byte offset in the work buffer of the arguments for `draw_indirect`.
 pub const AMPLIFIED_ARGUMENTS: u64 = 5 * 4;
 /// Byte offset in the work buffer of the arguments for the draw of lines.
 pub const PLAIN_ARGUMENTS: u64 = 22 * 4;
+/// Byte offset in the work buffer of the arguments for the draw of what the camera does not see.
+pub const OTHERS_ARGUMENTS: u64 = 32 * 4;
 /// Vertices of a thread of `emit_vertices`, as in `work.wgsl`.
 const VERTEX_RUN: u64 = 4;
 /// Primitives of a thread of `emit_grid` and `emit_strips` on average, as in `work.wgsl`.
@@ -129,6 +131,10 @@ pub struct WorkHead {
     pub left: u32,
     /// Of the level of detail: cells that are kept.
     pub kept_cells: u32,
+    /// Fills up to 32 words.
+    pub pad: [u32; 3],
+    /// Of the level of detail: arguments of the indexed draw of what the camera does not see, for shadows.
+    pub others: [u32; 5],
 }
 
 /// What the draws know; see the WGSL file for units and meanings.

@@ -19,8 +19,8 @@ use super::extract::ExtractedStageCamera;
 use super::pipeline::{DrawKey, KindPipelines, KindView, Picture, fetches};
 use super::prepare::{Kind, KindTraits, StageKinds, ViewGroups, ViewKind};
 use crate::stage::layout::{
-    AMPLIFIED_ARGUMENTS, DRAW_SLOT, GRID_DISPATCH_ARGUMENTS, PLAIN_ARGUMENTS, StageDraw,
-    VERTEX_DISPATCH_ARGUMENTS,
+    AMPLIFIED_ARGUMENTS, DRAW_SLOT, GRID_DISPATCH_ARGUMENTS, OTHERS_ARGUMENTS, PLAIN_ARGUMENTS,
+    StageDraw, VERTEX_DISPATCH_ARGUMENTS,
 };
 
 /// Columns of a dispatch's grid, as in `work.wgsl`.
@@ -483,7 +483,13 @@ pub fn draw_shadows(
                         pass.draw_indexed_indirect(&ranges.arguments, at);
                     }
                 }
-                None => draw(&mut pass, state, groups, &kind.traits, false, offset),
+                None => {
+                    draw(&mut pass, state, groups, &kind.traits, false, offset);
+                    if kind.given {
+                        // What faces away from the camera, or lies beside its picture.
+                        pass.draw_indexed_indirect(&state.work, OTHERS_ARGUMENTS);
+                    }
+                }
             }
         }
         span.end(&mut pass);

@@ -145,6 +145,8 @@ pub struct ViewKind {
     /// Of the kind's buffers that the bind groups hold.
     generation: u64,
     previous_clip: Option<DMat4>,
+    /// From the stage to clip space, without the jitter of temporal anti-aliasing.
+    pub steady_clip: Mat4,
     /// Shadow views to draw into, and the slot of each.
     pub shadows: Vec<(Entity, u32)>,
     /// What of the kind they see, if it has bounds.
@@ -427,6 +429,8 @@ pub fn views(
             }
             state.fit(&device, &params, traits, buffers.generation);
             state.anchor = space.anchor;
+            state.steady_clip =
+                Mat4::from_cols_array_2d(&space.clip_from_stage(matrices.steady_clip_from_world));
             let timeless = kind.traits.evaluated;
             state.update(&queue, &params, kind.version, [timeless, kind.still]);
             let mut main = StageDraw {
@@ -553,6 +557,7 @@ impl ViewKind {
             shown: [true, false],
             generation: 0,
             previous_clip: None,
+            steady_clip: Mat4::IDENTITY,
             shadows: Vec::new(),
             ranges: traits.bounded.then(|| ShadowRanges::new(device)),
             cleared: 0,

@@ -33,34 +33,44 @@ pub(super) fn choose(
     let made = mesh(&own.ground, &selection);
     // Corners of the roots are not among the vertices that the selection counts.
     let room = params.max_vertices as usize;
-    let vertices: Vec<[u32; 5]> = made
+    let stored: Vec<[u32; 5]> = made
         .vertices
         .iter()
         .take(room)
         .map(|vertex| stored(vertex, &view, own.ground.sea(), anchor_height))
         .collect();
-    let indices: Vec<u32> = made
+    let mut triangles: Vec<[u32; 3]> = made
         .triangles
         .iter()
         .filter(|triangle| triangle.iter().all(|&corner| (corner as usize) < room))
         .take(params.max_primitives as usize)
-        .flatten()
         .copied()
         .collect();
-    let count = indices.len() as u32;
+    let mut seen = triangles.len();
+    if let Some((picture, shadowed)) = &own.culled {
+        let place = |vertex: &[u32; 5]| Vec3::from([0, 1, 2].map(|k| f32::from_bits(vertex[k])));
+        let places: Vec<Vec3> = stored.iter().map(place).collect();
+        seen = picture.sort(&mut triangles, &places);
+        if !shadowed {
+            triangles.truncate(seen);
+        }
+    }
+    let count = 3 * seen as u32;
+    let others = 3 * triangles.len() as u32 - count;
     let head = WorkHead {
         indexed: [count, 1, 0, 0, 0],
         plain: [count, 1, 0, 0],
-        vertices: vertices.len() as u32,
+        vertices: stored.len() as u32,
         primitives: count / 3,
         wanted_vertices: made.vertices.len() as u32,
         wanted_primitives: made.triangles.len() as u32,
         coarsening: selection.coarsening.to_bits(),
         left: selection.held.to_bits(),
         kept_cells: own.ground.len() as u32,
+        others: [others, 1, count, 0, 0],
         ..WorkHead::zeroed()
     };
-    let (vertices, indices): (&[u8], &[u8]) = (cast_slice(&vertices), cast_slice(&indices));
+    let (vertices, indices): (&[u8], &[u8]) = (cast_slice(&stored), cast_slice(&triangles));
     queue.write_buffer(&state.vertices, 0, vertices);
     queue.write_buffer(&state.indices, 0, indices);
     queue.write_buffer(&state.work, 0, bytes_of(&head));

@@ -9,6 +9,7 @@ mod pass;
 mod pipeline;
 mod prepare;
 pub(in crate::render::ground) mod probe;
+mod view;
 
 use std::marker::PhantomData;
 

@@ -4,19 +4,18 @@ use std::any::TypeId;
 
 use bevy::prelude::*;
 use bevy::render::diagnostic::RecordDiagnostics;
-use bevy::render::render_resource::{
-    ComputePass, ComputePassDescriptor, ComputePipeline, PipelineCache,
-};
+use bevy::render::render_resource::{ComputePassDescriptor, PipelineCache};
 use bevy::render::renderer::{RenderContext, ViewQuery};
 
 use super::DetailKind;
 use super::prepare::{DetailViews, SLOT};
-use crate::detail::layout::{DEPTH_PASSES, GROUPS, LAST_PASSES};
+use crate::detail::layout::{DEPTH_PASSES, Groups, LAST_PASSES, Second, arguments_at};
 use crate::render::stage::extract::ExtractedStageCamera;
 use crate::render::stage::prepare::StageKinds;
 use crate::render::stage::stats::StageShared;
 
-/// make, look, keep for each depth; then middles, fit, numbers, vertices, triangles, head.
+/// make, look, keep for each depth; then middles, fit, numbers, vertices, heights, triangles, head. A
+/// dispatch has as many workgroups as those before it found work for.
 pub fn choose<K: DetailKind>(
     view: ViewQuery<Entity, With<ExtractedStageCamera>>,
     mut kinds: ResMut<StageKinds>,
@@ -48,7 +47,7 @@ pub fn choose<K: DetailKind>(
         .pipelines
         .as_ref()
         .and_then(|pipelines| pipelines.ready(&cache));
-    let (Some(ready), Some([bound, vertices, indices, head])) = (ready, &own.groups) else {
+    let (Some(ready), Some(groups)) = (ready, &own.groups) else {
         return;
     };
     let recorder = ctx.diagnostic_recorder();
@@ -59,30 +58,37 @@ pub fn choose<K: DetailKind>(
         ..default()
     });
     let span = recorder.pass_span(&mut pass, "detail");
-    let dispatch = |pass: &mut ComputePass, pipeline: &ComputePipeline, groups| {
-        pass.set_pipeline(pipeline);
-        pass.dispatch_workgroups(groups, 1, 1);
-    };
     let (of_depth, last) = ready.split_at(DEPTH_PASSES.len());
-    pass.set_bind_group(1, &data.bind_group, &[]);
-    for depth in 0..=own.depth {
-        pass.set_bind_group(0, bound, &[depth * SLOT as u32]);
-        for pipeline in of_depth {
-            dispatch(&mut pass, pipeline, GROUPS);
+    let depths = (0..=own.depth).flat_map(|depth| {
+        let passes = of_depth.iter().zip(DEPTH_PASSES);
+        passes.map(move |pass| (depth, pass))
+    });
+    let last = last.iter().zip(LAST_PASSES).map(|pass| (own.depth, pass));
+    let mut dispatches = 0;
+    for (depth, (pipeline, (_, _, second, count))) in depths.chain(last) {
+        let turn = (depth & 1) as usize;
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &groups.shared, &[depth * SLOT as u32]);
+        match second {
+            Second::Nothing => {}
+            Second::Ground => pass.set_bind_group(1, &data.bind_group, &[]),
+            Second::Arguments => pass.set_bind_group(1, &groups.arguments[turn], &[]),
+            Second::Vertices => pass.set_bind_group(1, &groups.vertices, &[]),
+            Second::Triangles => pass.set_bind_group(1, &groups.triangles, &[]),
+            Second::Head => pass.set_bind_group(1, &groups.head, &[]),
         }
-    }
-    for (pipeline, (_, entry, single)) in last.iter().zip(LAST_PASSES) {
-        let target = match entry {
-            "emit_triangles" => indices,
-            "finish" => head,
-            _ => vertices,
-        };
-        pass.set_bind_group(1, target, &[]);
-        dispatch(&mut pass, pipeline, if single { 1 } else { GROUPS });
+        match count {
+            Groups::One => pass.dispatch_workgroups(1, 1, 1),
+            Groups::Kept => pass.dispatch_workgroups_indirect(&own.closing, 0),
+            Groups::Make | Groups::Look => {
+                let at = arguments_at(depth, count);
+                pass.dispatch_workgroups_indirect(&own.arguments[turn], at);
+            }
+        }
+        dispatches += 1;
     }
     span.end(&mut pass);
     drop(pass);
-    let dispatches = (own.depth + 1) * DEPTH_PASSES.len() as u32 + LAST_PASSES.len() as u32;
     shared.count_dispatches(dispatches);
     own.fresh = false;
     state.settled = true;

@@ -12,11 +12,11 @@ use bevy::render::render_resource::{
 };
 
 use super::DetailShaders;
-use crate::detail::layout::{DEPTH_PASSES, DetailParams, DetailPass, LAST_PASSES};
+use crate::detail::layout::{DEPTH_PASSES, DetailParams, DetailPass, LAST_PASSES, Second};
 
 /// The files of the passes, in their order.
 pub(super) fn files() -> impl Iterator<Item = &'static str> {
-    let depth = DEPTH_PASSES.iter().map(|(file, _)| *file);
+    let depth = DEPTH_PASSES.iter().map(|(file, ..)| *file);
     depth.chain(LAST_PASSES.iter().map(|(file, ..)| *file))
 }
 
@@ -24,16 +24,22 @@ pub(super) fn files() -> impl Iterator<Item = &'static str> {
 pub(super) struct DetailPipelines {
     /// What all passes share.
     pub shared: BindGroupLayoutDescriptor,
-    /// The corners of the roots, and what is written.
-    pub emit: BindGroupLayoutDescriptor,
+    /// See [`Second`].
+    pub arguments: BindGroupLayoutDescriptor,
+    pub vertices: BindGroupLayoutDescriptor,
+    pub triangles: BindGroupLayoutDescriptor,
+    pub head: BindGroupLayoutDescriptor,
+    /// Definitions for what evaluates the ground.
+    pub without: Vec<&'static str>,
     ids: Vec<CachedComputePipelineId>,
 }
 
 impl DetailPipelines {
-    /// Queues all; `ground` is the layout of the ground's data.
+    /// Queues all; `ground` is the layout of the ground's data, `without` what it has not.
     pub(super) fn new(
         shaders: &DetailShaders,
         ground: &BindGroupLayoutDescriptor,
+        without: Vec<&'static str>,
         cache: &PipelineCache,
     ) -> Self {
         let compute = ShaderStages::COMPUTE;
@@ -54,33 +60,59 @@ impl DetailPipelines {
                 ),
             ),
         );
-        let emit = BindGroupLayoutDescriptor::new(
-            "detail_emit",
-            &BindGroupLayoutEntries::sequential(
-                compute,
-                (storage_buffer_read_only_sized(false, None), write()),
-            ),
+        let read = || storage_buffer_read_only_sized(false, None);
+        let arguments = BindGroupLayoutDescriptor::new(
+            "detail_arguments",
+            &BindGroupLayoutEntries::sequential(compute, (write(), write())),
         );
-        let entries = DEPTH_PASSES.iter().map(|(_, entry)| *entry);
-        let entries = entries.chain(LAST_PASSES.iter().map(|(_, entry, _)| *entry));
-        let ids = entries
+        let vertices = BindGroupLayoutDescriptor::new(
+            "detail_vertices",
+            &BindGroupLayoutEntries::sequential(compute, (read(), write(), write())),
+        );
+        let triangles = BindGroupLayoutDescriptor::new(
+            "detail_triangles",
+            &BindGroupLayoutEntries::sequential(compute, (read(), write())),
+        );
+        let head = BindGroupLayoutDescriptor::new(
+            "detail_head",
+            &BindGroupLayoutEntries::single(compute, write()),
+        );
+        let ids = DEPTH_PASSES
+            .iter()
+            .chain(&LAST_PASSES)
             .zip(&shaders.entries)
-            .map(|(entry, shader)| {
-                let second = match entry {
-                    "make_cells" => Some(ground.clone()),
-                    "look_at_cells" | "keep_cells" | "find_middles" | "fit" => None,
-                    _ => Some(emit.clone()),
+            .map(|((_, entry, second, _), shader)| {
+                let defs: &[&str] = match second {
+                    Second::Ground => &without,
+                    _ => &[],
+                };
+                let second = match second {
+                    Second::Nothing => None,
+                    Second::Ground => Some(ground),
+                    Second::Arguments => Some(&arguments),
+                    Second::Vertices => Some(&vertices),
+                    Second::Triangles => Some(&triangles),
+                    Second::Head => Some(&head),
                 };
                 cache.queue_compute_pipeline(ComputePipelineDescriptor {
                     label: Some(format!("detail_{entry}").into()),
-                    layout: [shared.clone()].into_iter().chain(second).collect(),
+                    layout: [&shared].into_iter().chain(second).cloned().collect(),
                     shader: shader.clone(),
-                    entry_point: Some(entry.into()),
+                    shader_defs: defs.iter().map(|def| (*def).into()).collect(),
+                    entry_point: Some((*entry).into()),
                     ..default()
                 })
             })
             .collect();
-        Self { shared, emit, ids }
+        Self {
+            shared,
+            arguments,
+            vertices,
+            triangles,
+            head,
+            without,
+            ids,
+        }
     }
 
     /// All pipelines in the order of the passes, once all are there.

@@ -4,7 +4,6 @@ use std::any::TypeId;
 use std::collections::HashMap;
 use std::marker::PhantomData;
 
-use bevy::math::{DVec3, Vec3};
 use bevy::prelude::*;
 use bevy::render::render_resource::{
     BindGroup, BindGroupEntries, Buffer, BufferBinding, BufferDescriptor, BufferInitDescriptor,
@@ -12,23 +11,24 @@ use bevy::render::render_resource::{
 };
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::view::ExtractedView;
-use bytemuck::{Zeroable, bytes_of, cast_slice};
+use bytemuck::{bytes_of, cast_slice};
 
 use super::pipeline::DetailPipelines;
+use super::view::{detail_view, picture};
 use super::{DetailKind, DetailShaders, ExtractedDetail, ExtractedGround, host};
 use crate::detail::lattice::MAX_DEPTH;
 use crate::detail::layout::{
-    Beginning, COUNT_WORDS, DetailParams, DetailPass, LEAST_CAPACITY, VIEW_CELL_BYTES,
+    ARGUMENT_BYTES, Beginning, CLOSING_BYTES, COUNT_WORDS, DetailParams, DetailPass,
+    LEAST_CAPACITY, LIST_BYTES, RECORD_BYTES, VIEW_CELL_BYTES, without,
 };
-use crate::detail::{Cell, Detail, DetailCells, DetailView};
+use crate::detail::{Cell, Detail, DetailCells, DetailView, Picture};
 use crate::render::stage::prepare::{StageKinds, ViewKind};
 use crate::render::stage::stats::StageShared;
-use crate::stage::layout::StageView;
 
 /// Bytes between the slots of a uniform buffer.
 pub(super) const SLOT: u64 = 256;
 
-/// Most cells that are kept: 700 MB.
+/// Most cells that are kept: 900 MB.
 const MOST_CELLS: u64 = 1 << 22;
 
 /// Every view that chooses its ground, and what all have in common.
@@ -64,11 +64,27 @@ pub(super) struct DetailState {
     pub corners: Buffer,
     /// Cells, links, the cells in the view, counts, lists.
     pub kept: [Buffer; 5],
+    /// Arguments of the dispatches: of even and odd depths, and of those that close the choice.
+    pub arguments: [Buffer; 2],
+    pub closing: Buffer,
+    /// What heights of vertices depend on.
+    records: Buffer,
     /// Of the view's buffers that the groups hold.
     written: Option<[Buffer; 3]>,
-    /// Shared, then for vertices, triangles and the head.
-    pub groups: Option<[BindGroup; 4]>,
+    pub groups: Option<DetailGroups>,
+    /// What was left out of the picture, and whether it was kept for shadows.
+    pub(super) culled: Option<(Picture, bool)>,
     pub depth: u32,
+}
+
+/// Bind groups of one view.
+pub(super) struct DetailGroups {
+    pub shared: BindGroup,
+    /// What even depths write, and odd ones.
+    pub arguments: [BindGroup; 2],
+    pub vertices: BindGroup,
+    pub triangles: BindGroup,
+    pub head: BindGroup,
 }
 
 impl DetailState {
@@ -89,14 +105,16 @@ impl DetailState {
             .clamp(LEAST_CAPACITY, most)
             / 4
             * 4;
-        let empty = |label, size: u64| {
+        let buffer = |label, size: u64, usage| {
             device.create_buffer(&BufferDescriptor {
                 label: Some(label),
                 size,
-                usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
+                usage: usage | BufferUsages::STORAGE | BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             })
         };
+        let empty = |label, size| buffer(label, size, BufferUsages::empty());
+        let indirect = |label, size| buffer(label, size, BufferUsages::INDIRECT);
         let filled = |label, contents: &[u8], usage| {
             device.create_buffer_with_data(&BufferInitDescriptor {
                 label: Some(label),
@@ -119,7 +137,7 @@ impl DetailState {
             empty("detail_links", 16 * room),
             empty("detail_seen", VIEW_CELL_BYTES * room),
             empty("detail_counts", 4 * COUNT_WORDS as u64),
-            empty("detail_lists", 2 * room),
+            empty("detail_lists", LIST_BYTES * room),
         ];
         queue.write_buffer(&kept[1], 0, cast_slice(&beginning.links));
         Self {
@@ -143,8 +161,15 @@ impl DetailState {
             stamp: 0,
             fresh: true,
             kept,
+            arguments: [0, 1].map(|_| indirect("detail_arguments", ARGUMENT_BYTES)),
+            closing: indirect("detail_closing", CLOSING_BYTES),
+            records: empty(
+                "detail_records",
+                RECORD_BYTES * u64::from(detail.max_vertices),
+            ),
             written: None,
             groups: None,
+            culled: None,
         }
     }
 
@@ -165,7 +190,16 @@ impl DetailState {
                 ],
             )
         };
+        let params = match &self.culled {
+            Some((picture, others)) => params.cull(picture, *others),
+            None => params,
+        };
         queue.write_buffer(&self.uniform, 0, bytes_of(&params));
+        let arguments = self.beginning.arguments(self.fresh);
+        for buffer in &self.arguments {
+            queue.write_buffer(buffer, 0, cast_slice(&arguments));
+        }
+        queue.write_buffer(&self.closing, 0, cast_slice(&Beginning::CLOSING));
         let counts = self.beginning.counts(self.fresh);
         let kept = usize::from(!self.fresh);
         queue.write_buffer(&self.kept[3], 4 * kept as u64, cast_slice(&counts[kept..]));
@@ -192,47 +226,6 @@ impl DetailState {
     }
 }
 
-/// The view as the choice sees it: heights are absolute, x and z relative to the stage's anchor.
-fn detail_view(
-    view: &ExtractedView,
-    stage: &StageView,
-    relief: f32,
-    detail: &Detail,
-) -> DetailView {
-    let anchor = Vec3::from(stage.anchor).as_dvec3();
-    let mut out = DetailView::zeroed();
-    out.planes = stage.planes.map(|[x, y, z, d]| {
-        let raised = f64::from(d) - f64::from(y) * anchor.y;
-        [x, y, z, raised as f32]
-    });
-    let turn = view.world_from_view.affine().matrix3;
-    let eye = view.world_from_view.translation().as_dvec3() - DVec3::new(anchor.x, 0.0, anchor.z);
-    out.eye = eye.as_vec3().to_array();
-    let axis = |axis: Vec3| axis.normalize_or_zero().to_array();
-    out.right = axis(turn.x_axis.into());
-    out.up = axis(turn.y_axis.into());
-    out.forward = axis(-Vec3::from(turn.z_axis));
-    let clip = &view.clip_from_view;
-    out.scale = 0.5 * view.viewport.w as f32 * clip.y_axis.y;
-    out.orthographic = stage.orthographic;
-    // Of Bevy's perspective, infinite and reversed: z of clip space is the near distance.
-    out.near = if clip.w_axis.z > 0.0 {
-        clip.w_axis.z
-    } else {
-        0.1
-    };
-    let (x, y) = (1.0 / clip.x_axis.x, 1.0 / clip.y_axis.y);
-    out.cos_corner = 1.0 / (1.0 + x * x + y * y).sqrt();
-    let sweep = Vec3::new(stage.sweep[0], stage.sweep[1], stage.sweep[2]);
-    if let Some(along) = sweep.try_normalize() {
-        // 0.05: below 3 degrees of sun the shadows of everything reach everywhere.
-        out.sweep = (along * (relief / (-along.y).max(0.05))).to_array();
-    }
-    out.anchor = [anchor.x as i32, anchor.z as i32];
-    out.set_metric(detail);
-    out
-}
-
 /// Makes what is missing, and writes what views that changed are told.
 pub fn prepare<K: DetailKind>(
     mut kinds: ResMut<StageKinds>,
@@ -257,9 +250,14 @@ pub fn prepare<K: DetailKind>(
     details
         .views
         .retain(|entity, _| kind.views.contains_key(entity));
+    let without = without(terrain);
+    details.pipelines = details
+        .pipelines
+        .take()
+        .filter(|known| known.without == without);
     let pipelines = details
         .pipelines
-        .get_or_insert_with(|| DetailPipelines::new(&shaders, data_layout, &cache));
+        .get_or_insert_with(|| DetailPipelines::new(&shaders, data_layout, without, &cache));
     for (entity, view, detail) in &cameras {
         let Some(state) = kind.views.get_mut(&entity) else {
             continue;
@@ -280,6 +278,15 @@ pub fn prepare<K: DetailKind>(
         };
         if own.detail != detail {
             own.detail = detail;
+            state.settled = false;
+        }
+        // Shadow views see what the camera does not.
+        let shadowed = !state.shadows.is_empty();
+        let culled = detail
+            .culled
+            .then(|| (picture(view, state, kind.traits), shadowed));
+        if own.culled != culled {
+            own.culled = culled;
             state.settled = false;
         }
         if ground.on_host {
@@ -333,18 +340,44 @@ impl DetailState {
                 lists.as_entire_binding(),
             )),
         );
-        let emit = |buffer: &Buffer| {
+        let [vertices, indices, head] = written;
+        let arguments = |turn: usize| {
             device.create_bind_group(
-                "detail_emit",
-                &cache.get_bind_group_layout(&pipelines.emit),
+                "detail_arguments",
+                &cache.get_bind_group_layout(&pipelines.arguments),
                 &BindGroupEntries::sequential((
-                    self.corners.as_entire_binding(),
-                    buffer.as_entire_binding(),
+                    // Of the next depth.
+                    self.arguments[1 - turn].as_entire_binding(),
+                    self.closing.as_entire_binding(),
                 )),
             )
         };
-        let [vertices, indices, head] = written.map(emit);
-        self.groups = Some([shared, vertices, indices, head]);
+        self.groups = Some(DetailGroups {
+            shared,
+            arguments: [0, 1].map(arguments),
+            vertices: device.create_bind_group(
+                "detail_vertices",
+                &cache.get_bind_group_layout(&pipelines.vertices),
+                &BindGroupEntries::sequential((
+                    self.corners.as_entire_binding(),
+                    vertices.as_entire_binding(),
+                    self.records.as_entire_binding(),
+                )),
+            ),
+            triangles: device.create_bind_group(
+                "detail_triangles",
+                &cache.get_bind_group_layout(&pipelines.triangles),
+                &BindGroupEntries::sequential((
+                    vertices.as_entire_binding(),
+                    indices.as_entire_binding(),
+                )),
+            ),
+            head: device.create_bind_group(
+                "detail_head",
+                &cache.get_bind_group_layout(&pipelines.head),
+                &BindGroupEntries::single(head.as_entire_binding()),
+            ),
+        });
         self.written = Some(written.map(Clone::clone));
     }
 }

@@ -1,0 +1,9 @@
+#define_import_path dolomite::detail::records
+
+// What the height of a vertex depends on, by its number: share of its way to the ground, surface where it
+// has arrived; and while it is arriving the two vertices in whose middle it lies. Behind all of them the
+// numbers of those that are arriving.
+
+const RECORD: u32 = 4u;
+
+@group(1) @binding(2) var<storage, read_write> records: array<u32>;

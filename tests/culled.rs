@@ -1,0 +1,222 @@
+//! Ground by the level of detail with and without the triangles that the camera does not see: the same
+//! picture, byte for byte, shadows and all.
+
+use std::time::Duration;
+
+use bevy::app::{App, PluginGroup};
+use bevy::camera::{OrthographicProjection, RenderTarget, ScalingMode};
+use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy::light::CascadeShadowConfigBuilder;
+use bevy::log::LogPlugin;
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::render_resource::TextureFormat;
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+use bevy::time::TimeUpdateStrategy;
+use bevy::window::{ExitCondition, WindowPlugin};
+use bevy::winit::WinitPlugin;
+use dolomite::DolomitePlugins;
+use dolomite::game::device;
+use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
+use dolomite::tessellation::detail::{Detail, Metric};
+use dolomite::tessellation::render::ground::texture::{LAYERS, texture_array};
+use dolomite::tessellation::render::stage::StageStats;
+use dolomite::tessellation::{TerrainMaterial, TerrainView};
+
+#[derive(Resource, Default)]
+struct Captured(Option<Image>);
+
+/// An app that renders without a window; `None`, after a line that says so, without Vulkan.
+fn app() -> Option<App> {
+    if let Err(error) = device::probe() {
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "CI must not skip GPU tests: {error}"
+        );
+        eprintln!("skipped: {error}");
+        return None;
+    }
+    let mut app = App::new();
+    app.add_plugins(
+        DefaultPlugins
+            .build()
+            .set(WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            })
+            .set(RenderPlugin {
+                render_creation: device::wgpu_settings().into(),
+                synchronous_pipeline_compilation: true,
+                ..default()
+            })
+            .disable::<LogPlugin>()
+            .disable::<WinitPlugin>()
+            .disable::<PipelinedRenderingPlugin>(),
+    )
+    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
+    .init_resource::<Captured>()
+    .add_plugins(DolomitePlugins);
+    app.finish();
+    app.cleanup();
+    Some(app)
+}
+
+/// Steep ground, as many slopes away from the eye as towards it.
+fn ground() -> Terrain {
+    let hills = Fractal {
+        octaves: 8,
+        amplitude: 120.0,
+        wavelength: 160.0,
+        ..Fractal::default()
+    };
+    Terrain::new(TerrainData {
+        extent: GroundRect::square(DVec2::ZERO, 1024.0),
+        layers: vec![Layer {
+            source: Source::Fractal(hills),
+            mask: None,
+        }],
+        base: 0.0,
+        sea_level: None,
+    })
+    .expect("valid")
+}
+
+fn material(app: &mut App) -> TerrainMaterial {
+    let mut images = app.world_mut().resource_mut::<Assets<Image>>();
+    let mut array = |srgb| {
+        let size = bevy::render::render_resource::Extent3d {
+            width: 4,
+            height: 4 * LAYERS,
+            depth_or_array_layers: 1,
+        };
+        let stack = Image::new_fill(
+            size,
+            bevy::render::render_resource::TextureDimension::D2,
+            &[128; 4],
+            TextureFormat::Rgba8Unorm,
+            bevy::asset::RenderAssetUsages::all(),
+        );
+        images.add(texture_array(&stack, LAYERS, srgb).expect("a stack of squares"))
+    };
+    TerrainMaterial::new(array(true), array(false))
+}
+
+/// The picture once it rests, and triangles of the camera.
+fn picture(app: &mut App, target: &Handle<Image>) -> (Vec<u8>, u32) {
+    for _ in 0..8 {
+        app.update();
+        assert_eq!(app.should_exit(), None, "rendering stopped");
+    }
+    let stats = app.world().resource::<StageStats>().clone();
+    assert_eq!(stats.dispatches, 0, "at rest");
+    app.world_mut()
+        .spawn(Screenshot::image(target.clone()))
+        .observe(
+            |shot: On<ScreenshotCaptured>, mut captured: ResMut<Captured>| {
+                captured.0 = Some(shot.image.clone());
+            },
+        );
+    for _ in 0..60 {
+        app.update();
+        if let Some(image) = app.world_mut().resource_mut::<Captured>().0.take() {
+            return (image.data.expect("pixels"), stats.primitives);
+        }
+    }
+    panic!("no picture came back");
+}
+
+#[test]
+fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
+    let Some(mut app) = app() else { return };
+    let ground = ground();
+    let height = |x: f32, z: f32| ground.height(DVec2::new(x.into(), z.into())) as f32;
+    let material = material(&mut app);
+    app.world_mut().spawn((ground.clone(), material));
+    let light = DirectionalLight {
+        shadow_maps_enabled: true,
+        ..default()
+    };
+    app.world_mut().spawn((
+        light,
+        CascadeShadowConfigBuilder {
+            num_cascades: 2,
+            maximum_distance: 400.0,
+            ..default()
+        }
+        .build(),
+        Transform::default().looking_to(Vec3::new(-2.0, -1.0, -1.0), Vec3::Y),
+    ));
+    let target = Image::new_target_texture(160, 90, TextureFormat::Rgba8UnormSrgb, None);
+    let target = app.world_mut().resource_mut::<Assets<Image>>().add(target);
+    let camera = app.world_mut().spawn((
+        Camera3d::default(),
+        Msaa::Off,
+        (DepthPrepass, DeferredPrepass),
+        RenderTarget::Image(target.clone().into()),
+        TerrainView::default(),
+    ));
+    let camera = camera.id();
+    let eye = Vec3::new(20.0, height(20.0, 30.0) + 6.0, 30.0);
+    let level = Transform::from_translation(eye).looking_to(Vec3::new(0.3, -0.05, -1.0), Vec3::Y);
+    let down = Transform::from_xyz(0.0, 400.0, 0.0).looking_to(Vec3::NEG_Y, Vec3::X);
+    let below = Transform::from_translation(eye - Vec3::Y * 60.0)
+        .looking_to(Vec3::new(0.2, 0.4, -1.0), Vec3::Y);
+    let turned = level.looking_to(Vec3::new(-0.6, -0.4, 1.0), Vec3::NEG_Y);
+    let slanted = Transform::from_xyz(-100.0, 300.0, 200.0).looking_at(Vec3::ZERO, Vec3::Y);
+    let wide = |fov: f32| {
+        Projection::Perspective(PerspectiveProjection {
+            fov: fov.to_radians(),
+            ..default()
+        })
+    };
+    let parallel = Projection::Orthographic(OrthographicProjection {
+        scaling_mode: ScalingMode::FixedVertical {
+            viewport_height: 150.0,
+        },
+        ..OrthographicProjection::default_3d()
+    });
+    // Of the triangles around the eye at most so many hundredths are the camera's.
+    let views = [
+        ("level", level, wide(60.0), 60),
+        ("wide", level, wide(120.0), 65),
+        ("narrow", level, wide(5.0), 30),
+        ("down", down, wide(60.0), 70),
+        ("below the ground", below, wide(60.0), 45),
+        ("upside down", turned, wide(60.0), 55),
+        ("parallel", slanted, parallel, 65),
+    ];
+    for (name, place, projection, most) in views {
+        let mut found = Vec::new();
+        for culled in [false, true] {
+            let detail = Detail {
+                metric: Metric::ErrorBound { pixels: 2.0 },
+                finest: 0.5,
+                culled,
+                ..Detail::default()
+            };
+            app.world_mut()
+                .entity_mut(camera)
+                .insert((place, projection.clone(), detail));
+            found.push(picture(&mut app, &target));
+        }
+        let [(all, triangles), (seen, drawn)] = &found[..] else {
+            unreachable!("two pictures");
+        };
+        eprintln!("{name}: {drawn} of {triangles} triangles");
+        assert!(*triangles > 300, "{name}: {triangles}");
+        assert!(
+            drawn * 100 <= triangles * most,
+            "{name}: {drawn} of {triangles}"
+        );
+        let others = all.iter().zip(seen).filter(|(a, b)| a != b).count();
+        assert_eq!(others, 0, "{name}: bytes differ");
+        // There is something to differ in.
+        let shades = all.chunks(4).collect::<std::collections::HashSet<_>>();
+        if name != "below the ground" {
+            assert!(shades.len() > 50, "{name}: {} colours", shades.len());
+        }
+    }
+}
