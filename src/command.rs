@@ -147,6 +147,14 @@ pub struct SceneArgs {
     /// edges of a wanted length.
     #[arg(long, value_name = "PIXELS", help_heading = "Settings")]
     max_error: Option<f32>,
+    /// Hold the GPU's time for the ground's detail by the error in the picture, in place of --max-error.
+    #[arg(
+        long,
+        value_name = "MILLISECONDS",
+        help_heading = "Settings",
+        conflicts_with = "max_error"
+    )]
+    budget: Option<f32>,
     /// Start at this camera: metres, and degrees. Yaw 0 looks north and grows to the left, pitch
     /// grows upwards. [default: that of the scene; for play, behind the figure]
     #[arg(long, value_name = "X,Y,Z,YAW,PITCH", allow_hyphen_values = true)]
@@ -169,6 +177,10 @@ impl SceneArgs {
         settings.pixels_per_edge = self.pixels_per_edge.unwrap_or(settings.pixels_per_edge);
         settings.finest_patch = self.finest_patch.unwrap_or(settings.finest_patch);
         settings.max_error = self.max_error.or(settings.max_error);
+        settings.budget = match self.max_error {
+            Some(_) => None,
+            None => self.budget.or(settings.budget),
+        };
         change(&mut settings);
         settings.check(Path::new("command line"))?;
         let request = SceneRequest {

@@ -6,6 +6,8 @@ use std::time::Duration;
 use bevy::diagnostic::{DiagnosticsStore, FrameTimeDiagnosticsPlugin};
 use bevy::prelude::*;
 use bevy::time::common_conditions::on_real_timer;
+use dolomite_tessellation::detail::budget::BudgetReport;
+use dolomite_tessellation::detail::{Detail, Metric};
 use dolomite_tessellation::render::stage::StageStats;
 
 use super::hot_reload::SceneFault;
@@ -119,6 +121,7 @@ fn write_figures(
     stats: Option<Res<StageStats>>,
     scene: Res<CurrentScene>,
     switches: Res<Switches>,
+    detail: Option<Single<(&Detail, Option<&BudgetReport>)>>,
     text: Option<Single<&mut Text, With<Figures>>>,
 ) {
     let Some(mut text) = text else { return };
@@ -147,6 +150,15 @@ fn write_figures(
         );
     }
     row(&mut lines, "detail follows", focus.to_owned());
+    if let Some((detail, budget)) = detail.as_deref() {
+        if let Metric::ErrorBound { pixels } = detail.metric {
+            row(&mut lines, "error at most", format!("{pixels:.2} px"));
+        }
+        if let Some(report) = budget {
+            let held = if report.held { "held" } else { "over" };
+            row(&mut lines, "budget", held.to_owned());
+        }
+    }
     let mut gpu = passes::newest(&diagnostics, Clock::Gpu);
     gpu.sort_by(|a, b| b.1.total_cmp(&a.1));
     for (name, milliseconds) in gpu.into_iter().take(PASSES) {

@@ -48,6 +48,9 @@ pub struct Settings {
     /// How far the drawn ground may be from the true one in the picture, pixels; 1/64 to 1024. In
     /// place of patches with edges of a wanted length, which is what is drawn without.
     pub max_error: Option<f32>,
+    /// Time in which the ground's detail is to be chosen and drawn, milliseconds of the GPU; above 0, at most
+    /// 1000. The error in the picture follows it; `max_error` then does not count.
+    pub budget: Option<f32>,
     /// Sun as (azimuth, elevation) in degrees instead of the scene's own: azimuth clockwise from
     /// north, elevation above the horizon, −90 to 90.
     pub sun: Option<(f32, f32)>,
@@ -73,6 +76,7 @@ impl Default for Settings {
             pixels_per_edge: 8.0,
             finest_patch: 16.0,
             max_error: None,
+            budget: None,
             sun: None,
             detail: None,
             panel: true,
@@ -205,6 +209,7 @@ impl Settings {
                 true,
                 1024.0,
             ),
+            ("budget", self.budget.unwrap_or(1.0), 0.0, false, 1000.0),
             ("detail", self.detail.unwrap_or(0.0), 0.0, true, 1000.0),
             (
                 "sun azimuth",
@@ -287,6 +292,7 @@ mod tests {
             "(fly_speed: 0.0)",
             "(walk_speed: inf)",
             "(run_speed: 0.0)",
+            "(budget: 0.0)",
             "(fast_factor: 0.5)",
             "(pixels_per_edge: 0.0)",
             "(sun: (0.0, 91.0))",

@@ -9,6 +9,7 @@ use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 use dolomite_terrain::Ground;
+use dolomite_tessellation::detail::budget::{Budget, BudgetReport, FrameTime};
 use dolomite_tessellation::detail::{Detail, Metric};
 use dolomite_tessellation::stage::StageCamera;
 use dolomite_tessellation::{MaterialBands, TerrainMaterial, TerrainView};
@@ -158,6 +159,7 @@ fn follow_switches(
         &mut TerrainView,
         &mut StageCamera,
         Option<&mut Detail>,
+        Option<&Budget>,
     )>,
     mut commands: Commands,
 ) {
@@ -168,11 +170,30 @@ fn follow_switches(
             bevy::math::DVec3::new(place.x, scene.terrain.height(place), place.y)
         }),
     };
-    for (entity, mut view, mut camera, detail) in &mut views {
-        let wanted = settings.max_error.map(|pixels| Detail {
-            metric: Metric::ErrorBound { pixels },
+    for (entity, mut view, mut camera, detail, budget) in &mut views {
+        let tolerance = match (settings.budget, &detail) {
+            // From then on the budget moves it.
+            (Some(_), Some(detail)) => Some(detail.metric),
+            (Some(_), None) => Some(Metric::default()),
+            (None, _) => settings
+                .max_error
+                .map(|pixels| Metric::ErrorBound { pixels }),
+        };
+        let wanted = tolerance.map(|metric| Detail {
+            metric,
             ..default()
         });
+        let asked = settings.budget.map(|milliseconds| Budget {
+            milliseconds,
+            ..default()
+        });
+        if asked.as_ref() != budget {
+            let mut camera = commands.entity(entity);
+            match asked {
+                Some(asked) => camera.insert((asked, FrameTime::of_ground())),
+                None => camera.remove::<(Budget, BudgetReport, FrameTime)>(),
+            };
+        }
         match (detail, wanted) {
             (Some(mut detail), Some(wanted)) => {
                 detail.set_if_neq(wanted);

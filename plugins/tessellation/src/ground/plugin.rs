@@ -8,6 +8,7 @@ use bevy::tasks::{ComputeTaskPool, TaskPool};
 use dolomite_terrain::{Ground, GroundPoint, Planes, Terrain};
 
 use crate::detail::Detail;
+use crate::detail::budget::BudgetPlugin;
 
 use super::lattice::{Lattice, Node, clamped, selection_height};
 use super::patches::GroundPatches;
@@ -35,6 +36,9 @@ impl Plugin for TerrainTessellationPlugin {
                 .in_set(TerrainCoverSystems)
                 .after(bevy::transform::TransformSystems::Propagate),
         );
+        if !app.is_plugin_added::<BudgetPlugin>() {
+            app.add_plugins(BudgetPlugin);
+        }
         #[cfg(feature = "render")]
         crate::render::ground::build(app);
     }

@@ -25,6 +25,15 @@
 //! | [`DemandCurve`] | vertices by tolerance, of one view |
 //! | [`Budget`], [`BudgetReport`], [`BudgetPlugin`] | the same for cameras |
 //!
+//! ```
+//! # use bevy::prelude::*;
+//! # use dolomite_tessellation::detail::Detail;
+//! # use dolomite_tessellation::detail::budget::{Budget, FrameTime};
+//! fn hold_four_milliseconds(mut commands: Commands, camera: Single<Entity, With<Detail>>) {
+//!     commands.entity(*camera).insert((Budget::default(), FrameTime::of_ground()));
+//! }
+//! ```
+//!
 //! The lab's study `budget` measures it beside other controllers.
 
 mod controller;

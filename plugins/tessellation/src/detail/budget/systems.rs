@@ -4,6 +4,8 @@ use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore};
 use bevy::prelude::*;
 use bevy::time::Real;
 
+use crate::detail::{Detail, Metric};
+
 use super::controller::{BudgetController, NextFrame, TimeSample};
 use super::demand::DemandCurve;
 use super::settings::{Budget, BudgetReport};
@@ -18,7 +20,8 @@ const CUT_TURN: f32 = 0.766;
 /// propagated. Without a budget in the world it does nothing.
 ///
 /// A frame goes: who selects detail puts the view's [`Demand`] on the camera; [`BudgetSystems`] decide;
-/// [`BudgetReport::tau`] is what the selection then draws with.
+/// [`BudgetReport::tau`] is what the selection then draws with. A camera with a [`Detail`] beside its budget
+/// is written the tolerance into its metric; [`Metric::Classic`] has none and stays as it is.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BudgetPlugin;
 
@@ -30,8 +33,9 @@ impl Plugin for BudgetPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(
             PostUpdate,
-            (gather_times, decide)
+            (gather_times, decide, follow)
                 .chain()
+                .run_if(any_with_component::<Budget>)
                 .in_set(BudgetSystems)
                 .after(bevy::transform::TransformSystems::Propagate),
         );
@@ -61,6 +65,20 @@ pub enum FrameTime {
         /// As above; 1 where the CPU is the slower one.
         lag: u32,
     },
+}
+
+impl FrameTime {
+    /// The GPU's time for choosing the ground's detail and drawing it into the G-buffer: what its tolerance
+    /// moves. Needs Bevy's `RenderDiagnosticsPlugin`.
+    #[must_use]
+    pub fn of_ground() -> Self {
+        Self::Diagnostics {
+            paths: ["detail", "stage_gbuffer"]
+                .map(|span| DiagnosticPath::new(format!("render/{span}/elapsed_gpu")))
+                .to_vec(),
+            lag: 3,
+        }
+    }
 }
 
 /// Measured frames that have not been taken in. In the order of frames; emptied every frame.
@@ -203,6 +221,25 @@ fn decide(
     }
 }
 
+/// Writes the tolerances into the metrics of the ground's detail.
+fn follow(mut cameras: Query<(&BudgetReport, &mut Detail), With<Budget>>) {
+    for (report, mut detail) in &mut cameras {
+        // Before the first decision there is none.
+        if report.tau <= 0.0 {
+            continue;
+        }
+        let pixels = report.tau;
+        let metric = match detail.metric {
+            Metric::ErrorBound { .. } => Metric::ErrorBound { pixels },
+            Metric::EdgeLength { .. } => Metric::EdgeLength { pixels },
+            classic @ Metric::Classic { .. } => classic,
+        };
+        if detail.metric != metric {
+            detail.metric = metric;
+        }
+    }
+}
+
 /// Whether a camera was put elsewhere between two frames. Poses that are not finite are no cut.
 fn is_cut(before: &GlobalTransform, now: &GlobalTransform) -> bool {
     let moved = before.translation().distance(now.translation());
@@ -295,6 +332,58 @@ mod tests {
         }
         let reached = time(report(&app, camera).tau) / 4.0;
         assert!((0.93..=1.0).contains(&reached), "{reached}");
+    }
+
+    #[test]
+    fn the_grounds_detail_follows_its_budget() {
+        let (mut app, camera) = app(Budget::default(), FrameTime::of_ground());
+        let FrameTime::Diagnostics { paths, .. } = FrameTime::of_ground() else {
+            panic!("by diagnostics");
+        };
+        let mut store = app.world_mut().resource_mut::<DiagnosticsStore>();
+        for path in &paths {
+            store.add(Diagnostic::new(path.clone()));
+        }
+        let mut detail = Detail::default();
+        app.world_mut().entity_mut(camera).insert(detail);
+        let tau = |app: &App| match app.world().get::<Detail>(camera).unwrap().metric {
+            Metric::ErrorBound { pixels } => pixels,
+            other => panic!("{other:?}"),
+        };
+        let mut taus = vec![1.0];
+        for _ in 0..200 {
+            let past = taus[taus.len().saturating_sub(3)];
+            let mut store = app.world_mut().resource_mut::<DiagnosticsStore>();
+            // A third of the time is the draw's.
+            for (path, share) in paths.iter().zip([2.0 / 3.0, 1.0 / 3.0]) {
+                store
+                    .get_mut(path)
+                    .unwrap()
+                    .add_measurement(DiagnosticMeasurement {
+                        time: bevy::platform::time::Instant::now(),
+                        value: f64::from(time(past) * share),
+                    });
+            }
+            app.update();
+            taus.push(tau(&app));
+        }
+        let reached = time(tau(&app)) / 4.0;
+        assert!((0.93..=1.0).contains(&reached), "{reached}");
+        assert_eq!(tau(&app), report(&app, camera).tau);
+
+        // What has no tolerance is left alone, and so is a camera without a budget.
+        detail.metric = Metric::Classic {
+            patch: 16.0,
+            least: 1.0,
+            greatest: 32.0,
+            reach: 400.0,
+            height: 10.0,
+        };
+        app.world_mut().entity_mut(camera).insert(detail);
+        let other = app.world_mut().spawn(Detail::default()).id();
+        app.update();
+        assert_eq!(app.world().get::<Detail>(camera), Some(&detail));
+        assert_eq!(app.world().get::<Detail>(other), Some(&Detail::default()));
     }
 
     #[test]
