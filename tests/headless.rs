@@ -15,6 +15,7 @@ use dolomite::game::camera::{CLEARANCE, FreeCamera, PITCH_LIMIT};
 use dolomite::game::hot_reload::{AssetsDir, SceneFault, reload_changed};
 use dolomite::game::input::PlayerInput;
 use dolomite::game::jump::Jump;
+use dolomite::game::methods::{Metric, Mode};
 use dolomite::game::player::{EDGE, Figure, WADING_DEPTH, depth};
 use dolomite::game::scenes::{self, CurrentScene, MapOptions, SceneRequest};
 use dolomite::game::settings::Settings;
@@ -344,6 +345,32 @@ fn the_camera_stays_above_ground_and_sea_and_within_its_pitch() {
         );
         assert!(pose.pitch.abs() <= PITCH_LIMIT);
     }
+}
+
+#[test]
+fn the_rule_of_detail_goes_round() {
+    let mut app = game("mountain");
+    let mut bounds = Vec::new();
+    for _ in 0..3 {
+        let input = PlayerInput {
+            switch_metric: true,
+            // There is one way to make the triangles here.
+            switch_mode: true,
+            ..default()
+        };
+        wish(&mut app, input);
+        app.update();
+        bounds.push(app.world().resource::<Settings>().max_error);
+    }
+    assert_eq!(bounds, [Some(1.0), None, Some(1.0)]);
+    let mut mode = Mode::default();
+    let mut metric = Metric::default();
+    for expected in Mode::ALL {
+        assert_eq!(mode, expected);
+        mode = mode.next();
+        metric = metric.next();
+    }
+    assert_eq!((mode, metric), (Mode::default(), Metric::default().next()));
 }
 
 #[test]

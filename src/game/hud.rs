@@ -12,6 +12,7 @@ use dolomite_tessellation::render::stage::StageStats;
 
 use super::hot_reload::SceneFault;
 use super::keys;
+use super::methods::Methods;
 use super::passes::{self, Clock};
 use super::scenes::CurrentScene;
 use super::settings::Settings;
@@ -121,6 +122,7 @@ fn write_figures(
     stats: Option<Res<StageStats>>,
     scene: Res<CurrentScene>,
     switches: Res<Switches>,
+    methods: Option<Res<Methods>>,
     detail: Option<Single<(&Detail, Option<&BudgetReport>)>>,
     text: Option<Single<&mut Text, With<Figures>>>,
 ) {
@@ -149,7 +151,13 @@ fn write_figures(
             thousands(stats.discarded.into()),
         );
     }
-    row(&mut lines, "detail follows", focus.to_owned());
+    match methods.filter(|_| scene.classic.is_some()) {
+        Some(methods) => {
+            row(&mut lines, "made by", methods.mode.name().to_owned());
+            row(&mut lines, "rule", methods.metric.name().to_owned());
+        }
+        None => row(&mut lines, "detail follows", focus.to_owned()),
+    }
     if let Some((detail, budget)) = detail.as_deref() {
         if let Metric::ErrorBound { pixels } = detail.metric {
             row(&mut lines, "error at most", format!("{pixels:.2} px"));

@@ -34,6 +34,10 @@ pub struct PlayerInput {
     pub switch_fill: bool,
     /// Switches the point that detail follows.
     pub switch_focus: bool,
+    /// Switches who makes the triangles of the classic scene, and when.
+    pub switch_mode: bool,
+    /// Switches the rule by which the ground is refined.
+    pub switch_metric: bool,
     /// Switches between a camera that follows the figure and one that flies free.
     pub switch_follow: bool,
     /// Switches the panel of keys.
@@ -107,6 +111,8 @@ fn read_keyboard_and_mouse(
         jump: keys.just_pressed(KeyCode::KeyJ),
         wave: keys.just_pressed(KeyCode::KeyH),
         switch_follow: keys.just_pressed(KeyCode::KeyC),
+        switch_mode: keys.just_pressed(KeyCode::KeyM),
+        switch_metric: keys.just_pressed(KeyCode::KeyN),
         switch_lines: keys.just_pressed(KeyCode::KeyL),
         switch_fill: keys.just_pressed(KeyCode::KeyF),
         switch_focus: keys.just_pressed(KeyCode::Tab),

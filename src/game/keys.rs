@@ -41,6 +41,12 @@ pub const KEYS: &[Key] = &[
         "south button",
         "detail follows the camera or the figure",
     ),
+    key(
+        "N",
+        "",
+        "next rule of detail: patches, error; classic, edge, error",
+    ),
+    key("M", "", "classic scene: next of GPU, CPU, static on each"),
     key("F1", "start", "these keys on, off"),
     key("Esc", "select", "leave"),
 ];

@@ -28,6 +28,17 @@ impl Mode {
     /// All four, the defined one first.
     pub const ALL: [Self; 4] = [Self::Gpu, Self::Cpu, Self::StaticGpu, Self::StaticCpu];
 
+    /// The one after it; after the last the first.
+    #[must_use]
+    pub fn next(self) -> Self {
+        match self {
+            Self::Gpu => Self::Cpu,
+            Self::Cpu => Self::StaticGpu,
+            Self::StaticGpu => Self::StaticCpu,
+            Self::StaticCpu => Self::Gpu,
+        }
+    }
+
     /// The name, as on the command line.
     pub fn name(self) -> &'static str {
         match self {
@@ -52,6 +63,16 @@ pub enum Metric {
 }
 
 impl Metric {
+    /// The one after it; after the last the first.
+    #[must_use]
+    pub fn next(self) -> Self {
+        match self {
+            Self::Classic => Self::Edge,
+            Self::Edge => Self::Error,
+            Self::Error => Self::Classic,
+        }
+    }
+
     /// The name, as on the command line.
     pub fn name(self) -> &'static str {
         match self {

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use super::camera::{CameraPlugin, FreeCamera, Pose};
 use super::hot_reload::HotReloadPlugin;
 use super::input::PlayerInput;
+use super::methods::Methods;
 use super::player::{Figure, FigurePlugin};
 use super::scenes::CurrentScene;
 use super::settings::Settings;
@@ -48,6 +49,9 @@ impl Default for Switches {
     }
 }
 
+/// The bound that the player switches to where none is set, pixels.
+const ERROR: f32 = 1.0;
+
 /// The entity that carries the `Terrain` of the [`CurrentScene`].
 #[derive(Component)]
 pub struct Landscape;
@@ -64,7 +68,15 @@ impl Plugin for SimulationPlugin {
             .init_resource::<Switches>()
             .add_plugins((CameraPlugin, FigurePlugin, HotReloadPlugin))
             .add_systems(PreStartup, spawn)
-            .add_systems(Update, (switch, replace_terrain));
+            .add_systems(
+                Update,
+                (
+                    switch,
+                    switch_rules
+                        .run_if(|input: Res<PlayerInput>| input.switch_mode || input.switch_metric),
+                    replace_terrain,
+                ),
+            );
     }
 }
 
@@ -102,6 +114,35 @@ fn switch(input: Res<PlayerInput>, mut switches: ResMut<Switches>) {
         follow: old.follow ^ input.switch_follow,
     };
     switches.set_if_neq(next);
+}
+
+/// Who refines the ground, and by what rule. The classic scene has all of them; elsewhere the ground is of
+/// patches or its error is bounded.
+fn switch_rules(
+    input: Res<PlayerInput>,
+    scene: Res<CurrentScene>,
+    methods: Option<ResMut<Methods>>,
+    mut settings: ResMut<Settings>,
+) {
+    if scene.classic.is_none() {
+        if input.switch_metric {
+            settings.max_error = match settings.max_error.or(settings.budget) {
+                Some(_) => None,
+                None => Some(ERROR),
+            };
+            settings.budget = None;
+        }
+        return;
+    }
+    let Some(mut methods) = methods else { return };
+    if input.switch_mode {
+        methods.mode = methods.mode.next();
+    }
+    if input.switch_metric {
+        methods.metric = methods.metric.next();
+        // What one rule aims at is nothing to the next.
+        methods.tau = None;
+    }
 }
 
 /// Gives the landscape the ground of a scene that was loaded again.
