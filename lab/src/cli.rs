@@ -1,6 +1,7 @@
 //! The command line of `dolomite_lab`.
 
 use crate::studies::STUDIES;
+use crate::studies::lod::Part;
 use crate::studies::tessellation::captures::{CaptureError, compare};
 use crate::study::{LabError, Options, Report, Study, write_index};
 use clap::error::ErrorKind;
@@ -54,6 +55,9 @@ pub struct Arguments {
     /// at 1 it takes hours
     #[arg(long, default_value_t = Options::default().error, value_parser = wanted_error)]
     pub error: f64,
+    /// Of `lod` alone: run this part of it; may be given more than once [default: all parts]
+    #[arg(long = "part", value_enum, value_name = "PART")]
+    pub parts: Vec<Part>,
     /// Of `tessellation` alone: compare the captured patches of this file, one JSON object a line,
     /// in place of the study; prints one JSON object and writes no files
     #[arg(long, value_name = "FILE.jsonl")]
@@ -80,6 +84,9 @@ const OF_CASES: &str = "tessellation";
 /// The study that takes a folder, and prints a line for each of its files in place of one object.
 const OF_FOLDER: &str = "fbx";
 
+/// The study that has parts.
+const OF_PARTS: &str = "lod";
+
 /// Reads a command line, its first word the program's name.
 ///
 /// # Errors
@@ -103,6 +110,15 @@ where
             ErrorKind::ArgumentConflict,
             format!(
                 "a folder goes with the study {OF_FOLDER} alone, not with {}",
+                arguments.study
+            ),
+        ));
+    }
+    if !arguments.parts.is_empty() && arguments.study != OF_PARTS {
+        return Err(Arguments::command().error(
+            ErrorKind::ArgumentConflict,
+            format!(
+                "--part goes with the study {OF_PARTS} alone, not with {}",
                 arguments.study
             ),
         ));
@@ -183,6 +199,7 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
         frames: arguments.frames,
         cameras: arguments.cameras,
         error: arguments.error,
+        parts: arguments.parts.clone(),
         folder: arguments.folder.clone(),
         out: Some(arguments.out.clone()),
     };
@@ -255,6 +272,15 @@ mod tests {
         let parsed = parse("fbx some/folder --out x").unwrap();
         assert_eq!(parsed.folder, Some(PathBuf::from("some/folder")));
         assert!(parse("noise some/folder").is_err());
+    }
+
+    #[test]
+    fn parts_go_with_lod_alone() {
+        let parsed = parse("lod --part guarantee --part pops").unwrap();
+        assert_eq!(parsed.parts, [Part::Guarantee, Part::Pops]);
+        assert!(parse("lod --part nothing").is_err());
+        let refusal = parse("noise --part pops").unwrap_err();
+        assert_eq!(refusal.kind(), ErrorKind::ArgumentConflict);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::csv::{Row, to_csv};
 use crate::plot::{Chart, PlotError, to_svg};
+use crate::studies::lod::Part;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,8 @@ pub struct Options {
     pub cameras: usize,
     /// The least error that methods of `lod` are tuned to, pixels.
     pub error: f64,
+    /// What of `lod` is run; nothing named is all of it.
+    pub parts: Vec<Part>,
     /// Where `fbx` looks for files; `None` is the shared data.
     pub folder: Option<PathBuf>,
     /// Where results besides tables and charts go; `None` keeps none.
@@ -40,6 +43,7 @@ impl Default for Options {
             frames: 1000,
             cameras: 200,
             error: 4.0,
+            parts: Vec::new(),
             folder: None,
             out: None,
         }

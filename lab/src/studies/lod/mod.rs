@@ -54,7 +54,7 @@ use cdlod::Cdlod;
 use dolomite_terrain::Terrain;
 use places::Places;
 use rival::Rival;
-pub use run::STUDY;
+pub use run::{Part, STUDY};
 use truth::Truth;
 use tune::{TuneError, Tuned, tune};
 use uniform::Uniform;

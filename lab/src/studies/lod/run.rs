@@ -12,6 +12,7 @@ use super::{PLACES, all_rivals, compare, cracks, terrains};
 use crate::csv;
 use crate::study::{Options, Report, Study};
 use bevy::math::UVec2;
+use clap::ValueEnum;
 use dolomite_terrain::Terrain;
 use serde_json::{Map, Value, json};
 
@@ -21,6 +22,23 @@ pub const STUDY: Study = Study {
     about: "level of detail: is the error bound kept; vertices beside 4 methods; cracks, pops",
     run: |options| run(&Plan::of(options)),
 };
+
+/// What the study is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Part {
+    /// Is any error above the tolerance?
+    Guarantee,
+    /// Are there gaps in the meshes?
+    Cracks,
+    /// Are the errors the same far from the origin?
+    Precision,
+    /// Time on the CPU.
+    Time,
+    /// How far do drawn vertices move from frame to frame?
+    Pops,
+    /// Vertices beside those of other methods.
+    Vertices,
+}
 
 /// How much of everything.
 #[derive(Debug, Clone)]
@@ -51,6 +69,8 @@ pub struct Plan {
     pub time_tau: f64,
     /// Timed runs.
     pub repeats: usize,
+    /// What is run; nothing named is all of it.
+    pub parts: Vec<Part>,
 }
 
 impl Plan {
@@ -74,61 +94,83 @@ impl Plan {
             rounds: 2,
             time_tau: 1.0,
             repeats: options.repeats,
+            parts: options.parts.clone(),
         }
+    }
+
+    /// Whether a part is run.
+    #[must_use]
+    pub fn has(&self, part: Part) -> bool {
+        self.parts.is_empty() || self.parts.contains(&part)
     }
 }
 
 /// Runs it.
 #[must_use]
 pub fn run(plan: &Plan) -> Report {
+    let mut rows = Vec::new();
+    let mut summary = Map::new();
+    let mut tell = |name: &str, value: Value| {
+        eprintln!("lod: {name}: {value:#}");
+        summary.insert(name.into(), value);
+    };
+    if plan.has(Part::Guarantee) {
+        eprintln!("lod: guarantee");
+        let counts = guarantee(plan.cameras, &plan.taus, plan.samples, plan.seed);
+        rows.extend(report::guarantee_rows(&counts));
+        tell("guarantee", report::guarantee(&counts));
+    }
+    if plan.has(Part::Cracks) {
+        eprintln!("lod: cracks");
+        tell("cracks", edges(plan));
+    }
+    if plan.has(Part::Precision) {
+        tell("precision", precision(plan));
+    }
+    if plan.has(Part::Time) {
+        tell("time", times(plan, &mut rows));
+    }
+    if plan.has(Part::Pops) {
+        tell("pops", movements(plan, &mut rows));
+    }
+    let mut figures = Vec::new();
+    if plan.has(Part::Vertices) {
+        let compared = beside_others(plan);
+        rows.extend(report::compared_rows(&compared));
+        figures = report::figures(&compared);
+        tell("vertices", report::compared(&compared));
+    }
+    Report {
+        study: STUDY.name,
+        rows,
+        figures,
+        notes: notes(plan),
+        summary: Value::Object(summary),
+    }
+}
+
+fn edges(plan: &Plan) -> Value {
+    let found = cracks::cracks(plan.edges, plan.seed);
+    json!({
+        "views": found.views, "shared_edges": found.shared, "open": found.open,
+        "doubled_vertices": found.doubled, "turned_triangles": found.turned,
+    })
+}
+
+fn beside_others(plan: &Plan) -> Vec<Compared> {
     let ground = &plan.ground;
     let cameras = ordinary(ground);
-    eprintln!("lod: guarantee");
-    let counts = guarantee(plan.cameras, &plan.taus, plan.samples, plan.seed);
-    let mut rows = report::guarantee_rows(&counts);
-    let mut summary = Map::new();
-    summary.insert("guarantee".into(), report::guarantee(&counts));
-    eprintln!("lod: {:#}", summary["guarantee"]);
-
-    eprintln!("lod: cracks");
-    let found = cracks::cracks(plan.edges, plan.seed);
-    summary.insert(
-        "cracks".into(),
-        json!({
-            "views": found.views, "shared_edges": found.shared, "open": found.open,
-            "doubled_vertices": found.doubled, "turned_triangles": found.turned,
-        }),
-    );
-    eprintln!("lod: {}", summary["cracks"]);
-
-    summary.insert("precision".into(), precision(plan));
-    eprintln!("lod: {}", summary["precision"]);
-    summary.insert("time".into(), times(plan, &mut rows));
-    eprintln!("lod: {}", summary["time"]);
-    summary.insert("pops".into(), movements(plan, &mut rows));
-    eprintln!("lod: {}", summary["pops"]);
-
     let ours = Ours::all()
         .into_iter()
         .map(|ours| Box::new(ours) as Box<dyn Rival>);
     let methods: Vec<Box<dyn Rival>> = ours.chain(all_rivals()).collect();
-    let compared: Vec<Compared> = plan
-        .wanted
+    plan.wanted
         .iter()
         .map(|&wanted| Compared {
             wanted,
             rows: compare(&methods, ground, &cameras, (wanted, plan.places), plan.seed),
         })
-        .collect();
-    rows.extend(report::compared_rows(&compared));
-    summary.insert("vertices".into(), report::compared(&compared));
-    Report {
-        study: STUDY.name,
-        rows,
-        figures: report::figures(&compared),
-        notes: notes(plan),
-        summary: Value::Object(summary),
-    }
+        .collect()
 }
 
 fn precision(plan: &Plan) -> Value {
