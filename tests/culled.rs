@@ -1,5 +1,5 @@
-//! Ground by the level of detail with and without the triangles that the camera does not see: the same
-//! picture, byte for byte, shadows and all.
+//! Ground by the level of detail with and without the triangles that the camera does not see, beyond its
+//! borders, facing away, or behind nearer ground: the same picture, byte for byte, shadows and all.
 
 use std::time::Duration;
 
@@ -190,11 +190,12 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
     ];
     for (name, place, projection, most) in views {
         let mut found = Vec::new();
-        for culled in [false, true] {
+        for (culled, occluded) in [(false, false), (true, false), (true, true)] {
             let detail = Detail {
                 metric: Metric::ErrorBound { pixels: 2.0 },
                 finest: 0.5,
                 culled,
+                occluded,
                 ..Detail::default()
             };
             app.world_mut()
@@ -202,17 +203,19 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
                 .insert((place, projection.clone(), detail));
             found.push(picture(&mut app, &target));
         }
-        let [(all, triangles), (seen, drawn)] = &found[..] else {
-            unreachable!("two pictures");
+        let [(all, triangles), (turned, facing), (seen, drawn)] = &found[..] else {
+            unreachable!("three pictures");
         };
-        eprintln!("{name}: {drawn} of {triangles} triangles");
+        eprintln!("{name}: {drawn} of {facing} of {triangles} triangles");
         assert!(*triangles > 300, "{name}: {triangles}");
         assert!(
             drawn * 100 <= triangles * most,
             "{name}: {drawn} of {triangles}"
         );
-        let others = all.iter().zip(seen).filter(|(a, b)| a != b).count();
-        assert_eq!(others, 0, "{name}: bytes differ");
+        for other in [turned, seen] {
+            let others = all.iter().zip(other).filter(|(a, b)| a != b).count();
+            assert_eq!(others, 0, "{name}: bytes differ");
+        }
         // There is something to differ in.
         let shades = all.chunks(4).collect::<std::collections::HashSet<_>>();
         if name != "below the ground" {

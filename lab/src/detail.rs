@@ -11,9 +11,9 @@ use bytemuck::{bytes_of, cast_slice, pod_collect_to_vec};
 use dolomite_tessellation::detail::DetailCells;
 use dolomite_tessellation::detail::lattice::MAX_DEPTH;
 use dolomite_tessellation::detail::layout::{
-    ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DEPTH_PASSES, DetailParams, DetailPass, Groups,
-    HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, Pass, RECORD_BYTES, Second,
-    VIEW_CELL_BYTES, arguments_at, without,
+    ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DEPTH_PASSES, DetailParams,
+    DetailPass, Groups, HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, Pass,
+    RECORD_BYTES, Second, VIEW_CELL_BYTES, arguments_at, without,
 };
 use dolomite_tessellation::stage::layout::{HEAD_WORDS, OTHERS_ARGUMENTS, VERTEX_BYTES};
 use layouts::{Layouts, group};
@@ -157,7 +157,7 @@ impl<'a> DetailStage<'a> {
             empty(96 * room),
             empty(16 * room),
             empty(VIEW_CELL_BYTES * room),
-            empty(size_of_val(&beginning.counts(true)) as u64),
+            empty(4 * ALL_COUNT_WORDS as u64),
             empty(LIST_BYTES * room),
         ];
         let blocks = &beginning.blocks;
@@ -321,6 +321,7 @@ impl<'a> DetailStage<'a> {
         }
         let last = self.last_passes.iter().zip(LAST_PASSES);
         steps.extend(last.map(|(pipeline, pass)| (params.depth, pipeline, pass)));
+        steps.retain(|(_, _, (.., count))| params.needs(*count));
         let mut timer = self
             .times
             .take()
@@ -351,7 +352,9 @@ impl<'a> DetailStage<'a> {
                 }
                 match count {
                     Groups::One => pass.dispatch_workgroups(1, 1, 1),
-                    Groups::Kept => pass.dispatch_workgroups_indirect(&self.closing, 0),
+                    Groups::Kept | Groups::Horizon => {
+                        pass.dispatch_workgroups_indirect(&self.closing, 0)
+                    }
                     Groups::Make | Groups::Look => {
                         let at = arguments_at(depth, count);
                         pass.dispatch_workgroups_indirect(&self.arguments[turn], at);

@@ -170,7 +170,7 @@ fn the_grounds_look_lies_as_in_rust() {
 #[test]
 fn the_records_of_the_level_of_detail_lie_as_in_rust() {
     use dolomite_tessellation::detail::layout::{DetailParams, DetailPass, Link, VIEW_CELL_BYTES};
-    use dolomite_tessellation::detail::{Cell, DetailView};
+    use dolomite_tessellation::detail::{Cell, DetailView, HorizonView};
     let look = composed("detail/look.wgsl");
     same_layout!(
         &look,
@@ -213,6 +213,18 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
             flags,
             clip,
             half_size,
+            horizon,
+        }
+    );
+    same_layout!(
+        &look,
+        HorizonView {
+            eye,
+            nearest,
+            ahead,
+            reach,
+            pixel,
+            near_reach,
         }
     );
     same_layout!(&look, DetailPass { depth });

@@ -49,6 +49,8 @@ const OTHERS: u32 = 8u;
 const HISTOGRAM: u32 = 96u;
 const STEPS_AN_OCTAVE: f32 = 8.0;
 const BINS: u32 = 256u;
+// The map of the horizon, by layers and columns, and whether it is blind: see horizon.wgsl.
+const HORIZON: u32 = 352u;
 // Threads of a workgroup, and most workgroups of a dispatch; each works for every (workgroups)th item.
 const GROUP: u32 = 64u;
 const MOST_GROUPS: u32 = 65535u;

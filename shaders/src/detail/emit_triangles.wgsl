@@ -2,6 +2,7 @@
 // from the front of the list, what shadows need of the others from its back. A thread a cell.
 
 #import dolomite::detail::bindings::{counts, detail, links, seen, GROUP, KEPT, OTHERS, TRIANGLES, kept_cell, root_count}
+#import dolomite::detail::horizon::{OCCLUDED, Mapped, is_behind, map_place}
 #import dolomite::detail::cull::{CULL, KEEP_OTHERS, Drawn, draw_at, is_hidden}
 #import dolomite::detail::lattice::{cell_half, cell_quarter}
 #import dolomite::detail::vertices::{appears, corner_of, is_drawn, middle_of, vertex_number}
@@ -14,12 +15,13 @@
 struct Corner {
     number: u32,
     drawn: Drawn,
+    mapped: Mapped,
 }
 
 fn corner(number: u32) -> Corner {
     let base = VERTEX_WORDS * number;
     let place = bitcast<vec3<f32>>(vec3(vertices[base], vertices[base + 1u], vertices[base + 2u]));
-    return Corner(number, draw_at(place));
+    return Corner(number, draw_at(place), map_place(place));
 }
 
 fn store(place: u32, a: u32, b: u32, c: u32) {
@@ -30,8 +32,15 @@ fn store(place: u32, a: u32, b: u32, c: u32) {
     }
 }
 
-fn emit(a: Corner, b: Corner, c: Corner) {
+fn is_left_out(a: Corner, b: Corner, c: Corner) -> bool {
     if (detail.flags & CULL) != 0u && is_hidden(a.drawn, b.drawn, c.drawn) {
+        return true;
+    }
+    return (detail.flags & OCCLUDED) != 0u && is_behind(a.mapped, b.mapped, c.mapped);
+}
+
+fn emit(a: Corner, b: Corner, c: Corner) {
+    if is_left_out(a, b, c) {
         if (detail.flags & KEEP_OTHERS) != 0u {
             // From the back; what is before the first wraps, and is not stored.
             store(detail.max_triangles - 1u - atomicAdd(&counts[OTHERS], 1u), a.number, b.number, c.number);

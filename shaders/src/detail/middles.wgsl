@@ -1,8 +1,9 @@
 // Demands of the middles of all cells that are kept, and how many vertices have which demand. A thread a
-// cell.
+// cell. All of them clear the map of the horizon, which a later pass draws.
 
 #import dolomite::detail::types::{APPEARS, NO_CELL}
 #import dolomite::detail::bindings::{counts, detail, links, seen, BINS, GROUP, HISTOGRAM, KEPT, STEPS_AN_OCTAVE, kept_cell}
+#import dolomite::detail::horizon::clear_horizon
 #import dolomite::detail::lattice::{cell_half, on_lattice, side_direction}
 #import dolomite::detail::room::room
 
@@ -31,6 +32,7 @@ fn count(demand: f32, vertices: u32) {
 
 @compute @workgroup_size(64)
 fn find_middles(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    clear_horizon(id.x, groups.x * GROUP);
     let last = atomicLoad(&counts[KEPT]);
     for (var k = id.x; k < last; k += groups.x * GROUP) {
         let at = kept_cell(k);

@@ -22,6 +22,23 @@ struct DetailView {
     classic: vec4<f32>,
 }
 
+// How a view looks at its horizon, see horizon.wgsl. Relative to the stage's anchor, its height too.
+struct HorizonView {
+    eye: vec3<f32>,
+    // Depth at which the first layer begins, metres.
+    nearest: f32,
+    // Unit direction of depth.
+    ahead: vec2<f32>,
+    // Greatest |u| of the picture; u of a pixel straight ahead.
+    reach: f32,
+    pixel: f32,
+    // From the eye to the corners of the near plane, metres.
+    near_reach: f32,
+    pad_a: f32,
+    pad_b: f32,
+    pad_c: f32,
+}
+
 struct DetailParams {
     view: DetailView,
     // Least corner of the lattice, 32.32 fixed point.
@@ -53,6 +70,7 @@ struct DetailParams {
     half_size: vec2<f32>,
     pad_a: f32,
     pad_b: f32,
+    horizon: HorizonView,
 }
 
 // A cell as it was made, see Cell in cell.rs.

@@ -6,6 +6,7 @@ use dolomite_terrain::{GpuTerrainUniform, Source, Terrain};
 
 use super::cell::DetailCells;
 use super::cull::Picture;
+use super::horizon::{COLUMNS, HorizonView, LAYERS};
 use super::lattice::DetailLattice;
 use super::view::DetailView;
 use crate::ground::functions::{DEPTH_RANGE, OPAQUE_DEPTH};
@@ -34,6 +35,7 @@ pub struct DetailParams {
     pub clip: [[f32; 4]; 4],
     pub half_size: [f32; 2],
     pub pad: [f32; 2],
+    pub horizon: HorizonView,
 }
 
 /// Bit of [`DetailParams::flags`]: triangles that the camera does not see are left out.
@@ -42,6 +44,8 @@ pub const CULL: u32 = 1;
 pub const FACING: u32 = 2;
 /// Bit of [`DetailParams::flags`]: they are kept at the end of the list, for shadows.
 pub const KEEP_OTHERS: u32 = 4;
+/// Bit of [`DetailParams::flags`]: triangles behind nearer ground are left out as well.
+pub const OCCLUDED: u32 = 8;
 
 impl DetailParams {
     /// For a view of the cells' ground, with room for so many cells, vertices and triangles. Nothing is left
@@ -73,6 +77,7 @@ impl DetailParams {
             clip: [[0.0; 4]; 4],
             half_size: [0.0; 2],
             pad: [0.0; 2],
+            horizon: HorizonView::default(),
         }
     }
 
@@ -88,6 +93,22 @@ impl DetailParams {
             half_size: picture.half_size.to_array(),
             ..self
         }
+    }
+
+    /// The same with those left out as well that nearer ground hides from this view.
+    #[must_use]
+    pub fn occlude(self, horizon: HorizonView) -> Self {
+        Self {
+            flags: self.flags | OCCLUDED,
+            horizon,
+            ..self
+        }
+    }
+
+    /// Whether a pass has something to do.
+    #[must_use]
+    pub const fn needs(&self, groups: Groups) -> bool {
+        !matches!(groups, Groups::Horizon) || self.flags & OCCLUDED != 0
     }
 }
 
@@ -116,8 +137,10 @@ pub const VIEW_CELL_BYTES: u64 = 96;
 pub const LIST_BYTES: u64 = 6;
 /// Bytes of what the height of a vertex depends on, and of the number of one that is arriving.
 pub const RECORD_BYTES: u64 = 20;
-/// Words of the counts.
+/// Words of the counts that a choice begins with.
 pub const COUNT_WORDS: usize = 352;
+/// Words of the counts in all: behind those the map of the horizon, and whether it is blind.
+pub const ALL_COUNT_WORDS: usize = COUNT_WORDS + COLUMNS * LAYERS + 1;
 /// Word of the counts: blocks to look at, of each depth.
 pub const LOOK: usize = 32;
 /// Word of the counts: blocks to make, of each depth.
@@ -142,6 +165,8 @@ pub enum Groups {
     Look,
     /// One for every 64 cells that are kept, and one at least.
     Kept,
+    /// The same, where what nearer ground hides is left out; no dispatch elsewhere.
+    Horizon,
     /// One.
     One,
 }
@@ -189,7 +214,7 @@ pub const DEPTH_PASSES: [Pass; 3] = [
 ];
 
 /// The passes that close a choice after its last depth, in order.
-pub const LAST_PASSES: [Pass; 7] = [
+pub const LAST_PASSES: [Pass; 9] = [
     (
         "detail/middles.wgsl",
         "find_middles",
@@ -214,6 +239,18 @@ pub const LAST_PASSES: [Pass; 7] = [
         "raise_vertices",
         Second::Vertices,
         Groups::Kept,
+    ),
+    (
+        "detail/draw_horizon.wgsl",
+        "draw_horizon",
+        Second::Nothing,
+        Groups::Horizon,
+    ),
+    (
+        "detail/close_horizon.wgsl",
+        "close_horizon",
+        Second::Nothing,
+        Groups::Horizon,
     ),
     (
         "detail/emit_triangles.wgsl",

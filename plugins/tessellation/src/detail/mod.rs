@@ -26,6 +26,7 @@
 //! | [`mod@select`] | which vertices a view gets |
 //! | [`mod@mesh`] | their heights, and the triangles |
 //! | [`cull`] | which of these a picture shows nothing of |
+//! | [`horizon`] | which of these other ground hides |
 //! | [`layout`] | the same on the GPU: records and passes |
 //! | [`probe`] | the triangle under a place: ground answers |
 //! | [`ring`] | answers on their way back, without waiting |
@@ -33,6 +34,7 @@
 pub mod budget;
 pub mod cell;
 pub mod cull;
+pub mod horizon;
 pub mod lattice;
 pub mod layout;
 pub mod mesh;
@@ -44,6 +46,7 @@ pub mod view;
 
 pub use cell::{Cell, DetailCells};
 pub use cull::Picture;
+pub use horizon::{Horizon, HorizonView};
 pub use lattice::{CellPlace, DetailLattice};
 pub use mesh::{DetailMesh, DetailVertex};
 pub use probe::DrawnProbes;

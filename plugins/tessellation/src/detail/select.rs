@@ -155,7 +155,7 @@ pub struct Demand {
 }
 
 /// The box of a cell, relative to the view's anchor.
-fn cell_box(
+pub(super) fn cell_box(
     view: &DetailView,
     lattice: &DetailLattice,
     place: CellPlace,

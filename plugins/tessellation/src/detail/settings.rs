@@ -129,6 +129,9 @@ pub struct Detail {
     /// Leaves out the triangles of which the picture shows nothing: beyond its borders, or facing away. The
     /// picture is the same without; it is there to be compared with.
     pub culled: bool,
+    /// Leaves out the triangles that nearer ground hides, with those that `culled` leaves out; nothing without
+    /// it. The picture is the same without.
+    pub occluded: bool,
 }
 
 impl Default for Detail {
@@ -139,6 +142,7 @@ impl Default for Detail {
             max_vertices: 1 << 18,
             shadow_share: 0.25,
             culled: true,
+            occluded: true,
         }
     }
 }
@@ -153,6 +157,7 @@ impl Detail {
             max_vertices: self.max_vertices.clamp(1 << 10, 1 << 22),
             shadow_share: within(self.shadow_share, 0.0, 1.0, 0.25),
             culled: self.culled,
+            occluded: self.occluded,
         }
     }
 }

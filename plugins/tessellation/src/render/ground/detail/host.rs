@@ -8,7 +8,7 @@ use dolomite_terrain::GroundPoint;
 use super::prepare::DetailState;
 use crate::detail::mesh::mesh;
 use crate::detail::select::select;
-use crate::detail::{DetailVertex, DetailView};
+use crate::detail::{DetailVertex, DetailView, Horizon};
 use crate::ground::functions::DEPTH_RANGE;
 use crate::render::stage::prepare::ViewKind;
 use crate::render::stage::stats::StageShared;
@@ -50,7 +50,10 @@ pub(super) fn choose(
     if let Some((picture, shadowed)) = &own.culled {
         let place = |vertex: &[u32; 5]| Vec3::from([0, 1, 2].map(|k| f32::from_bits(vertex[k])));
         let places: Vec<Vec3> = stored.iter().map(place).collect();
-        seen = picture.sort(&mut triangles, &places);
+        let horizon = own
+            .horizon(&view, anchor_height)
+            .map(|horizon| Horizon::of(horizon, &own.ground, &selection, &view, anchor_height));
+        seen = picture.sort(horizon.as_ref(), &mut triangles, &places);
         if !shadowed {
             triangles.truncate(seen);
         }

@@ -14,8 +14,8 @@ use crate::render::stage::extract::ExtractedStageCamera;
 use crate::render::stage::prepare::StageKinds;
 use crate::render::stage::stats::StageShared;
 
-/// make, look, keep for each depth; then middles, fit, numbers, vertices, heights, triangles, head. A
-/// dispatch has as many workgroups as those before it found work for.
+/// make, look, keep for each depth; then middles, fit, numbers, vertices, heights, the horizon where it is
+/// looked at, triangles, head. A dispatch has as many workgroups as those before it found work for.
 pub fn choose<K: DetailKind>(
     view: ViewQuery<Entity, With<ExtractedStageCamera>>,
     mut kinds: ResMut<StageKinds>,
@@ -66,6 +66,9 @@ pub fn choose<K: DetailKind>(
     let last = last.iter().zip(LAST_PASSES).map(|pass| (own.depth, pass));
     let mut dispatches = 0;
     for (depth, (pipeline, (_, _, second, count))) in depths.chain(last) {
+        if count == Groups::Horizon && !own.occluded {
+            continue;
+        }
         let turn = (depth & 1) as usize;
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &groups.shared, &[depth * SLOT as u32]);
@@ -79,7 +82,7 @@ pub fn choose<K: DetailKind>(
         }
         match count {
             Groups::One => pass.dispatch_workgroups(1, 1, 1),
-            Groups::Kept => pass.dispatch_workgroups_indirect(&own.closing, 0),
+            Groups::Kept | Groups::Horizon => pass.dispatch_workgroups_indirect(&own.closing, 0),
             Groups::Make | Groups::Look => {
                 let at = arguments_at(depth, count);
                 pass.dispatch_workgroups_indirect(&own.arguments[turn], at);

@@ -18,10 +18,10 @@ use super::view::{detail_view, picture};
 use super::{DetailKind, DetailShaders, ExtractedDetail, ExtractedGround, host};
 use crate::detail::lattice::MAX_DEPTH;
 use crate::detail::layout::{
-    ARGUMENT_BYTES, Beginning, CLOSING_BYTES, COUNT_WORDS, DetailParams, DetailPass,
+    ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DetailParams, DetailPass,
     LEAST_CAPACITY, LIST_BYTES, RECORD_BYTES, VIEW_CELL_BYTES, without,
 };
-use crate::detail::{Cell, Detail, DetailCells, DetailView, Picture};
+use crate::detail::{Cell, Detail, DetailCells, DetailView, HorizonView, Picture};
 use crate::render::stage::prepare::{StageKinds, ViewKind};
 use crate::render::stage::stats::StageShared;
 
@@ -74,6 +74,8 @@ pub(super) struct DetailState {
     pub groups: Option<DetailGroups>,
     /// What was left out of the picture, and whether it was kept for shadows.
     pub(super) culled: Option<(Picture, bool)>,
+    /// Whether the newest choice looks for what nearer ground hides.
+    pub(super) occluded: bool,
     pub depth: u32,
 }
 
@@ -136,7 +138,7 @@ impl DetailState {
             empty("detail_cells", 96 * room),
             empty("detail_links", 16 * room),
             empty("detail_seen", VIEW_CELL_BYTES * room),
-            empty("detail_counts", 4 * COUNT_WORDS as u64),
+            empty("detail_counts", 4 * ALL_COUNT_WORDS as u64),
             empty("detail_lists", LIST_BYTES * room),
         ];
         queue.write_buffer(&kept[1], 0, cast_slice(&beginning.links));
@@ -170,6 +172,7 @@ impl DetailState {
             written: None,
             groups: None,
             culled: None,
+            occluded: false,
         }
     }
 
@@ -190,10 +193,13 @@ impl DetailState {
                 ],
             )
         };
+        let horizon = self.horizon(&view, params.anchor_height);
         let params = match &self.culled {
             Some((picture, others)) => params.cull(picture, *others),
             None => params,
         };
+        let params = horizon.map_or(params, |horizon| params.occlude(horizon));
+        self.occluded = horizon.is_some();
         queue.write_buffer(&self.uniform, 0, bytes_of(&params));
         let arguments = self.beginning.arguments(self.fresh);
         for buffer in &self.arguments {
@@ -210,6 +216,12 @@ impl DetailState {
             let at = 4 * (u64::from(self.capacity / 2) - back.len() as u64);
             queue.write_buffer(&self.kept[4], at, cast_slice(&back));
         }
+    }
+
+    /// How the view looks at its horizon, where it does.
+    pub(super) fn horizon(&self, view: &DetailView, anchor_height: f32) -> Option<HorizonView> {
+        let (picture, _) = self.culled.as_ref().filter(|_| self.detail.occluded)?;
+        HorizonView::new(&self.ground, view, picture, anchor_height)
     }
 
     /// Forgets what was made, where little room is left; or less than half, and most of it is of views long
