@@ -1,75 +1,39 @@
 //! What a scene does not need costs nothing: the plugins in an app that renders, first without a
 //! terrain, then without a view of it, add no pipeline, no buffer and no pass; with both they do.
 
+#[path = "support/app.rs"]
+mod app;
+#[path = "support/material.rs"]
+mod material;
+
 use std::time::Duration;
 
-use bevy::app::{App, PluginGroup};
 use bevy::camera::RenderTarget;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
-use bevy::log::LogPlugin;
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::RenderApp;
 use bevy::render::render_resource::{PipelineCache, PollType, TextureFormat};
 use bevy::render::renderer::RenderDevice;
-use bevy::render::{RenderApp, RenderPlugin};
-use bevy::time::TimeUpdateStrategy;
-use bevy::window::{ExitCondition, WindowPlugin};
-use bevy::winit::WinitPlugin;
 use dolomite::DolomitePlugins;
-use dolomite::game::device;
 use dolomite::terrain::{
     Fractal, GroundProbe, GroundRect, Layer, ProbeBatch, Source, Terrain, TerrainData,
 };
+use dolomite::tessellation::TerrainView;
 use dolomite::tessellation::detail::{Detail, DrawnProbes};
-use dolomite::tessellation::render::ground::texture::{LAYERS, texture_array};
 use dolomite::tessellation::render::ground::{AnswerCensus, DrawnProbeStats, answer_census};
 use dolomite::tessellation::render::stage::{StageCensus, StageStats, census};
-use dolomite::tessellation::{TerrainMaterial, TerrainView};
 
-/// An app that renders without a window; `None`, after a line that says so, without Vulkan.
+/// Frames of 16 ms.
+const STEP: Duration = Duration::from_millis(16);
+
+/// An app that renders without a window, with our plugins or without.
 fn app(with_plugins: bool) -> Option<App> {
-    pipelined_app(with_plugins, false)
-}
-
-fn pipelined_app(with_plugins: bool, pipelined: bool) -> Option<App> {
-    if let Err(error) = device::probe() {
-        assert!(
-            std::env::var_os("CI").is_none(),
-            "CI must not skip GPU tests: {error}"
-        );
-        eprintln!("skipped: {error}");
-        return None;
-    }
-    let mut app = App::new();
-    let plugins = DefaultPlugins
-        .build()
-        .set(WindowPlugin {
-            primary_window: None,
-            exit_condition: ExitCondition::DontExit,
-            ..default()
-        })
-        .set(RenderPlugin {
-            render_creation: device::wgpu_settings().into(),
-            synchronous_pipeline_compilation: true,
-            ..default()
-        })
-        .disable::<LogPlugin>()
-        .disable::<WinitPlugin>();
-    app.add_plugins(if pipelined {
-        plugins
-    } else {
-        plugins.disable::<PipelinedRenderingPlugin>()
+    app::app(STEP, |app| {
+        if with_plugins {
+            app.add_plugins(DolomitePlugins);
+        }
     })
-    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
-        16,
-    )));
-    if with_plugins {
-        app.add_plugins(DolomitePlugins);
-    }
-    app.finish();
-    app.cleanup();
-    Some(app)
 }
 
 fn camera(app: &mut App, components: impl Bundle) {
@@ -95,23 +59,7 @@ fn terrain(app: &mut App) {
         base: 0.0,
         sea_level: None,
     });
-    let mut images = app.world_mut().resource_mut::<Assets<Image>>();
-    let mut array = |srgb| {
-        let size = bevy::render::render_resource::Extent3d {
-            width: 4,
-            height: 4 * LAYERS,
-            depth_or_array_layers: 1,
-        };
-        let stack = Image::new_fill(
-            size,
-            bevy::render::render_resource::TextureDimension::D2,
-            &[128; 4],
-            TextureFormat::Rgba8Unorm,
-            bevy::asset::RenderAssetUsages::all(),
-        );
-        images.add(texture_array(&stack, LAYERS, srgb).expect("a stack of squares"))
-    };
-    let material = TerrainMaterial::new(array(true), array(false));
+    let material = material::material(app);
     app.world_mut()
         .spawn((terrain.expect("the defaults are valid"), material));
 }
@@ -399,7 +347,9 @@ fn a_million_probes_neither_stall_nor_panic() {
 
 #[test]
 fn answers_are_three_frames_old_at_most_beside_a_pipelined_renderer() {
-    let Some(mut app) = pipelined_app(true, true) else {
+    let Some(mut app) = app::pipelined_app(STEP, true, |app| {
+        app.add_plugins(DolomitePlugins);
+    }) else {
         return;
     };
     terrain(&mut app);

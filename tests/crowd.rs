@@ -5,99 +5,46 @@
 #[path = "../plugins/character/tests/support/person.rs"]
 mod person;
 
+#[path = "support/app.rs"]
+mod app;
+#[path = "support/picture.rs"]
+mod picture;
+
 use std::time::Duration;
 
-use bevy::app::{App, PluginGroup};
+use bevy::app::App;
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::RenderTarget;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass};
 use bevy::core_pipeline::tonemapping::Tonemapping;
-use bevy::log::LogPlugin;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
-use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::RenderApp;
 use bevy::render::render_resource::TextureFormat;
 use bevy::render::storage::ShaderBuffer;
-use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
-use bevy::render::{RenderApp, RenderPlugin};
-use bevy::time::TimeUpdateStrategy;
-use bevy::window::{ExitCondition, WindowPlugin};
-use bevy::winit::WinitPlugin;
 use dolomite::character::SkinnedMesh;
 use dolomite::character::crowd::{CrowdFigure, Palette, skin};
 use dolomite::character::render::{Crowd, CrowdLook, CrowdMaterial, CrowdPlugin, CrowdUploads};
-use dolomite::game::device;
 
 const SIZE: u32 = 160;
 
 fn app() -> Option<App> {
-    if let Err(error) = device::probe() {
-        assert!(
-            std::env::var_os("CI").is_none(),
-            "CI must not skip GPU tests: {error}"
-        );
-        eprintln!("skipped: {error}");
-        return None;
-    }
-    let mut app = App::new();
-    app.add_plugins(
-        DefaultPlugins
-            .build()
-            .set(WindowPlugin {
-                primary_window: None,
-                exit_condition: ExitCondition::DontExit,
-                ..default()
-            })
-            .set(RenderPlugin {
-                render_creation: device::wgpu_settings().into(),
-                synchronous_pipeline_compilation: true,
-                ..default()
-            })
-            .disable::<LogPlugin>()
-            .disable::<WinitPlugin>()
-            .disable::<PipelinedRenderingPlugin>(),
-    )
-    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
-        16,
-    )))
-    .add_plugins(CrowdPlugin)
-    .init_resource::<Picture>();
-    app.finish();
-    app.cleanup();
-    Some(app)
+    app::app(Duration::from_millis(16), |app| {
+        app.add_plugins(CrowdPlugin);
+    })
 }
-
-#[derive(Resource, Default)]
-struct Picture(Option<Image>);
 
 /// Some frames, and then what the camera saw: red, green, blue of every pixel.
 fn picture(app: &mut App, target: &Handle<Image>) -> Vec<[u8; 3]> {
-    for _ in 0..20 {
-        app.update();
-        assert_eq!(app.should_exit(), None, "rendering stopped");
-    }
-    app.world_mut().resource_mut::<Picture>().0 = None;
-    app.world_mut()
-        .spawn(Screenshot::image(target.clone()))
-        .observe(
-            |shot: On<ScreenshotCaptured>, mut picture: ResMut<Picture>| {
-                picture.0 = Some(shot.image.clone());
-            },
-        );
-    for _ in 0..200 {
-        app.update();
-        if let Some(image) = &app.world().resource::<Picture>().0 {
-            let colour = |index: u32| {
-                let pixel = image
-                    .get_color_at(index % SIZE, index / SIZE)
-                    .expect("a pixel")
-                    .to_srgba();
-                [pixel.red, pixel.green, pixel.blue].map(|part| (part * 255.0).round() as u8)
-            };
-            return (0..SIZE * SIZE).map(colour).collect();
-        }
-    }
-    panic!("no picture");
+    let image = picture::picture(app, target, 20);
+    let colour = |index: u32| {
+        let pixel = image
+            .get_color_at(index % SIZE, index / SIZE)
+            .expect("a pixel")
+            .to_srgba();
+        [pixel.red, pixel.green, pixel.blue].map(|part| (part * 255.0).round() as u8)
+    };
+    (0..SIZE * SIZE).map(colour).collect()
 }
 
 fn figures(palette: &Palette, time: f32) -> Vec<CrowdFigure> {

@@ -1,68 +1,26 @@
 //! Ground by the level of detail with and without the triangles that the camera does not see, beyond its
 //! borders, facing away, or behind nearer ground: the same picture, byte for byte, shadows and all.
 
+#[path = "support/app.rs"]
+mod app;
+#[path = "support/material.rs"]
+mod material;
+#[path = "support/picture.rs"]
+mod picture;
+
 use std::time::Duration;
 
-use bevy::app::{App, PluginGroup};
 use bevy::camera::{OrthographicProjection, RenderTarget, ScalingMode};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::light::CascadeShadowConfigBuilder;
-use bevy::log::LogPlugin;
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use bevy::render::RenderPlugin;
-use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::TextureFormat;
-use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
-use bevy::time::TimeUpdateStrategy;
-use bevy::window::{ExitCondition, WindowPlugin};
-use bevy::winit::WinitPlugin;
 use dolomite::DolomitePlugins;
-use dolomite::game::device;
 use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
+use dolomite::tessellation::TerrainView;
 use dolomite::tessellation::detail::{Detail, Metric};
-use dolomite::tessellation::render::ground::texture::{LAYERS, texture_array};
 use dolomite::tessellation::render::stage::StageStats;
-use dolomite::tessellation::{TerrainMaterial, TerrainView};
-
-#[derive(Resource, Default)]
-struct Captured(Option<Image>);
-
-/// An app that renders without a window; `None`, after a line that says so, without Vulkan.
-fn app() -> Option<App> {
-    if let Err(error) = device::probe() {
-        assert!(
-            std::env::var_os("CI").is_none(),
-            "CI must not skip GPU tests: {error}"
-        );
-        eprintln!("skipped: {error}");
-        return None;
-    }
-    let mut app = App::new();
-    app.add_plugins(
-        DefaultPlugins
-            .build()
-            .set(WindowPlugin {
-                primary_window: None,
-                exit_condition: ExitCondition::DontExit,
-                ..default()
-            })
-            .set(RenderPlugin {
-                render_creation: device::wgpu_settings().into(),
-                synchronous_pipeline_compilation: true,
-                ..default()
-            })
-            .disable::<LogPlugin>()
-            .disable::<WinitPlugin>()
-            .disable::<PipelinedRenderingPlugin>(),
-    )
-    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
-    .init_resource::<Captured>()
-    .add_plugins(DolomitePlugins);
-    app.finish();
-    app.cleanup();
-    Some(app)
-}
 
 /// Steep ground, as many slopes away from the eye as towards it.
 fn ground() -> Terrain {
@@ -84,56 +42,27 @@ fn ground() -> Terrain {
     .expect("valid")
 }
 
-fn material(app: &mut App) -> TerrainMaterial {
-    let mut images = app.world_mut().resource_mut::<Assets<Image>>();
-    let mut array = |srgb| {
-        let size = bevy::render::render_resource::Extent3d {
-            width: 4,
-            height: 4 * LAYERS,
-            depth_or_array_layers: 1,
-        };
-        let stack = Image::new_fill(
-            size,
-            bevy::render::render_resource::TextureDimension::D2,
-            &[128; 4],
-            TextureFormat::Rgba8Unorm,
-            bevy::asset::RenderAssetUsages::all(),
-        );
-        images.add(texture_array(&stack, LAYERS, srgb).expect("a stack of squares"))
-    };
-    TerrainMaterial::new(array(true), array(false))
-}
-
 /// The picture once it rests, and triangles of the camera.
-fn picture(app: &mut App, target: &Handle<Image>) -> (Vec<u8>, u32) {
+fn at_rest(app: &mut App, target: &Handle<Image>) -> (Vec<u8>, u32) {
     for _ in 0..8 {
         app.update();
-        assert_eq!(app.should_exit(), None, "rendering stopped");
     }
     let stats = app.world().resource::<StageStats>().clone();
     assert_eq!(stats.dispatches, 0, "at rest");
-    app.world_mut()
-        .spawn(Screenshot::image(target.clone()))
-        .observe(
-            |shot: On<ScreenshotCaptured>, mut captured: ResMut<Captured>| {
-                captured.0 = Some(shot.image.clone());
-            },
-        );
-    for _ in 0..60 {
-        app.update();
-        if let Some(image) = app.world_mut().resource_mut::<Captured>().0.take() {
-            return (image.data.expect("pixels"), stats.primitives);
-        }
-    }
-    panic!("no picture came back");
+    let image = picture::picture(app, target, 0);
+    (image.data.expect("pixels"), stats.primitives)
 }
 
 #[test]
 fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
-    let Some(mut app) = app() else { return };
+    let Some(mut app) = app::app(Duration::ZERO, |app| {
+        app.add_plugins(DolomitePlugins);
+    }) else {
+        return;
+    };
     let ground = ground();
     let height = |x: f32, z: f32| ground.height(DVec2::new(x.into(), z.into())) as f32;
-    let material = material(&mut app);
+    let material = material::material(&mut app);
     app.world_mut().spawn((ground.clone(), material));
     let light = DirectionalLight {
         shadow_maps_enabled: true,
@@ -201,7 +130,7 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
             app.world_mut()
                 .entity_mut(camera)
                 .insert((place, projection.clone(), detail));
-            found.push(picture(&mut app, &target));
+            found.push(at_rest(&mut app, &target));
         }
         let [(all, triangles), (turned, facing), (seen, drawn)] = &found[..] else {
             unreachable!("three pictures");

@@ -1,23 +1,21 @@
 //! The programmable tessellation stage in an app that renders: what it costs, what it does with
 //! several kinds, cameras and lights, and with functions that cannot be used.
 
+#[path = "support/app.rs"]
+mod app;
+#[path = "support/picture.rs"]
+mod picture;
+
 use std::sync::Arc;
 use std::time::Duration;
 
-use bevy::app::{App, PluginGroup};
+use bevy::app::App;
 use bevy::asset::io::embedded::EmbeddedAssetRegistry;
 use bevy::camera::RenderTarget;
 use bevy::core_pipeline::tonemapping::Tonemapping;
-use bevy::log::LogPlugin;
 use bevy::prelude::*;
-use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::RenderApp;
 use bevy::render::render_resource::{AsBindGroup, TextureFormat};
-use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
-use bevy::render::{RenderApp, RenderPlugin};
-use bevy::time::TimeUpdateStrategy;
-use bevy::window::{ExitCondition, WindowPlugin};
-use bevy::winit::WinitPlugin;
-use dolomite::game::device;
 use dolomite::tessellation::render::stage::{
     PatchKind, PatchPlugin, PatchPool, PatchShader, StageCensus, StageStats, census,
 };
@@ -120,61 +118,31 @@ const ROOMY: Globe = Globe {
 };
 
 fn app(globe: Globe) -> Option<App> {
-    if let Err(error) = device::probe() {
-        assert!(
-            std::env::var_os("CI").is_none(),
-            "CI must not skip GPU tests: {error}"
-        );
-        eprintln!("skipped: {error}");
-        return None;
-    }
-    let mut app = App::new();
-    app.add_plugins(
-        DefaultPlugins
-            .build()
-            .set(WindowPlugin {
-                primary_window: None,
-                exit_condition: ExitCondition::DontExit,
-                ..default()
-            })
-            .set(RenderPlugin {
-                render_creation: device::wgpu_settings().into(),
-                synchronous_pipeline_compilation: true,
-                ..default()
-            })
-            .disable::<LogPlugin>()
-            .disable::<WinitPlugin>()
-            .disable::<PipelinedRenderingPlugin>(),
-    )
-    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
-        16,
-    )));
-    app.world()
-        .resource::<EmbeddedAssetRegistry>()
-        .insert_asset(
-            "broken.wgsl".into(),
-            std::path::Path::new("broken.wgsl"),
-            b"#import dolomite::stage::api::{Patch, PatchLevels, StageView}\n\
+    app::app(Duration::from_millis(16), |app| {
+        app.world()
+            .resource::<EmbeddedAssetRegistry>()
+            .insert_asset(
+                "broken.wgsl".into(),
+                std::path::Path::new("broken.wgsl"),
+                b"#import dolomite::stage::api::{Patch, PatchLevels, StageView}\n\
           fn control(input: Patch, view: StageView) -> PatchLevels { return nonsense; }\n"
-                .as_slice(),
-        );
-    app.world()
-        .resource::<EmbeddedAssetRegistry>()
-        .insert_asset(
-            "waving.wgsl".into(),
-            std::path::Path::new("waving.wgsl"),
-            WAVING.as_bytes(),
-        );
-    app.add_plugins((
-        PatchPlugin(Waving {}),
-        PatchPlugin(globe),
-        PatchPlugin(Tube {}),
-        PatchPlugin(Broken {}),
-        PatchPlugin(Missing {}),
-    ));
-    app.finish();
-    app.cleanup();
-    Some(app)
+                    .as_slice(),
+            );
+        app.world()
+            .resource::<EmbeddedAssetRegistry>()
+            .insert_asset(
+                "waving.wgsl".into(),
+                std::path::Path::new("waving.wgsl"),
+                WAVING.as_bytes(),
+            );
+        app.add_plugins((
+            PatchPlugin(Waving {}),
+            PatchPlugin(globe),
+            PatchPlugin(Tube {}),
+            PatchPlugin(Broken {}),
+            PatchPlugin(Missing {}),
+        ));
+    })
 }
 
 fn camera(app: &mut App, components: impl Bundle) -> Entity {
@@ -366,27 +334,12 @@ fn a_pool_of_a_kibibyte_lowers_levels_and_the_app_goes_on() {
 
 /// The rows of the camera's picture that are white.
 fn white_rows(app: &mut App, image: &Handle<Image>) -> Vec<usize> {
-    #[derive(Resource, Default)]
-    struct Picture(Option<Image>);
-    app.insert_resource(Picture::default());
-    app.world_mut()
-        .spawn(Screenshot::image(image.clone()))
-        .observe(
-            |shot: On<ScreenshotCaptured>, mut picture: ResMut<Picture>| {
-                picture.0 = Some(shot.image.clone());
-            },
-        );
-    for _ in 0..200 {
-        app.update();
-        if let Some(picture) = &app.world().resource::<Picture>().0 {
-            let bright = |row: &usize| {
-                let pixel = picture.get_color_at(32, *row as u32).expect("a pixel");
-                pixel.to_linear().green > 0.5
-            };
-            return (0..64).filter(bright).collect();
-        }
-    }
-    panic!("no picture");
+    let picture = picture::picture(app, image, 0);
+    let bright = |row: &usize| {
+        let pixel = picture.get_color_at(32, *row as u32).expect("a pixel");
+        pixel.to_linear().green > 0.5
+    };
+    (0..64).filter(bright).collect()
 }
 
 /// A changed file takes effect at once, though nothing moves; a faulty one leaves what was drawn and

@@ -1,0 +1,317 @@
+//! Tolerances, budgets and cameras that nobody would choose: the app goes on, no pool is overrun, no frame takes
+//! long; and once all is well again the picture is the one of before, byte for byte.
+
+#[path = "support/app.rs"]
+mod app;
+#[path = "support/material.rs"]
+mod material;
+#[path = "support/picture.rs"]
+mod picture;
+
+use std::time::{Duration, Instant};
+
+use bevy::camera::{OrthographicProjection, RenderTarget, ScalingMode};
+use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use bevy::render::render_resource::TextureFormat;
+use dolomite::DolomitePlugins;
+use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
+use dolomite::tessellation::TerrainView;
+use dolomite::tessellation::detail::budget::{Budget, BudgetError, BudgetReport};
+use dolomite::tessellation::detail::{Detail, Metric};
+use dolomite::tessellation::render::stage::StageStats;
+
+/// Few vertices, so that the finest tolerances are met by the pool's end and not by the machine's.
+const POOL: u32 = 1 << 13;
+
+/// A frame of these small pictures takes some tens of milliseconds on two slow cores; compiling all passes, some
+/// seconds.
+const LONGEST: Duration = Duration::from_secs(30);
+
+fn ground() -> Terrain {
+    let hills = Fractal {
+        octaves: 8,
+        amplitude: 60.0,
+        wavelength: 200.0,
+        ..Fractal::default()
+    };
+    Terrain::new(TerrainData {
+        extent: GroundRect::square(DVec2::new(3e5, -2e5), 2048.0),
+        layers: vec![Layer {
+            source: Source::Fractal(hills),
+            mask: None,
+        }],
+        base: 40.0,
+        sea_level: Some(0.0),
+    })
+    .expect("valid")
+}
+
+fn detail(metric: Metric) -> Detail {
+    Detail {
+        metric,
+        finest: 0.5,
+        max_vertices: POOL,
+        ..Detail::default()
+    }
+}
+
+/// A world with one camera over the ground.
+struct Scene {
+    app: App,
+    camera: Entity,
+    target: Handle<Image>,
+    sane: (Transform, Projection, Detail),
+}
+
+impl Scene {
+    fn new() -> Option<Self> {
+        let mut app = app::app(Duration::ZERO, |app| {
+            app.add_plugins(DolomitePlugins);
+        })?;
+        let ground = ground();
+        let material = material::material(&mut app);
+        app.world_mut().spawn((ground.clone(), material));
+        app.world_mut().spawn((
+            DirectionalLight::default(),
+            Transform::default().looking_to(Vec3::new(-2.0, -1.0, -1.0), Vec3::Y),
+        ));
+        let image = Image::new_target_texture(96, 54, TextureFormat::Rgba8UnormSrgb, None);
+        let target = app.world_mut().resource_mut::<Assets<Image>>().add(image);
+        let xz = DVec2::new(3e5 + 20.0, -2e5 + 30.0);
+        let eye = Vec3::new(xz.x as f32, ground.height(xz) as f32 + 6.0, xz.y as f32);
+        let sane = (
+            Transform::from_translation(eye).looking_to(Vec3::new(0.3, -0.1, -1.0), Vec3::Y),
+            Projection::Perspective(PerspectiveProjection::default()),
+            detail(Metric::ErrorBound { pixels: 4.0 }),
+        );
+        let camera = app.world_mut().spawn((
+            Camera3d::default(),
+            Msaa::Off,
+            (DepthPrepass, DeferredPrepass),
+            RenderTarget::Image(target.clone().into()),
+            TerrainView::default(),
+            sane.clone(),
+        ));
+        let camera = camera.id();
+        Some(Self {
+            app,
+            camera,
+            target,
+            sane,
+        })
+    }
+
+    /// Some frames with this on the camera; what the stage says of the last.
+    fn frames(&mut self, name: &str, components: impl Bundle) -> StageStats {
+        self.app
+            .world_mut()
+            .entity_mut(self.camera)
+            .insert(components);
+        for frame in 0..5 {
+            let began = Instant::now();
+            self.app.update();
+            assert_eq!(self.app.should_exit(), None, "{name}: rendering stopped");
+            let took = began.elapsed();
+            assert!(took < LONGEST, "{name}: frame {frame} took {took:?}");
+        }
+        let stats = self.app.world().resource::<StageStats>().clone();
+        // A vertex brings two triangles.
+        assert!(stats.primitives <= 2 * POOL, "{name}: {}", stats.primitives);
+        stats
+    }
+
+    /// The picture with everything as it was at first.
+    fn sane(&mut self) -> Vec<u8> {
+        // Nothing moves, so the picture is one of the ground alone.
+        let sane = self.sane.clone();
+        self.frames("sane", sane);
+        let image = picture::picture(&mut self.app, &self.target, 0);
+        image.data.expect("pixels")
+    }
+}
+
+#[test]
+fn gpu_hostile_tolerances_are_clamped_and_leave_nothing_behind() {
+    let Some(mut scene) = Scene::new() else {
+        return;
+    };
+    let before = scene.sane();
+    let mut metrics = Vec::new();
+    for pixels in [
+        0.0,
+        -1.0,
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        1e-38,
+        1e38,
+    ] {
+        metrics.push(Metric::ErrorBound { pixels });
+        metrics.push(Metric::EdgeLength { pixels });
+        metrics.push(Metric::Classic {
+            patch: pixels,
+            least: pixels,
+            greatest: pixels,
+            reach: pixels,
+            height: pixels,
+        });
+    }
+    for metric in metrics {
+        let name = format!("{metric:?}");
+        scene.frames(&name, detail(metric));
+    }
+    for (finest, most, share) in [
+        (f32::NAN, 0, f32::NAN),
+        (0.0, 1, -1.0),
+        (-3.0, POOL, f32::INFINITY),
+        (f32::INFINITY, POOL, 0.0),
+    ] {
+        let hostile = Detail {
+            finest,
+            max_vertices: most,
+            shadow_share: share,
+            ..detail(Metric::default())
+        };
+        scene.frames(&format!("{hostile:?}"), hostile);
+    }
+    assert!(scene.sane() == before, "something stayed");
+}
+
+#[test]
+fn gpu_budgets_that_make_no_sense_are_refused_and_hopeless_ones_said_to_be() {
+    let Some(mut scene) = Scene::new() else {
+        return;
+    };
+    let before = scene.sane();
+    let tolerance = |scene: &Scene| {
+        let detail = scene.app.world().entity(scene.camera).get::<Detail>();
+        detail.expect("it has one").metric
+    };
+    for milliseconds in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        let hostile = Budget {
+            milliseconds,
+            ..Budget::default()
+        };
+        scene.frames(&format!("{hostile:?}"), hostile);
+        let report = scene.app.world().entity(scene.camera).get::<BudgetReport>();
+        let fault = report.expect("required").fault;
+        assert!(
+            matches!(fault, Some(BudgetError::Milliseconds(_))),
+            "{fault:?}"
+        );
+        assert_eq!(tolerance(&scene), Metric::ErrorBound { pixels: 4.0 });
+    }
+    // A nanosecond: nobody meets it. The coarsest tolerance is drawn with.
+    let hopeless = Budget {
+        milliseconds: 1e-6,
+        ..Budget::default()
+    };
+    for _ in 0..6 {
+        scene.frames("a nanosecond", hopeless);
+    }
+    let report = *scene
+        .app
+        .world()
+        .entity(scene.camera)
+        .get::<BudgetReport>()
+        .expect("required");
+    assert!(report.fault.is_none() && !report.held, "{report:?}");
+    scene
+        .app
+        .world_mut()
+        .entity_mut(scene.camera)
+        .remove::<Budget>();
+    assert!(scene.sane() == before, "something stayed");
+}
+
+#[test]
+fn gpu_hostile_cameras_see_what_there_is() {
+    let Some(mut scene) = Scene::new() else {
+        return;
+    };
+    let before = scene.sane();
+    let (level, lens, _) = scene.sane.clone();
+    let at = |offset: Vec3| Transform {
+        translation: level.translation + offset,
+        ..level
+    };
+    let perspective = |fov: f32, near: f32| {
+        Projection::Perspective(PerspectiveProjection {
+            fov,
+            near,
+            ..default()
+        })
+    };
+    let parallel = |height: f32| {
+        Projection::Orthographic(OrthographicProjection {
+            scaling_mode: ScalingMode::FixedVertical {
+                viewport_height: height,
+            },
+            ..OrthographicProjection::default_3d()
+        })
+    };
+    let down = level.looking_to(Vec3::NEG_Y, Vec3::X);
+    let cameras = [
+        ("inside the ground", at(Vec3::Y * -40.0), lens.clone()),
+        ("far below it", at(Vec3::Y * -1e6), lens.clone()),
+        ("at its very height", at(Vec3::Y * -6.0), lens.clone()),
+        ("above the world", at(Vec3::Y * 1e6), lens.clone()),
+        (
+            "looking down from there",
+            Transform {
+                rotation: down.rotation,
+                ..at(Vec3::Y * 1e6)
+            },
+            lens.clone(),
+        ),
+        ("beside the world", at(Vec3::X * 5e6), lens.clone()),
+        ("beyond all integers", at(Vec3::X * 1e12), lens.clone()),
+        (
+            "upside down",
+            level.looking_to(Vec3::new(0.3, -0.1, -1.0), Vec3::NEG_Y),
+            lens.clone(),
+        ),
+        (
+            "straight up",
+            level.looking_to(Vec3::Y, Vec3::X),
+            lens.clone(),
+        ),
+        ("straight down", down, lens.clone()),
+        (
+            "mirrored",
+            level.with_scale(Vec3::new(-1.0, 1.0, 1.0)),
+            lens.clone(),
+        ),
+        (
+            "179 degrees",
+            level,
+            perspective(179.0_f32.to_radians(), 0.1),
+        ),
+        (
+            "a hundredth of a degree",
+            level,
+            perspective(0.01_f32.to_radians(), 0.1),
+        ),
+        ("near plane at a micrometre", level, perspective(1.0, 1e-6)),
+        ("near plane at a kilometre", level, perspective(1.0, 1000.0)),
+        ("parallel", level, parallel(100.0)),
+        ("parallel, a millimetre", level, parallel(1e-3)),
+        ("parallel, a thousand kilometres", down, parallel(1e6)),
+    ];
+    for (name, place, projection) in cameras {
+        let stats = scene.frames(name, (place, projection));
+        eprintln!("{name}: {} triangles", stats.primitives);
+        // These look at ground.
+        let sees = [
+            "upside down",
+            "straight down",
+            "mirrored",
+            "179 degrees",
+            "parallel",
+        ];
+        assert!(!sees.contains(&name) || stats.primitives > 1, "{name}");
+    }
+    assert!(scene.sane() == before, "something stayed");
+}

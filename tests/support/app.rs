@@ -1,0 +1,54 @@
+//! An app that renders without a window.
+
+#[path = "adapter.rs"]
+mod adapter;
+
+use std::time::Duration;
+
+use bevy::app::{App, PluginGroup};
+use bevy::log::LogPlugin;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::time::TimeUpdateStrategy;
+use bevy::window::{ExitCondition, WindowPlugin};
+use bevy::winit::WinitPlugin;
+use dolomite::game::device;
+
+/// Bevy's plugins without a window, pipelines compiled in the frame that first needs them, every frame `step`
+/// after the last; and what `add` adds. `None`, after a line that says so, without Vulkan; in CI that fails.
+pub fn app(step: Duration, add: impl FnOnce(&mut App)) -> Option<App> {
+    pipelined_app(step, false, add)
+}
+
+/// The same; `pipelined` renders a frame while the next is prepared.
+pub fn pipelined_app(step: Duration, pipelined: bool, add: impl FnOnce(&mut App)) -> Option<App> {
+    if !adapter::is_there() {
+        return None;
+    }
+    let mut app = App::new();
+    let plugins = DefaultPlugins
+        .build()
+        .set(WindowPlugin {
+            primary_window: None,
+            exit_condition: ExitCondition::DontExit,
+            ..default()
+        })
+        .set(RenderPlugin {
+            render_creation: device::wgpu_settings().into(),
+            synchronous_pipeline_compilation: true,
+            ..default()
+        })
+        .disable::<LogPlugin>()
+        .disable::<WinitPlugin>();
+    app.add_plugins(if pipelined {
+        plugins
+    } else {
+        plugins.disable::<PipelinedRenderingPlugin>()
+    })
+    .insert_resource(TimeUpdateStrategy::ManualDuration(step));
+    add(&mut app);
+    app.finish();
+    app.cleanup();
+    Some(app)
+}
