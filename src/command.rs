@@ -137,14 +137,23 @@ pub struct SceneArgs {
     /// Vertical field of view.
     #[arg(long, value_name = "DEGREES", help_heading = "Settings")]
     fov: Option<f32>,
-    /// Wanted length of a triangle edge on the screen.
-    #[arg(long, value_name = "PIXELS", help_heading = "Settings")]
+    /// Ground of patches with triangle edges of this length on the screen, in place of a bounded error.
+    #[arg(
+        long,
+        value_name = "PIXELS",
+        help_heading = "Settings",
+        conflicts_with_all = ["max_error", "budget"]
+    )]
     pixels_per_edge: Option<f32>,
-    /// Side of the smallest patch.
-    #[arg(long, value_name = "METRES", help_heading = "Settings")]
+    /// Ground of patches, the smallest with this side, in place of a bounded error.
+    #[arg(
+        long,
+        value_name = "METRES",
+        help_heading = "Settings",
+        conflicts_with_all = ["max_error", "budget"]
+    )]
     finest_patch: Option<f32>,
-    /// How far the drawn ground may be from the true one in the picture, in place of patches with
-    /// edges of a wanted length.
+    /// How far the drawn ground may be from the true one in the picture [default: 1].
     #[arg(long, value_name = "PIXELS", help_heading = "Settings")]
     max_error: Option<f32>,
     /// Hold the GPU's time for the ground's detail by the error in the picture, in place of --max-error.
@@ -168,6 +177,17 @@ pub struct SceneArgs {
 }
 
 impl SceneArgs {
+    /// By what rule the ground is refined, where the command line says it.
+    fn rule(&self, settings: &mut Settings) {
+        if self.pixels_per_edge.or(self.finest_patch).is_some() {
+            (settings.max_error, settings.budget) = (None, None);
+        } else if self.max_error.is_some() {
+            (settings.max_error, settings.budget) = (self.max_error, None);
+        } else {
+            settings.budget = self.budget.or(settings.budget);
+        }
+    }
+
     fn setup(&self, change: impl FnOnce(&mut Settings)) -> Result<Setup, GameError> {
         let mut settings = Settings::load(self.settings.as_deref())?;
         settings.detail = self.detail.or(settings.detail);
@@ -176,11 +196,7 @@ impl SceneArgs {
         settings.fov = self.fov.or(fov).unwrap_or(settings.fov);
         settings.pixels_per_edge = self.pixels_per_edge.unwrap_or(settings.pixels_per_edge);
         settings.finest_patch = self.finest_patch.unwrap_or(settings.finest_patch);
-        settings.max_error = self.max_error.or(settings.max_error);
-        settings.budget = match self.max_error {
-            Some(_) => None,
-            None => self.budget.or(settings.budget),
-        };
+        self.rule(&mut settings);
         change(&mut settings);
         settings.check(Path::new("command line"))?;
         let request = SceneRequest {
@@ -373,6 +389,31 @@ mod tests {
         assert!(line.command.is_none());
         assert_eq!(line.play.scene.scene, "jacksboro");
         assert!(line.play.scene.lines);
+    }
+
+    #[test]
+    fn one_rule_of_detail_is_chosen() {
+        let rules = |arguments: &str| {
+            let line = Line::try_parse_from(
+                ["dolomite", "--scene", "mountain"]
+                    .into_iter()
+                    .chain(arguments.split_whitespace()),
+            )
+            .map_err(|error| error.to_string())?;
+            // Settings of nobody: the defaults, whoever runs this.
+            let mut settings = Settings::default();
+            line.play.scene.rule(&mut settings);
+            Ok::<_, String>((settings.max_error, settings.budget))
+        };
+        assert_eq!(rules(""), Ok((Some(1.0), None)));
+        assert_eq!(rules("--max-error 4"), Ok((Some(4.0), None)));
+        assert_eq!(rules("--budget 3"), Ok((Some(1.0), Some(3.0))));
+        for patches in ["--pixels-per-edge 8", "--finest-patch 4"] {
+            assert_eq!(rules(patches), Ok((None, None)), "{patches}");
+            for other in ["--max-error 1", "--budget 3"] {
+                assert!(rules(&format!("{patches} {other}")).is_err());
+            }
+        }
     }
 
     fn bench_of(arguments: &str) -> Result<Bench, clap::Error> {

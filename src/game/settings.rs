@@ -45,8 +45,8 @@ pub struct Settings {
     pub pixels_per_edge: f32,
     /// Side of the smallest patch, metres; 1 to 4096.
     pub finest_patch: f32,
-    /// How far the drawn ground may be from the true one in the picture, pixels; 1/64 to 1024. In
-    /// place of patches with edges of a wanted length, which is what is drawn without.
+    /// How far the drawn ground may be from the true one in the picture, pixels; 1/64 to 1024. Without, and
+    /// without a `budget`, the ground is of patches with edges of `pixels_per_edge`.
     pub max_error: Option<f32>,
     /// Time in which the ground's detail is to be chosen and drawn, milliseconds of the GPU; above 0, at most
     /// 1000. The error in the picture follows it; `max_error` then does not count.
@@ -75,7 +75,7 @@ impl Default for Settings {
             fast_factor: 8.0,
             pixels_per_edge: 8.0,
             finest_patch: 16.0,
-            max_error: None,
+            max_error: Some(1.0),
             budget: None,
             sun: None,
             detail: None,
