@@ -55,17 +55,28 @@ fn material_weights(height: f32, slope: f32, patchiness: vec2<f32>) -> array<f32
 // Share below which a material is not sampled: height blending hides it anyway.
 const LEAST_WEIGHT: f32 = 0.04;
 
+// What stands out at the far scale stands FAR_TILES times as high as it is: its slopes are the near ones, on
+// tufts and stones as large as bushes and boulders. Flattened, they are the unevenness of the ground.
+const FAR_RELIEF: f32 = 0.4;
+
+// The far texture scale.
+fn sample_far(layer: u32, far: vec2<f32>, dx: vec2<f32>, dy: vec2<f32>, index: f32) -> Texel {
+    var wide = sample_varied(albedo_height, normal_roughness, textures, layer, far, dx / FAR_TILES, dy / FAR_TILES, index * 0.37);
+    wide.normal *= FAR_RELIEF;
+    wide.occlusion = mix(1.0, wide.occlusion, FAR_RELIEF);
+    return wide;
+}
+
 // Near texture scale mixed with the far one by the size of a pixel on the ground.
 fn sample_layer(layer: u32, near: vec2<f32>, far: vec2<f32>, dx: vec2<f32>, dy: vec2<f32>, index: f32, farness: f32) -> Texel {
     if farness >= 1.0 {
-        return sample_varied(albedo_height, normal_roughness, textures, layer, far, dx / FAR_TILES, dy / FAR_TILES, index * 0.37);
+        return sample_far(layer, far, dx, dy, index);
     }
     let close = sample_varied(albedo_height, normal_roughness, textures, layer, near, dx, dy, index);
     if farness <= 0.0 {
         return close;
     }
-    let wide = sample_varied(albedo_height, normal_roughness, textures, layer, far, dx / FAR_TILES, dy / FAR_TILES, index * 0.37);
-    return mix_texels(close, wide, farness);
+    return mix_texels(close, sample_far(layer, far, dx, dy, index), farness);
 }
 
 struct Blend {
