@@ -9,7 +9,7 @@ use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 use dolomite_terrain::Ground;
-use dolomite_tessellation::detail::budget::{Budget, BudgetReport, FrameTime};
+use dolomite_tessellation::detail::budget::{Budget, FrameTime};
 use dolomite_tessellation::detail::{Detail, Metric};
 use dolomite_tessellation::stage::StageCamera;
 use dolomite_tessellation::{MaterialBands, TerrainMaterial, TerrainView};
@@ -191,7 +191,7 @@ fn follow_switches(
             let mut camera = commands.entity(entity);
             match asked {
                 Some(asked) => camera.insert((asked, FrameTime::of_ground())),
-                None => camera.remove::<(Budget, BudgetReport, FrameTime)>(),
+                None => camera.remove::<(Budget, FrameTime)>(),
             };
         }
         match (detail, wanted) {

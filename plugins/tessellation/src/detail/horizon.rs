@@ -347,7 +347,9 @@ impl Horizon {
             |at: &Mapped| at.depth >= view.nearest && at.s.abs() < MOST && at.u.abs() < MOST;
         let sound = corners.iter().all(sound);
         let layer = (view.layer(depth) - LAYER_ROUNDING).floor();
-        if !sound || !(layer >= 0.0) {
+        // No comparison with what is not a number holds.
+        let within = sound && layer >= 0.0;
+        if !within {
             return false;
         }
         let layer = layer.min((LAYERS - 1) as f32) as usize;

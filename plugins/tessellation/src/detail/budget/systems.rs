@@ -38,8 +38,16 @@ impl Plugin for BudgetPlugin {
                 .run_if(any_with_component::<Budget>)
                 .in_set(BudgetSystems)
                 .after(bevy::transform::TransformSystems::Propagate),
-        );
+        )
+        .add_observer(forget);
     }
+}
+
+/// A camera without its budget has nothing to report, and begins anew when it gets one again.
+fn forget(removed: On<Remove, Budget>, mut commands: Commands) {
+    commands
+        .entity(removed.entity)
+        .try_remove::<(Controlled, BudgetReport, TimeSamples)>();
 }
 
 /// Where a camera's time is measured.
@@ -405,6 +413,25 @@ mod tests {
         let after = report(&app, camera);
         assert!(after.fault.is_some());
         assert_eq!(after.tau, good.tau);
+    }
+
+    #[test]
+    fn who_loses_the_budget_begins_anew_with_the_next() {
+        let (mut app, camera) = app(Budget::default(), FrameTime::Given);
+        for _ in 0..5 {
+            app.update();
+        }
+        assert_eq!(report(&app, camera).frame, 5);
+        app.world_mut().entity_mut(camera).remove::<Budget>();
+        app.update();
+        let left = app.world().entity(camera);
+        assert!(!left.contains::<BudgetReport>() && !left.contains::<Controlled>());
+        app.world_mut().entity_mut(camera).insert(Budget::default());
+        app.update();
+        assert_eq!(report(&app, camera).frame, 1);
+        // A camera that goes takes everything along.
+        app.world_mut().despawn(camera);
+        app.update();
     }
 
     #[test]
