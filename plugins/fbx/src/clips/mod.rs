@@ -10,6 +10,7 @@ mod play;
 mod reduce;
 mod refine;
 mod sample;
+mod spend;
 mod value;
 
 pub(crate) use metric::{Shells, order};

@@ -5,6 +5,7 @@ use super::metric::{Leverage, Shells};
 use super::parts::{in_parts, threads};
 use super::play::{Player, Pose, play};
 use super::sample::Samples;
+use super::spend::spend;
 use crate::error::FbxError;
 use crate::model::{Channel, Clip, Interpolation, Model, Property};
 use crate::options::{Budget, Options};
@@ -78,6 +79,17 @@ pub(crate) fn reduce(
             (work.error(&choices, options), choices)
         }
     };
+    let (error, choices) = match spend(&work, &choices, bound) {
+        Some(smaller) => {
+            let off = work.error(&smaller, options);
+            if std::env::var_os("SPEND_TRACE").is_some() { eprintln!("  spent: {} -> {} bytes, error {:.3} -> {:.3}", bytes_of(&choices), bytes_of(&smaller), error / bound, off / bound); }
+            match off <= bound && bytes_of(&smaller) < bytes_of(&choices) {
+                true => (off, smaller),
+                false => (error, choices),
+            }
+        }
+        None => (error, choices),
+    };
     let keys = choices
         .iter()
         .map(|choice| choice.channel.times.len())
@@ -108,7 +120,7 @@ pub(crate) fn reduce(
 }
 
 /// Bytes of all channels; equal times are kept once.
-fn bytes_of(choices: &[Choice]) -> usize {
+pub(super) fn bytes_of(choices: &[Choice]) -> usize {
     let mut known = BTreeSet::new();
     choices
         .iter()
@@ -143,28 +155,28 @@ pub(crate) fn leverage(samples: &Samples, model: &Model, shells: &Shells) -> Vec
     shells.leverage(poses.iter())
 }
 
-struct Work<'a> {
-    samples: &'a Samples,
-    model: &'a Model,
-    shells: &'a Shells,
-    rest: Pose,
-    leverage: Vec<Leverage>,
+pub(super) struct Work<'a> {
+    pub(super) samples: &'a Samples,
+    pub(super) model: &'a Model,
+    pub(super) shells: &'a Shells,
+    pub(super) rest: Pose,
+    pub(super) leverage: Vec<Leverage>,
     moving: Vec<bool>,
-    columns: Vec<Columns>,
+    pub(super) columns: Vec<Columns>,
     /// Matrices of the moving nodes at each sample, as the file has them.
-    truth: Vec<DAffine3>,
-    moved: Vec<usize>,
+    pub(super) truth: Vec<DAffine3>,
+    pub(super) moved: Vec<usize>,
     /// Times of samples as f32 has them.
-    times: Vec<f64>,
+    pub(super) times: Vec<f64>,
     /// Samples on the file's own keys.
     common: Vec<usize>,
 }
 
 /// A track's properties apart.
-struct Columns {
-    translations: Vec<DVec3>,
-    rotations: Vec<DQuat>,
-    scales: Vec<DVec3>,
+pub(super) struct Columns {
+    pub(super) translations: Vec<DVec3>,
+    pub(super) rotations: Vec<DQuat>,
+    pub(super) scales: Vec<DVec3>,
 }
 
 impl<'a> Work<'a> {
@@ -344,6 +356,21 @@ impl<'a> Work<'a> {
             farthest
         });
         parts.into_iter().fold(0.0, f64::max)
+    }
+
+    /// What morph targets alone are off by at each sample, metres.
+    pub(super) fn morph_errors(&self, choices: &[Choice]) -> Vec<f64> {
+        let mut out = vec![0.0_f64; self.times.len()];
+        let weights = choices.iter().map(|choice| &choice.channel);
+        for channel in weights.filter(|channel| channel.property == Property::Weights) {
+            let mut player = Player::new(channel);
+            let mut numbers = vec![0.0; player.width()];
+            for (i, out) in out.iter_mut().enumerate() {
+                player.at(self.times[i], &mut numbers);
+                *out = out.max(self.morph_error(channel.node, i, &numbers));
+            }
+        }
+        out
     }
 
     fn morph_error(&self, node: usize, sample: usize, weights: &[f64]) -> f64 {

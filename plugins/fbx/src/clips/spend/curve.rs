@@ -1,0 +1,376 @@
+//! A channel whose keys stand on samples, and what becomes of it without one of them.
+
+use crate::clips::fit::Signal;
+use crate::clips::value::{Value, hermite};
+use crate::model::{Channel, Interpolation, Property, Trs};
+use glam::{DQuat, DVec3, DVec4};
+
+/// The values of a property at the samples; three numbers are the first of four.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Target {
+    pub(super) track: usize,
+    pub(super) node: usize,
+    pub(super) property: Property,
+}
+
+/// Keys of one property of one node.
+#[derive(Debug, Clone)]
+pub(super) struct Curve {
+    pub(super) target: Target,
+    /// Cubic, else straight.
+    pub(super) cubic: bool,
+    /// 16-bit integers.
+    pub(super) short: bool,
+    /// Samples that are keys.
+    pub(super) at: Vec<usize>,
+    pub(super) values: Vec<DVec4>,
+    /// Of each stretch, out of its first key and into its second; empty where it is straight.
+    pub(super) tangents: Vec<(DVec4, DVec4)>,
+}
+
+/// What a curve would be without one of its keys.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Change {
+    /// Number of the key that goes.
+    pub(super) key: usize,
+    /// Keys whose values change, by their numbers before it goes.
+    pub(super) values: Vec<(usize, DVec4)>,
+    /// Of the stretch that takes the place of two.
+    pub(super) tangents: Option<(DVec4, DVec4)>,
+    /// The first sample that changes, and what is played there and after it.
+    pub(super) from: usize,
+    pub(super) played: Vec<DVec4>,
+}
+
+/// What samples have in common.
+#[derive(Clone, Copy)]
+pub(super) struct Samples<'a> {
+    /// Seconds.
+    pub(super) times: &'a [f64],
+    pub(super) jumps: &'a [bool],
+    pub(super) stops: &'a [usize],
+}
+
+impl Curve {
+    /// Keys on all of `at`.
+    pub(super) fn through(
+        target: Target,
+        cubic: bool,
+        short: bool,
+        at: &[usize],
+        wanted: &[DVec4],
+        samples: Samples,
+    ) -> Self {
+        let mut curve = Self {
+            target,
+            cubic,
+            short,
+            at: at.to_vec(),
+            values: Vec::new(),
+            tangents: Vec::new(),
+        };
+        curve.values = at.iter().map(|&at| wanted[at]).collect();
+        if cubic {
+            curve.tangents = at
+                .windows(2)
+                .map(|pair| curve.fitted(pair[0], pair[1], wanted, samples))
+                .collect();
+        }
+        curve
+    }
+
+    /// Bytes of a key without its time.
+    pub(super) fn width(&self) -> usize {
+        let numbers = if self.is_rotation() { 4 } else { 3 };
+        numbers * if self.short { 2 } else { 4 } * if self.cubic { 3 } else { 1 }
+    }
+
+    pub(super) fn is_rotation(&self) -> bool {
+        self.target.property == Property::Rotation
+    }
+
+    /// The value, of unit length where it is a rotation.
+    fn unit(&self, value: DVec4) -> DVec4 {
+        match self.is_rotation() {
+            true => value.normalize_or(DVec4::W),
+            false => value,
+        }
+    }
+
+    /// Makes all numbers what they are once they are written.
+    pub(super) fn write(&mut self, times: &[f64]) {
+        let short = self.short;
+        let written = |value: DVec4| match short {
+            true => (value * 32767.0).round() / 32767.0,
+            false => value.as_vec4().as_dvec4(),
+        };
+        for value in &mut self.values {
+            *value = written(*value);
+        }
+        for (pair, (out, into)) in self.at.windows(2).zip(&mut self.tangents) {
+            let length = times[pair[1]] - times[pair[0]];
+            *out = written(*out / length) * length;
+            *into = written(*into / length) * length;
+        }
+    }
+
+    /// Tangents of a stretch.
+    fn fitted(&self, from: usize, to: usize, wanted: &[DVec4], samples: Samples) -> (DVec4, DVec4) {
+        let (out, into) = match self.is_rotation() {
+            true => fit(from, to, samples, |i| quat(wanted[i])),
+            false => fit(from, to, samples, |i| wanted[i].truncate()),
+        };
+        (out, into)
+    }
+
+    /// No tangent is too steep for integers.
+    pub(super) fn fits_short(&self, times: &[f64]) -> bool {
+        let steep = |(pair, (out, into)): (&[usize], &(DVec4, DVec4))| {
+            let length = times[pair[1]] - times[pair[0]];
+            out.abs().max_element().max(into.abs().max_element()) > length
+        };
+        !self.at.windows(2).zip(&self.tangents).any(steep)
+    }
+
+    /// What is played at samples `from..=to`, which lie on stretches `first` and after; `values` and
+    /// `tangents` are those of the keys in `at`.
+    fn play(
+        &self,
+        at: &[usize],
+        values: &[DVec4],
+        tangents: &[(DVec4, DVec4)],
+        times: &[f64],
+        out: &mut Vec<DVec4>,
+    ) {
+        out.clear();
+        for stretch in 0..at.len() - 1 {
+            let (from, to) = (at[stretch], at[stretch + 1]);
+            let (p, q) = (values[stretch], values[stretch + 1]);
+            let per_second = 1.0 / (times[to] - times[from]);
+            let share = |i: usize| (times[i] - times[from]) * per_second;
+            out.push(self.finished(p));
+            if self.cubic {
+                let (leave, arrive) = tangents[stretch];
+                for i in from + 1..to {
+                    let [a, b, c, d] = hermite(share(i));
+                    out.push(self.finished(p * a + leave * b + q * c + arrive * d));
+                }
+            } else if self.is_rotation() {
+                let line = DQuat::line(&quat(p).finish(), &quat(q).finish());
+                for i in from + 1..to {
+                    out.push(DVec4::from(DQuat::on_line(&line, share(i))));
+                }
+            } else {
+                out.extend((from + 1..to).map(|i| p + (q - p) * share(i)));
+            }
+        }
+        out.push(self.finished(values[at.len() - 1]));
+    }
+
+    fn finished(&self, value: DVec4) -> DVec4 {
+        match self.is_rotation() {
+            true => DVec4::from(quat(value).finish()),
+            false => value,
+        }
+    }
+
+    /// What is played at all samples.
+    pub(super) fn played(&self, times: &[f64]) -> Vec<DVec4> {
+        if self.at.len() == 1 {
+            return vec![self.finished(self.values[0]); times.len()];
+        }
+        let mut out = Vec::with_capacity(times.len());
+        self.play(&self.at, &self.values, &self.tangents, times, &mut out);
+        out
+    }
+
+    /// The curve without key number `key`, which is neither the first nor the last. Straight lines get
+    /// the values at both neighbours that fit best.
+    pub(super) fn without(
+        &self,
+        key: usize,
+        wanted: &[DVec4],
+        samples: Samples,
+        change: &mut Change,
+    ) {
+        change.key = key;
+        change.values.clear();
+        change.tangents = None;
+        if self.cubic {
+            let (from, to) = (self.at[key - 1], self.at[key + 1]);
+            let tangents = self.fitted(from, to, wanted, samples);
+            change.tangents = Some(tangents);
+            change.from = from;
+            self.play(
+                &[from, to],
+                &[self.values[key - 1], self.values[key + 1]],
+                &[tangents],
+                samples.times,
+                &mut change.played,
+            );
+            return;
+        }
+        let first = (key - 1).saturating_sub(1);
+        let last = (key + 2).min(self.at.len() - 1);
+        let numbers: Vec<usize> = (first..=last).filter(|&k| k != key).collect();
+        let at: Vec<usize> = numbers.iter().map(|&k| self.at[k]).collect();
+        let mut values: Vec<DVec4> = numbers.iter().map(|&k| self.values[k]).collect();
+        let a = key - 1 - first;
+        let [new_a, new_b] = self.best_pair(&at, &values, a, wanted, samples.times);
+        values[a] = self.unit(new_a);
+        values[a + 1] = self.unit(new_b);
+        change.values.extend([(key - 1, values[a]), (key + 1, values[a + 1])]);
+        change.from = at[0];
+        self.play(&at, &values, &[], samples.times, &mut change.played);
+    }
+
+    /// The values of keys `a` and `a + 1` of straight lines through `at` for which the squares of what is
+    /// left are least; other keys stay.
+    fn best_pair(
+        &self,
+        at: &[usize],
+        values: &[DVec4],
+        a: usize,
+        wanted: &[DVec4],
+        times: &[f64],
+    ) -> [DVec4; 2] {
+        let (mut aa, mut ab, mut bb) = (0.0, 0.0, 0.0);
+        let (mut ra, mut rb) = (DVec4::ZERO, DVec4::ZERO);
+        for stretch in 0..at.len() - 1 {
+            let (from, to) = (at[stretch], at[stretch + 1]);
+            let per_second = 1.0 / (times[to] - times[from]);
+            // A key belongs to the stretch that it begins, the last one to the last.
+            let end = if stretch + 2 == at.len() { to + 1 } else { to };
+            for i in from..end {
+                let share = (times[i] - times[from]) * per_second;
+                let weight = |key: usize| {
+                    if key == stretch {
+                        1.0 - share
+                    } else if key == stretch + 1 {
+                        share
+                    } else {
+                        0.0
+                    }
+                };
+                let (wa, wb) = (weight(a), weight(a + 1));
+                let mut rest = wanted[i];
+                for key in [stretch, stretch + 1] {
+                    if key != a && key != a + 1 {
+                        rest -= values[key] * weight(key);
+                    }
+                }
+                aa += wa * wa;
+                ab += wa * wb;
+                bb += wb * wb;
+                ra += rest * wa;
+                rb += rest * wb;
+            }
+        }
+        let det = aa * bb - ab * ab;
+        [(ra * bb - rb * ab) / det, (rb * aa - ra * ab) / det]
+    }
+
+    /// Takes a change.
+    pub(super) fn take(&mut self, change: &Change) {
+        for &(key, value) in &change.values {
+            self.values[key] = value;
+        }
+        if let Some(tangents) = change.tangents {
+            self.tangents[change.key - 1] = tangents;
+            self.tangents.remove(change.key);
+        }
+        self.at.remove(change.key);
+        self.values.remove(change.key);
+    }
+
+    /// One key for all.
+    pub(super) fn constant(&self, value: DVec4) -> Self {
+        Self {
+            cubic: false,
+            at: vec![0],
+            values: vec![self.unit(value)],
+            tangents: Vec::new(),
+            ..self.clone()
+        }
+    }
+
+    pub(super) fn channel(&self, times: &[f64]) -> Channel {
+        let numbers = if self.is_rotation() { 4 } else { 3 };
+        let mut values = Vec::new();
+        let mut put = |value: DVec4| {
+            values.extend(value.to_array()[..numbers].iter().map(|&x| x as f32));
+        };
+        for (key, &value) in self.values.iter().enumerate() {
+            if !self.cubic {
+                put(value);
+                continue;
+            }
+            let length = |a: usize| times[self.at[a + 1]] - times[self.at[a]];
+            put(key.checked_sub(1).map_or(DVec4::ZERO, |last| self.tangents[last].1 / length(last)));
+            put(value);
+            put(self.tangents.get(key).map_or(DVec4::ZERO, |(out, _)| *out / length(key)));
+        }
+        Channel {
+            node: self.target.node,
+            property: self.target.property,
+            interpolation: match self.cubic {
+                true => Interpolation::Cubic,
+                false => Interpolation::Linear,
+            },
+            times: self.at.iter().map(|&at| times[at] as f32).collect(),
+            values,
+            short: self.short,
+        }
+    }
+}
+
+fn quat(value: DVec4) -> DQuat {
+    DQuat::from_vec4(value)
+}
+
+fn fit<V: Value + Widened>(
+    from: usize,
+    to: usize,
+    samples: Samples,
+    value: impl Fn(usize) -> V,
+) -> (DVec4, DVec4) {
+    let values: Vec<V> = (from..=to).map(value).collect();
+    let signal = Signal {
+        times: &samples.times[from..=to],
+        jumps: &samples.jumps[from..=to],
+        stops: &[],
+        values: &values,
+        distance: |_: &V, _: &V| 0.0,
+    };
+    let (out, into) = signal
+        .stretch(0, to - from, f64::INFINITY)
+        .expect("everything is within an infinite tolerance");
+    (out.widened(), into.widened())
+}
+
+/// Four numbers of whatever is moved.
+pub(super) trait Widened {
+    fn widened(&self) -> DVec4;
+}
+
+impl Widened for DVec3 {
+    fn widened(&self) -> DVec4 {
+        self.extend(0.0)
+    }
+}
+
+impl Widened for DQuat {
+    fn widened(&self) -> DVec4 {
+        DVec4::from(*self)
+    }
+}
+
+/// Puts a value into a pose.
+pub(super) fn put(pose: &mut Trs, property: Property, value: DVec4) {
+    match property {
+        Property::Translation => pose.translation = value.truncate(),
+        Property::Rotation => pose.rotation = quat(value),
+        Property::Scale => pose.scale = value.truncate(),
+        Property::Weights => {}
+    }
+}

@@ -1,0 +1,243 @@
+//! Keys go, one after another, as long as the error at the skin stays within the bound: each time the
+//! one that adds the least to it for the bytes it saves.
+
+use super::curve::{Change, Curve, Samples};
+use super::round::round;
+use super::state::{Below, Played, State};
+use glam::DVec4;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Curves that have their keys at the same times.
+pub(super) struct Group {
+    pub(super) curves: Vec<usize>,
+    below: Below,
+}
+
+/// A key that may go.
+#[derive(Debug, PartialEq)]
+struct Candidate {
+    /// Error for bytes.
+    cost: f64,
+    group: usize,
+    /// Its sample.
+    at: usize,
+    /// Of the group when it was measured.
+    version: usize,
+}
+
+impl Eq for Candidate {}
+
+impl Ord for Candidate {
+    /// The cheapest is the greatest.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other
+            .cost
+            .total_cmp(&self.cost)
+            .then_with(|| (other.group, other.at).cmp(&(self.group, self.at)))
+    }
+}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Curves and the poses that they play.
+pub(super) struct Thinning<'a> {
+    pub(super) state: State<'a>,
+    pub(super) curves: Vec<Curve>,
+    pub(super) groups: Vec<Group>,
+    /// The values that each curve is to have.
+    pub(super) wanted: Vec<&'a [DVec4]>,
+    pub(super) samples: Samples<'a>,
+    pub(super) bound: f64,
+    changes: Vec<Change>,
+}
+
+impl<'a> Thinning<'a> {
+    /// `groups` are numbers of curves with equal keys; nothing where the curves are off by more than
+    /// `bound` already.
+    pub(super) fn new(
+        mut state: State<'a>,
+        curves: Vec<Curve>,
+        wanted: Vec<&'a [DVec4]>,
+        groups: Vec<Vec<usize>>,
+        samples: Samples<'a>,
+        bound: f64,
+    ) -> Option<Self> {
+        let below = state.below(curves.iter().map(|curve| curve.target));
+        let played: Vec<Vec<DVec4>> = curves.iter().map(|c| c.played(samples.times)).collect();
+        let parts: Vec<Played> = curves
+            .iter()
+            .zip(&played)
+            .map(|(curve, values)| Played {
+                target: curve.target,
+                from: 0,
+                values,
+            })
+            .collect();
+        state.measure(&below, &parts, (0, samples.times.len() - 1), bound)?;
+        state.take(&below);
+        let groups = groups
+            .into_iter()
+            .map(|numbers| Group {
+                below: state.below(numbers.iter().map(|&number| curves[number].target)),
+                curves: numbers,
+            })
+            .collect();
+        Some(Self {
+            state,
+            curves,
+            groups,
+            wanted,
+            samples,
+            bound,
+            changes: Vec::new(),
+        })
+    }
+
+    /// Rounds all values; gives the error after that, metres.
+    pub(super) fn round(&mut self, bound: f64) -> Option<f64> {
+        round(&self.state, &mut self.curves, self.samples);
+        let below = self.state.below(self.curves.iter().map(|curve| curve.target));
+        let played: Vec<Vec<DVec4>> = self.curves.iter().map(|c| c.played(self.samples.times)).collect();
+        let parts: Vec<Played> = self
+            .curves
+            .iter()
+            .zip(&played)
+            .map(|(curve, values)| Played {
+                target: curve.target,
+                from: 0,
+                values,
+            })
+            .collect();
+        let last = self.samples.times.len() - 1;
+        self.state.measure(&below, &parts, (0, last), bound)?;
+        self.state.take(&below);
+        Some(self.state.error())
+    }
+
+    /// Takes out keys until none can go.
+    pub(super) fn run(&mut self) {
+        loop {
+            let mut versions = vec![0; self.groups.len()];
+            let mut heap = BinaryHeap::new();
+            for group in 0..self.groups.len() {
+                let at = self.curves[self.groups[group].curves[0]].at.clone();
+                for key in 1..at.len().saturating_sub(1) {
+                    self.offer(&mut heap, group, at[key], 0);
+                }
+            }
+            let mut gone = 0;
+            while let Some(next) = heap.pop() {
+                let Some(cost) = self.measure(next.group, next.at) else {
+                    continue;
+                };
+                // What went since may have made it dearer than others.
+                if next.version != versions[next.group]
+                    && heap.peek().is_some_and(|other| cost > other.cost)
+                {
+                    let version = versions[next.group];
+                    heap.push(Candidate { cost, version, ..next });
+                    continue;
+                }
+                let near = self.take(next.group);
+                gone += 1;
+                versions[next.group] += 1;
+                for at in near {
+                    // They are in the heap already, with what they cost before.
+                    let _ = at;
+                }
+            }
+            if gone == 0 {
+                return;
+            }
+        }
+    }
+
+    fn offer(&mut self, heap: &mut BinaryHeap<Candidate>, group: usize, at: usize, version: usize) {
+        if let Some(cost) = self.measure(group, at) {
+            heap.push(Candidate {
+                cost,
+                group,
+                at,
+                version,
+            });
+        }
+    }
+
+    /// Tries a group without its key at a sample.
+    fn measure(&mut self, group: usize, at: usize) -> Option<f64> {
+        let group = &self.groups[group];
+        let first = &self.curves[group.curves[0]];
+        let key = first.at.binary_search(&at).ok()?;
+        if key == 0 || key + 1 == first.at.len() {
+            return None;
+        }
+        let mut bytes = 4;
+        self.changes.resize_with(group.curves.len().max(self.changes.len()), Change::default);
+        let (mut from, mut to) = (usize::MAX, 0);
+        for (&number, change) in group.curves.iter().zip(&mut self.changes) {
+            let curve = &self.curves[number];
+            curve.without(key, self.wanted[number], self.samples, change);
+            bytes += curve.width();
+            from = from.min(change.from);
+            to = to.max(change.from + change.played.len() - 1);
+        }
+        let played: Vec<Played> = group
+            .curves
+            .iter()
+            .zip(&self.changes)
+            .map(|(&number, change)| Played {
+                target: self.curves[number].target,
+                from: change.from,
+                values: &change.played,
+            })
+            .collect();
+        let cost = self.state.measure(&group.below, &played, (from, to), self.bound)?;
+        Some(cost / bytes as f64)
+    }
+
+    /// Takes what was measured last; gives the keys beside the one that went.
+    fn take(&mut self, group: usize) -> Vec<usize> {
+        let group = &self.groups[group];
+        self.state.take(&group.below);
+        let mut near = Vec::new();
+        for (&number, change) in group.curves.iter().zip(&self.changes) {
+            let curve = &mut self.curves[number];
+            near = vec![curve.at[change.key - 1], curve.at[change.key + 1]];
+            curve.take(change);
+        }
+        near
+    }
+
+    /// Curves that may be one value become that.
+    pub(super) fn settle(&mut self, rest: impl Fn(&Curve) -> DVec4) {
+        for number in 0..self.curves.len() {
+            let curve = &self.curves[number];
+            if curve.at.len() != 2 {
+                continue;
+            }
+            let wanted = self.wanted[number];
+            let mean = wanted.iter().fold(DVec4::ZERO, |sum, value| sum + *value) / wanted.len() as f64;
+            for value in [rest(curve), mean] {
+                let still = self.curves[number].constant(value);
+                let values = still.played(self.samples.times);
+                let played = [Played {
+                    target: still.target,
+                    from: 0,
+                    values: &values,
+                }];
+                let below = self.state.below([still.target].into_iter());
+                let last = self.samples.times.len() - 1;
+                if self.state.measure(&below, &played, (0, last), self.bound).is_some() {
+                    self.state.take(&below);
+                    self.curves[number] = still;
+                    break;
+                }
+            }
+        }
+    }
+}
