@@ -111,6 +111,11 @@ impl Shells {
         farthest
     }
 
+    /// The shell around a node that stands at `world`, metres.
+    pub(crate) fn radius(&self, node: usize, world: &DAffine3) -> f64 {
+        (self.vertices[node] * stretch(world)).max(SHELL)
+    }
+
     /// All nodes, parents before children.
     pub(crate) fn in_order(&self) -> &[usize] {
         &self.order

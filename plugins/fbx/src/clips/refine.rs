@@ -7,7 +7,7 @@
 
 use super::grid::Grid;
 use super::metric::Leverage;
-use super::sample::{Samples, evaluate, morph_weights};
+use super::sample::{Samples, between, evaluate, morph_weights};
 use super::value::{Value, angle};
 use crate::error::FbxError;
 use crate::model::{Model, Trs};
@@ -118,9 +118,11 @@ fn weave_grid(samples: &mut Samples, middles: &[Middle]) -> Vec<Option<usize>> {
         if let Some(whole) = samples.grid.whole.last_mut() {
             *whole = old.whole[sample];
         }
+        samples.grid.set_within(old.within[sample]);
         match middles.get(next).filter(|middle| middle.gap == sample) {
             Some(middle) => {
                 samples.grid.push(middle.time, middle.label, false, false);
+                samples.grid.set_within(old.within[sample]);
                 from.extend([Some(next), Some(next)]);
                 next += 1;
             }
@@ -241,7 +243,7 @@ fn add(
 ) -> Result<Vec<bool>, FbxError> {
     let times: Vec<f64> = middles.iter().map(|middle| middle.time).collect();
     let nodes: Vec<usize> = samples.tracks.iter().map(|track| track.node).collect();
-    let looked = evaluate(
+    let mut looked = evaluate(
         source.scene,
         source.stack,
         &nodes,
@@ -250,11 +252,17 @@ fn add(
         source.budget,
     )?;
     let mut missed = vec![false; middles.len()];
-    for (track, poses) in samples.tracks.iter_mut().zip(looked) {
-        for ((middle, pose), missed) in middles.iter().zip(&poses).zip(&mut missed) {
+    for (track, poses) in samples.tracks.iter_mut().zip(&mut looked) {
+        if !track.spins {
+            let within = |(middle, _): &(&Middle, &mut Trs)| samples.grid.within[middle.gap];
+            for (middle, pose) in middles.iter().zip(poses.iter_mut()).filter(within) {
+                *pose = between(&track.poses[middle.gap], &track.poses[middle.gap + 1], 0.5);
+            }
+        }
+        for ((middle, pose), missed) in middles.iter().zip(poses.iter()).zip(&mut missed) {
             *missed |= apart(&middle.pose(&track.poses), pose, &leverage[track.node]) > near;
         }
-        track.poses = woven(&track.poses, middles, poses, 1);
+        track.poses = woven(&track.poses, middles, std::mem::take(poses), 1);
     }
     for morph in &mut samples.morphs {
         let stack = &source.scene.anim_stacks[source.stack];

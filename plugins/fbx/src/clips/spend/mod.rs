@@ -19,13 +19,6 @@ use state::{Played, State};
 use std::collections::BTreeSet;
 use thin::Thinning;
 
-/// The share of the bound that rounding to 16 bits may take at the end of a joint's lever.
-const SHORT_SHARE: f64 = 0.5;
-
-/// What rounding to 16 bits turns a rotation by, radians: three components across it, each off by
-/// 0.29 of 1/32767 in the mean square, and twice that as an angle.
-const SHORT_TURN: f64 = 2.0 * 1.732 * 0.29 / 32767.0;
-
 /// Smaller keys for what `first` moves, with at most `bound` metres of error.
 pub(super) fn spend(work: &Work, first: &[Choice], bound: f64) -> Option<Vec<Choice>> {
     Spending::new(work, first, bound)?.best()
@@ -131,10 +124,9 @@ impl<'a> Spending<'a> {
         state
     }
 
-    fn is_short(&self, number: usize, shares: f64) -> bool {
+    fn is_short(&self, number: usize) -> bool {
         let target = self.targets[number];
-        let lever = self.work.leverage[target.node].rotation;
-        target.property == Property::Rotation && SHORT_TURN * lever < shares * self.bound
+        target.property == Property::Rotation
     }
 
     /// Straight lines through all stops are near enough.
@@ -157,7 +149,7 @@ impl<'a> Spending<'a> {
         (0..self.open.len()).map(one).collect()
     }
 
-    fn run(&self, plan: &Plan, shares: f64, theta: f64) -> Option<Vec<Curve>> {
+    fn run(&self, plan: &Plan, theta: f64) -> Option<Vec<Curve>> {
         let samples = self.samples();
         let curves = (0..self.open.len())
             .map(|number| {
@@ -172,7 +164,7 @@ impl<'a> Spending<'a> {
                         samples,
                     )
                 };
-                let short = make(self.is_short(number, shares));
+                let short = make(self.is_short(number));
                 match short.fits_short(samples.times) {
                     true => short,
                     false => make(false),
@@ -211,20 +203,17 @@ impl<'a> Spending<'a> {
         let mut best: Option<(usize, Vec<Curve>)> = None;
         let consider = |best: &mut Option<(usize, Vec<Curve>)>, name: &str, plan: &Plan| {
             let mut smallest: Option<(usize, Vec<Curve>)> = None;
-            for shares in [1e9, 1.0, 0.0] {
-                for theta in [0.95, 0.85, 0.7, 0.5, 0.3] {
-                    let Some(curves) = self.run(plan, shares, theta) else {
-                        continue;
-                    };
-                    let size = self.bytes(&curves);
-                    if trace {
-                        let keys = curves.iter().map(|c| c.at.len()).sum::<usize>();
-                        eprintln!("  {name} {shares} {theta}: {size} bytes, {keys} keys");
-                    }
-                    if smallest.as_ref().is_none_or(|(least, _)| size < *least) {
-                        smallest = Some((size, curves));
-                    }
-                    break;
+            for theta in [0.97, 0.9, 0.8, 0.65, 0.5, 0.35] {
+                let Some(curves) = self.run(plan, theta) else {
+                    continue;
+                };
+                let size = self.bytes(&curves);
+                if trace {
+                    let keys = curves.iter().map(|c| c.at.len()).sum::<usize>();
+                    eprintln!("  {name} {theta}: {size} bytes, {keys} keys, {} cubic, {} short of {}", curves.iter().filter(|c| c.cubic).count(), curves.iter().filter(|c| c.short).count(), curves.len());
+                }
+                if smallest.as_ref().is_none_or(|(least, _)| size < *least) {
+                    smallest = Some((size, curves));
                 }
             }
             if let Some((size, curves)) = &smallest

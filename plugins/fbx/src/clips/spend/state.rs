@@ -228,6 +228,35 @@ impl<'a> State<'a> {
         }
     }
 
+    /// The node that was farthest off when the nodes of `below` were measured last.
+    pub(super) fn worst(&self, below: &Below) -> usize {
+        let far = self.trial.far.iter().enumerate();
+        let worst = far.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(at, _)| at);
+        below.nodes[worst % below.nodes.len()]
+    }
+
+    /// `node` is `other` or hangs on it somewhere.
+    pub(super) fn is_above(&self, other: usize, node: usize) -> bool {
+        let mut above = Some(node);
+        while let Some(at) = above {
+            if at == other {
+                return true;
+            }
+            above = self.work.shells.parent(at);
+        }
+        false
+    }
+
+    /// How far away a node's own shell and the nodes that hang on it are in the first pose, metres.
+    pub(super) fn reach(&self, node: usize) -> f64 {
+        let own = self.world(node, 0);
+        let children = self.children(node);
+        let far = children
+            .iter()
+            .map(|&child| self.world(child, 0).translation.distance(own.translation));
+        far.fold(self.work.shells.radius(node, own), f64::max)
+    }
+
     /// The largest error, metres.
     pub(super) fn error(&self) -> f64 {
         let width = self.work.moved.len();
@@ -237,5 +266,7 @@ impl<'a> State<'a> {
 
 /// What a squared error, as a share of the bound's square, weighs.
 fn weight(share: f64) -> f64 {
-    share * share
+    let p = std::env::var("SPEND_P").ok().and_then(|p| p.parse().ok()).unwrap_or(2.0);
+    libm_pow(share, p)
 }
+fn libm_pow(a: f64, b: f64) -> f64 { a.powf(b) }

@@ -98,25 +98,40 @@ impl<'a> Thinning<'a> {
         })
     }
 
-    /// Rounds all values; gives the error after that, metres.
-    pub(super) fn round(&mut self, bound: f64) -> Option<f64> {
-        round(&self.state, &mut self.curves, self.samples);
+    /// Rounds all values. Where that takes more than the bound leaves, the rotation with the longest
+    /// lever above the worst place is not kept in 16 bits.
+    pub(super) fn round(&mut self, bound: f64) -> Option<()> {
         let below = self.state.below(self.curves.iter().map(|curve| curve.target));
-        let played: Vec<Vec<DVec4>> = self.curves.iter().map(|c| c.played(self.samples.times)).collect();
-        let parts: Vec<Played> = self
-            .curves
-            .iter()
-            .zip(&played)
-            .map(|(curve, values)| Played {
-                target: curve.target,
-                from: 0,
-                values,
-            })
-            .collect();
         let last = self.samples.times.len() - 1;
-        self.state.measure(&below, &parts, (0, last), bound)?;
-        self.state.take(&below);
-        Some(self.state.error())
+        loop {
+            let mut curves = self.curves.clone();
+            round(&self.state, &mut curves, self.samples);
+            let played: Vec<Vec<DVec4>> =
+                curves.iter().map(|c| c.played(self.samples.times)).collect();
+            let parts: Vec<Played> = curves
+                .iter()
+                .zip(&played)
+                .map(|(curve, values)| Played {
+                    target: curve.target,
+                    from: 0,
+                    values,
+                })
+                .collect();
+            if self.state.measure(&below, &parts, (0, last), bound).is_some() {
+                self.curves = curves;
+                return Some(());
+            }
+            self.state.measure(&below, &parts, (0, last), f64::INFINITY);
+            let worst = self.state.worst(&below);
+            let levers = (0..self.curves.len()).filter(|&n| {
+                self.curves[n].short && self.state.is_above(self.curves[n].target.node, worst)
+            });
+            let culprit = levers.max_by(|&a, &b| {
+                let reach = |n: usize| self.state.reach(self.curves[n].target.node);
+                reach(a).total_cmp(&reach(b))
+            })?;
+            self.curves[culprit].short = false;
+        }
     }
 
     /// Takes out keys until none can go.
