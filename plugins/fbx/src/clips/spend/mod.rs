@@ -149,6 +149,15 @@ impl<'a> Spending<'a> {
         (0..self.open.len()).map(one).collect()
     }
 
+    fn rest(&self, curve: &Curve) -> DVec4 {
+        let rest = self.work.rest[curve.target.node];
+        match curve.target.property {
+            Property::Rotation => rest.rotation.widened(),
+            Property::Scale => rest.scale.widened(),
+            _ => rest.translation.widened(),
+        }
+    }
+
     fn run(&self, plan: &Plan, theta: f64) -> Option<Vec<Curve>> {
         let samples = self.samples();
         let curves = (0..self.open.len())
@@ -181,14 +190,7 @@ impl<'a> Spending<'a> {
             theta * self.bound,
         )?;
         thinning.run();
-        thinning.settle(|curve| {
-            let rest = self.work.rest[curve.target.node];
-            match curve.target.property {
-                Property::Rotation => rest.rotation.widened(),
-                Property::Scale => rest.scale.widened(),
-                _ => rest.translation.widened(),
-            }
-        });
+        thinning.settle(|curve| self.rest(curve));
         thinning.round(self.bound)?;
         Some(thinning.curves)
     }
@@ -203,7 +205,7 @@ impl<'a> Spending<'a> {
         let mut best: Option<(usize, Vec<Curve>)> = None;
         let consider = |best: &mut Option<(usize, Vec<Curve>)>, name: &str, plan: &Plan| {
             let mut smallest: Option<(usize, Vec<Curve>)> = None;
-            for theta in [0.97, 0.9, 0.8, 0.65, 0.5, 0.35] {
+            for theta in [0.97, 0.85, 0.65, 0.45] {
                 let Some(curves) = self.run(plan, theta) else {
                     continue;
                 };
@@ -246,18 +248,33 @@ impl<'a> Spending<'a> {
         consider(&mut best, "mixed", &mixed);
         if let Some(lines) = &lines {
             for all in [false, true] {
-                let mut groups: Vec<Vec<usize>> = Vec::new();
-                let mut together = Vec::new();
-                for number in 0..count {
-                    match straight[number] && (all || !cubic[number]) && lines[number].at.len() > 1 {
-                        true => together.push(number),
-                        false => groups.push(vec![number]),
+                let mut together: Vec<usize> = (0..count)
+                    .filter(|&n| straight[n] && (all || !cubic[n]) && lines[n].at.len() > 1)
+                    .collect();
+                for _ in 0..3 {
+                    if together.len() < 2 {
+                        break;
                     }
-                }
-                if together.len() > 1 {
-                    let is_cubic = (0..count).map(|n| cubic[n] && !together.contains(&n)).collect();
-                    groups.push(together);
-                    consider(&mut best, "together", &Plan { cubic: is_cubic, groups });
+                    let is_cubic: Vec<bool> = (0..count).map(|n| cubic[n] && !together.contains(&n)).collect();
+                    let mut groups: Vec<Vec<usize>> = (0..count)
+                        .filter(|n| !together.contains(n))
+                        .map(|n| vec![n])
+                        .collect();
+                    groups.push(together.clone());
+                    let plan = Plan { cubic: is_cubic, groups };
+                    let Some(made) = consider(&mut best, "together", &plan) else { break };
+                    // Those that would do with few keys of their own leave.
+                    let before = together.len();
+                    let keys = made[together[0]].at.len();
+                    together.retain(|&n| {
+                        let width = made[n].width();
+                        let own = if cubic[n] { cubics.as_ref().map_or(usize::MAX, |c| cost(&c[n])) } else { lines[n].at.len() * (4 + width) };
+                        own > keys * width
+                    });
+                    if trace { eprintln!("    {} of {before} stay", together.len()); }
+                    if together.len() == before {
+                        break;
+                    }
                 }
             }
         }
@@ -271,6 +288,8 @@ impl<'a> Spending<'a> {
             })
             .collect();
         for (&number, curve) in self.open.iter().zip(&curves) {
+            let rest = self.rest(curve);
+            out[number].at_rest = curve.at.len() == 1 && curve.values[0].distance(rest) < 1e-7;
             out[number].channel = curve.channel(&self.work.times);
         }
         Some(out)
