@@ -8,7 +8,7 @@
 
 use dolomite_fbx::check::Played;
 use dolomite_fbx::model::{Channel, Interpolation, Model, Property};
-use dolomite_fbx::{Options, Origin, convert};
+use dolomite_fbx::{Effort, Options, Origin, convert};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -77,7 +77,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(words.next().ok_or("name a folder")?);
     let max_error: f64 = words.next().map_or(Ok(1e-4), |word| word.parse())?;
     let others = words.next().map(PathBuf::from);
+    let effort = match words.next().as_deref() {
+        Some("thorough") => Effort::Thorough,
+        _ => Effort::Quick,
+    };
     let options = Options {
+        effort,
         max_error,
         max_relative_error: f64::INFINITY,
         ..Options::default()

@@ -70,7 +70,7 @@ mod write;
 
 pub use convert::{Conversion, convert};
 pub use error::FbxError;
-pub use options::{Limits, Options, Origin, Progress, Weights};
+pub use options::{Effort, Limits, Options, Origin, Progress, Weights};
 #[cfg(feature = "bevy")]
 pub use plugin::{FbxConversion, FbxLoader, FbxLoaderError, FbxLoaderSettings, FbxPlugin};
 pub use report::{ClipReport, Lost, Report};

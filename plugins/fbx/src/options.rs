@@ -26,6 +26,17 @@ impl Weights {
     }
 }
 
+/// How long keys are searched for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Effort {
+    /// Channel by channel, as fast as a file is read.
+    #[default]
+    Quick,
+    /// All channels of a clip together, until the error at the skin leaves no key that could go. Fewer
+    /// bytes within the same bound.
+    Thorough,
+}
+
 /// How far along a conversion is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
@@ -55,6 +66,8 @@ pub struct Options<'a> {
     /// frame apart. By default it is not: files that are baked have a key in every frame, three angles
     /// each, and what these angles do between two frames nobody sees or means. Costs time and bytes.
     pub within_frames: bool,
+    /// How long keys are searched for; default quick.
+    pub effort: Effort,
     /// Threads that work on clips; 0 (the default) takes as many as the machine has. The result does
     /// not depend on it.
     pub threads: usize,
@@ -72,6 +85,7 @@ impl Default for Options<'_> {
             weights: Weights::default(),
             sample_rate: 30.0,
             within_frames: false,
+            effort: Effort::default(),
             threads: 0,
             limits: None,
             progress: None,

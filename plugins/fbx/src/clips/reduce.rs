@@ -8,7 +8,7 @@ use super::sample::Samples;
 use super::spend::spend;
 use crate::error::FbxError;
 use crate::model::{Channel, Clip, Interpolation, Model, Property};
-use crate::options::{Budget, Options};
+use crate::options::{Budget, Effort, Options};
 use crate::report::ClipReport;
 use glam::{DAffine3, DQuat, DVec3};
 use std::collections::BTreeSet;
@@ -79,16 +79,18 @@ pub(crate) fn reduce(
             (work.error(&choices, options), choices)
         }
     };
-    let (error, choices) = match spend(&work, &choices, bound) {
-        Some(smaller) => {
-            let off = work.error(&smaller, options);
-            if std::env::var_os("SPEND_TRACE").is_some() { eprintln!("  spent: {} -> {} bytes, error {:.3} -> {:.3}", bytes_of(&choices), bytes_of(&smaller), error / bound, off / bound); }
-            match off <= bound && bytes_of(&smaller) < bytes_of(&choices) {
-                true => (off, smaller),
-                false => (error, choices),
-            }
+    let (error, choices) = match options.effort {
+        Effort::Quick => (error, choices),
+        Effort::Thorough => {
+            let spent = spend(&work, &choices, bound, options, budget)?;
+            let mut tries = spent
+                .map(|spent| (work.error(&spent, options), spent))
+                .into_iter()
+                .filter(|(error, spent)| {
+                    *error <= bound && moving_bytes(spent) < moving_bytes(&choices)
+                });
+            tries.next().unwrap_or((error, choices))
         }
-        None => (error, choices),
     };
     let keys = choices
         .iter()
@@ -120,12 +122,19 @@ pub(crate) fn reduce(
 }
 
 /// Bytes of all channels; equal times are kept once.
-pub(super) fn bytes_of(choices: &[Choice]) -> usize {
+fn bytes_of(choices: &[Choice]) -> usize {
     let mut known = BTreeSet::new();
     choices
         .iter()
         .map(|choice| choice.channel.bytes(&mut known))
         .sum()
+}
+
+/// The same without those that never leave their rest, which need no keys where that is so in all clips.
+fn moving_bytes(choices: &[Choice]) -> usize {
+    let mut known = BTreeSet::new();
+    let moving = choices.iter().filter(|choice| !choice.at_rest);
+    moving.map(|choice| choice.channel.bytes(&mut known)).sum()
 }
 
 /// The kind of keys that a try found smallest, for the tries after it.
@@ -157,7 +166,7 @@ pub(crate) fn leverage(samples: &Samples, model: &Model, shells: &Shells) -> Vec
 
 pub(super) struct Work<'a> {
     pub(super) samples: &'a Samples,
-    pub(super) model: &'a Model,
+    model: &'a Model,
     pub(super) shells: &'a Shells,
     pub(super) rest: Pose,
     pub(super) leverage: Vec<Leverage>,

@@ -56,7 +56,6 @@ impl Curve {
     pub(super) fn through(
         target: Target,
         cubic: bool,
-        short: bool,
         at: &[usize],
         wanted: &[DVec4],
         samples: Samples,
@@ -64,7 +63,7 @@ impl Curve {
         let mut curve = Self {
             target,
             cubic,
-            short,
+            short: false,
             at: at.to_vec(),
             values: Vec::new(),
             tangents: Vec::new(),
@@ -132,8 +131,8 @@ impl Curve {
         !self.at.windows(2).zip(&self.tangents).any(steep)
     }
 
-    /// What is played at samples `from..=to`, which lie on stretches `first` and after; `values` and
-    /// `tangents` are those of the keys in `at`.
+    /// What is played at the samples from the first to the last of keys with `values` and, where they are
+    /// cubic, `tangents`.
     fn play(
         &self,
         at: &[usize],
@@ -216,7 +215,7 @@ impl Curve {
         let at: Vec<usize> = numbers.iter().map(|&k| self.at[k]).collect();
         let mut values: Vec<DVec4> = numbers.iter().map(|&k| self.values[k]).collect();
         let a = key - 1 - first;
-        let [new_a, new_b] = self.best_pair(&at, &values, a, wanted, samples.times);
+        let [new_a, new_b] = Self::best_pair(&at, &values, a, wanted, samples.times);
         values[a] = self.unit(new_a);
         values[a + 1] = self.unit(new_b);
         change.values.extend([(key - 1, values[a]), (key + 1, values[a + 1])]);
@@ -225,9 +224,9 @@ impl Curve {
     }
 
     /// The values of keys `a` and `a + 1` of straight lines through `at` for which the squares of what is
-    /// left are least; other keys stay.
+    /// left are least; other keys stay. (Weighing samples by how far they were missed, for the
+    /// largest miss in place of the squares, was tried: no fewer bytes.)
     fn best_pair(
-        &self,
         at: &[usize],
         values: &[DVec4],
         a: usize,
@@ -243,20 +242,14 @@ impl Curve {
             let end = if stretch + 2 == at.len() { to + 1 } else { to };
             for i in from..end {
                 let share = (times[i] - times[from]) * per_second;
-                let weight = |key: usize| {
-                    if key == stretch {
-                        1.0 - share
-                    } else if key == stretch + 1 {
-                        share
+                let (mut wa, mut wb, mut rest) = (0.0, 0.0, wanted[i]);
+                for (key, part) in [(stretch, 1.0 - share), (stretch + 1, share)] {
+                    if key == a {
+                        wa = part;
+                    } else if key == a + 1 {
+                        wb = part;
                     } else {
-                        0.0
-                    }
-                };
-                let (wa, wb) = (weight(a), weight(a + 1));
-                let mut rest = wanted[i];
-                for key in [stretch, stretch + 1] {
-                    if key != a && key != a + 1 {
-                        rest -= values[key] * weight(key);
+                        rest -= values[key] * part;
                     }
                 }
                 aa += wa * wa;
@@ -266,6 +259,7 @@ impl Curve {
                 rb += rest * wb;
             }
         }
+        // Each of the two has its own sample, so that this is not 0.
         let det = aa * bb - ab * ab;
         [(ra * bb - rb * ab) / det, (rb * aa - ra * ab) / det]
     }
@@ -281,6 +275,12 @@ impl Curve {
         }
         self.at.remove(change.key);
         self.values.remove(change.key);
+    }
+
+    /// It is one value, and that is `rest` as far as f32 can tell.
+    pub(super) fn is_constant(&self, rest: DVec4) -> bool {
+        let near = 1e-6 * rest.abs().max_element().max(1e-3);
+        self.at.len() == 1 && self.values[0].distance(rest) <= near
     }
 
     /// One key for all.

@@ -46,6 +46,17 @@ pub(super) struct Played<'a> {
     pub(super) values: &'a [DVec4],
 }
 
+impl<'a> Played<'a> {
+    /// Of all samples.
+    pub(super) fn from_start(target: Target, values: &'a [DVec4]) -> Self {
+        Self {
+            target,
+            from: 0,
+            values,
+        }
+    }
+}
+
 impl<'a> State<'a> {
     pub(super) fn new(work: &'a Work<'a>, morph: Vec<f64>) -> Self {
         let count = work.times.len();
@@ -256,17 +267,10 @@ impl<'a> State<'a> {
             .map(|&child| self.world(child, 0).translation.distance(own.translation));
         far.fold(self.work.shells.radius(node, own), f64::max)
     }
-
-    /// The largest error, metres.
-    pub(super) fn error(&self) -> f64 {
-        let width = self.work.moved.len();
-        (0..self.far.len()).map(|at| self.far[at].sqrt() + self.morph[at / width]).fold(0.0, f64::max)
-    }
 }
 
-/// What a squared error, as a share of the bound's square, weighs.
+/// What a squared error, as a share of the bound's square, weighs: a place near the bound has little left
+/// to give. (The power matters little: with 1, 2 and 4 bytes were the same within 0.4 %.)
 fn weight(share: f64) -> f64 {
-    let p = std::env::var("SPEND_P").ok().and_then(|p| p.parse().ok()).unwrap_or(2.0);
-    libm_pow(share, p)
+    share * share
 }
-fn libm_pow(a: f64, b: f64) -> f64 { a.powf(b) }

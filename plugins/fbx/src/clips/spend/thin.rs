@@ -9,8 +9,8 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Curves that have their keys at the same times.
-pub(super) struct Group {
-    pub(super) curves: Vec<usize>,
+struct Group {
+    curves: Vec<usize>,
     below: Below,
 }
 
@@ -46,13 +46,13 @@ impl PartialOrd for Candidate {
 
 /// Curves and the poses that they play.
 pub(super) struct Thinning<'a> {
-    pub(super) state: State<'a>,
-    pub(super) curves: Vec<Curve>,
-    pub(super) groups: Vec<Group>,
+    state: State<'a>,
+    curves: Vec<Curve>,
+    groups: Vec<Group>,
     /// The values that each curve is to have.
-    pub(super) wanted: Vec<&'a [DVec4]>,
-    pub(super) samples: Samples<'a>,
-    pub(super) bound: f64,
+    wanted: Vec<&'a [DVec4]>,
+    samples: Samples<'a>,
+    bound: f64,
     changes: Vec<Change>,
 }
 
@@ -72,11 +72,7 @@ impl<'a> Thinning<'a> {
         let parts: Vec<Played> = curves
             .iter()
             .zip(&played)
-            .map(|(curve, values)| Played {
-                target: curve.target,
-                from: 0,
-                values,
-            })
+            .map(|(curve, values)| Played::from_start(curve.target, values))
             .collect();
         state.measure(&below, &parts, (0, samples.times.len() - 1), bound)?;
         state.take(&below);
@@ -111,11 +107,7 @@ impl<'a> Thinning<'a> {
             let parts: Vec<Played> = curves
                 .iter()
                 .zip(&played)
-                .map(|(curve, values)| Played {
-                    target: curve.target,
-                    from: 0,
-                    values,
-                })
+                .map(|(curve, values)| Played::from_start(curve.target, values))
                 .collect();
             if self.state.measure(&below, &parts, (0, last), bound).is_some() {
                 self.curves = curves;
@@ -158,13 +150,9 @@ impl<'a> Thinning<'a> {
                     heap.push(Candidate { cost, version, ..next });
                     continue;
                 }
-                let near = self.take(next.group);
+                self.take(next.group);
                 gone += 1;
                 versions[next.group] += 1;
-                for at in near {
-                    // They are in the heap already, with what they cost before.
-                    let _ = at;
-                }
             }
             if gone == 0 {
                 return;
@@ -215,17 +203,17 @@ impl<'a> Thinning<'a> {
         Some(cost / bytes as f64)
     }
 
-    /// Takes what was measured last; gives the keys beside the one that went.
-    fn take(&mut self, group: usize) -> Vec<usize> {
+    /// Takes what was measured last.
+    fn take(&mut self, group: usize) {
         let group = &self.groups[group];
         self.state.take(&group.below);
-        let mut near = Vec::new();
         for (&number, change) in group.curves.iter().zip(&self.changes) {
-            let curve = &mut self.curves[number];
-            near = vec![curve.at[change.key - 1], curve.at[change.key + 1]];
-            curve.take(change);
+            self.curves[number].take(change);
         }
-        near
+    }
+
+    pub(super) fn into_curves(self) -> Vec<Curve> {
+        self.curves
     }
 
     /// Curves that may be one value become that.
@@ -240,11 +228,7 @@ impl<'a> Thinning<'a> {
             for value in [rest(curve), mean] {
                 let still = self.curves[number].constant(value);
                 let values = still.played(self.samples.times);
-                let played = [Played {
-                    target: still.target,
-                    from: 0,
-                    values: &values,
-                }];
+                let played = [Played::from_start(still.target, &values)];
                 let below = self.state.below([still.target].into_iter());
                 let last = self.samples.times.len() - 1;
                 if self.state.measure(&below, &played, (0, last), self.bound).is_some() {
