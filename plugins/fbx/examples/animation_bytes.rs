@@ -65,7 +65,10 @@ fn files_below(folder: &Path, out: &mut Vec<PathBuf>) -> std::io::Result<()> {
         let path = entry?.path();
         if path.is_dir() {
             files_below(&path, out)?;
-        } else if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("fbx")) {
+        } else if path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("fbx"))
+        {
             out.push(path);
         }
     }
@@ -92,12 +95,31 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     paths.sort();
     println!(
         "{:<58} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7} {:>6}/{:<6} {:>7} {:>5} {:>4}/{:<4} {:>5} {:>6} {:>8} {:>6} {:>7}",
-        "file", "bytes", "times", "transl", "rotat", "scale", "weight", "keys", "baked", "cubic", "lists",
-        "chan", "one", "B/key", "spent", "other", "ratio", "ms"
+        "file",
+        "bytes",
+        "times",
+        "transl",
+        "rotat",
+        "scale",
+        "weight",
+        "keys",
+        "baked",
+        "cubic",
+        "lists",
+        "chan",
+        "one",
+        "B/key",
+        "spent",
+        "other",
+        "ratio",
+        "ms"
     );
     let (mut ours, mut theirs) = (0, 0);
     for path in paths {
-        let name = path.strip_prefix(&folder)?.to_string_lossy().replace('/', "__");
+        let name = path
+            .strip_prefix(&folder)?
+            .to_string_lossy()
+            .replace('/', "__");
         let bytes = std::fs::read(&path)?;
         let origin = Origin {
             name: name.clone(),
@@ -123,13 +145,30 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         println!(
             "{:<58} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7} {:>6}/{:<6} {:>7} {:>5} {:>4}/{:<4} {:>5.1} {:>6.2} {:>8} {:>6.2} {:>7.1} {:.2}m",
-            name, total, count.times, count.values[0], count.values[1], count.values[2], count.values[3],
-            count.keys, report.baked(), count.cubic, count.time_lists, count.channels, count.single,
-            total as f64 / count.keys.max(1) as f64, spent,
+            name,
+            total,
+            count.times,
+            count.values[0],
+            count.values[1],
+            count.values[2],
+            count.values[3],
+            count.keys,
+            report.baked(),
+            count.cubic,
+            count.time_lists,
+            count.channels,
+            count.single,
+            total as f64 / count.keys.max(1) as f64,
+            spent,
             other.map_or("-".into(), |b| b.to_string()),
-            other.map_or(f64::NAN, |b| total as f64 / b as f64), ms, report.size
+            other.map_or(f64::NAN, |b| total as f64 / b as f64),
+            ms,
+            report.size
         );
     }
-    println!("sum {ours} / {theirs} = {:.3}", ours as f64 / theirs.max(1) as f64);
+    println!(
+        "sum {ours} / {theirs} = {:.3}",
+        ours as f64 / theirs.max(1) as f64
+    );
     Ok(())
 }

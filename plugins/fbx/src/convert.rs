@@ -46,7 +46,7 @@ pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conve
     options.check()?;
     let limits = options
         .limits
-        .unwrap_or_else(|| Limits::of_file(bytes.len()));
+        .unwrap_or_else(|| Limits::of_file(bytes.len()).with_effort(options.effort));
     let budget = Budget::new(&origin.name, limits);
     let scene = load(bytes, &budget, options)?;
     let mut report = Report {

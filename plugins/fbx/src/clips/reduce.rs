@@ -1,9 +1,11 @@
 //! From samples to keys that keep to a bound.
 
 use super::choose::{Choice, Kinds, Sampled, rotation, vector, weights};
+use super::grid::Grid;
 use super::metric::{Leverage, Shells};
 use super::parts::{in_parts, threads};
 use super::play::{Player, Pose, play};
+use super::refine::KNOWN_TO;
 use super::sample::Samples;
 use super::spend::spend;
 use crate::error::FbxError;
@@ -23,8 +25,8 @@ const FIRST_SHARE: f64 = 0.4;
 /// An error above this share of the bound is near enough to it: twice the error is one key in five less.
 const ENOUGH: f64 = 0.3;
 
-/// The share of the bound that keys get. What lies between samples is known to the rest of it.
-const FOR_KEYS: f64 = 0.8;
+/// The share of the bound that keys get where nothing that counts lies between samples; f32 gets the rest.
+const ON_SAMPLES: f64 = 0.98;
 
 /// Poses that the leverage of joints is taken over.
 const LEVER_POSES: usize = 8;
@@ -48,7 +50,7 @@ pub(crate) fn reduce(
     budget: &Budget,
 ) -> Result<Reduced, FbxError> {
     let work = Work::new(samples, model, shells, leverage, options);
-    let bound = FOR_KEYS * bound;
+    let bound = for_keys(&samples.grid) * bound;
     let mut best: Option<(usize, f64, Vec<Choice>)> = None;
     let mut share = FIRST_SHARE;
     let mut kinds = Vec::new();
@@ -121,6 +123,15 @@ pub(crate) fn reduce(
     })
 }
 
+/// The share of the bound that keys get; what lies between samples is known to the rest of it.
+fn for_keys(grid: &Grid) -> f64 {
+    let mut gaps = 0..grid.len().saturating_sub(1);
+    match gaps.all(|gap| grid.within[gap] || grid.jumps[gap]) {
+        true => ON_SAMPLES,
+        false => 1.0 - KNOWN_TO,
+    }
+}
+
 /// Bytes of all channels; equal times are kept once.
 fn bytes_of(choices: &[Choice]) -> usize {
     let mut known = BTreeSet::new();
@@ -131,7 +142,7 @@ fn bytes_of(choices: &[Choice]) -> usize {
 }
 
 /// The same without those that never leave their rest, which need no keys where that is so in all clips.
-fn moving_bytes(choices: &[Choice]) -> usize {
+pub(super) fn moving_bytes(choices: &[Choice]) -> usize {
     let mut known = BTreeSet::new();
     let moving = choices.iter().filter(|choice| !choice.at_rest);
     moving.map(|choice| choice.channel.bytes(&mut known)).sum()
@@ -189,7 +200,7 @@ pub(super) struct Columns {
 }
 
 impl<'a> Work<'a> {
-    fn new(
+    pub(super) fn new(
         samples: &'a Samples,
         model: &'a Model,
         shells: &'a Shells,
@@ -252,7 +263,7 @@ impl<'a> Work<'a> {
     }
 
     /// Keys that let each joint by itself do `error` metres wrong.
-    fn choose(&self, error: f64, kinds: &[Kinds], options: &Options) -> Vec<Choice> {
+    pub(super) fn choose(&self, error: f64, kinds: &[Kinds], options: &Options) -> Vec<Choice> {
         let tracks = self.samples.tracks.len();
         let parts = in_parts(tracks, self.threads(options), |range| {
             range
@@ -339,7 +350,7 @@ impl<'a> Work<'a> {
 
     /// The largest distance of the played keys from the samples, metres: of joints, and of morph
     /// targets.
-    fn error(&self, choices: &[Choice], options: &Options) -> f64 {
+    pub(super) fn error(&self, choices: &[Choice], options: &Options) -> f64 {
         let channels: Vec<&Channel> = choices.iter().map(|choice| &choice.channel).collect();
         let parts = in_parts(self.samples.grid.len(), self.threads(options), |range| {
             let mut players: Vec<Player> = channels

@@ -16,12 +16,10 @@ use crate::read::ShapeKey;
 use glam::{DQuat, DVec3};
 use ufbx::SceneRoot;
 
-/// A middle that is nearer to the straight line than this share of the bound is not looked at.
-const STRAIGHT: f64 = 0.2;
-
-/// A middle that is nearer to where it was foretold than this share of the bound ends the search: the
-/// next would be sixteen times nearer.
-const FORETOLD: f64 = 0.2;
+/// How near what lies between samples is known, as a share of the bound: a middle that is nearer than this
+/// to the straight line is not looked at, and one that is nearer to where it was foretold ends
+/// the search, for the next would be sixteen times nearer.
+pub(super) const KNOWN_TO: f64 = 0.2;
 
 /// Halvings of the time between two samples at most.
 const ROUNDS: usize = 5;
@@ -43,6 +41,7 @@ pub(crate) fn refine(
     leverage: &[Leverage],
     bound: f64,
 ) -> Result<(), FbxError> {
+    let near = KNOWN_TO * bound;
     // Gaps that are still asked about.
     let mut open = vec![true; samples.grid.len().saturating_sub(1)];
     for _ in 0..ROUNDS {
@@ -51,12 +50,12 @@ pub(crate) fn refine(
         let middles: Vec<Middle> = (0..open.len())
             .filter(|&gap| open[gap] && !grid.jumps[gap])
             .filter_map(|gap| Middle::of(grid, gap))
-            .filter(|middle| is_bent(samples, middle, source.model, leverage, STRAIGHT * bound))
+            .filter(|middle| is_bent(samples, middle, source.model, leverage, near))
             .collect();
         if middles.is_empty() || grid.len() + middles.len() > samples.most {
             break;
         }
-        open = add(samples, source, &middles, leverage, FORETOLD * bound)?;
+        open = add(samples, source, &middles, leverage, near)?;
     }
     foretell(samples);
     Ok(())

@@ -3,13 +3,13 @@
 use super::grid::Grid;
 use super::keys::{BLENDS, MOVES};
 use super::parts::{in_parts, threads};
+use super::value::Value;
 use crate::error::FbxError;
 use crate::model::{Model, Trs};
 use crate::options::{Budget, Options};
 use crate::read::convert::trs;
 use crate::read::shapes::{shape_weights, stops};
 use crate::read::{ShapeKey, rest_of};
-use super::value::Value;
 use glam::DQuat;
 use ufbx::{AnimStack, ElementType, SceneRoot};
 

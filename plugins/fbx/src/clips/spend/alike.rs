@@ -87,9 +87,19 @@ mod tests {
 
     #[test]
     fn no_curve_is_put_with_others_that_may_not() {
-        let curves = [need(20), Need { keys: 0, ..need(20) }, need(20)];
+        let curves = [
+            need(20),
+            Need {
+                keys: 0,
+                ..need(20)
+            },
+            need(20),
+        ];
         assert_eq!(groups(&curves, 1.0), [vec![0, 2]]);
-        assert!(groups(&curves, 2.0).is_empty(), "twice the keys are too many");
+        assert!(
+            groups(&curves, 2.0).is_empty(),
+            "twice the keys are too many"
+        );
     }
 
     #[test]

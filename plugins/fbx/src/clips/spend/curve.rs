@@ -218,7 +218,9 @@ impl Curve {
         let [new_a, new_b] = Self::best_pair(&at, &values, a, wanted, samples.times);
         values[a] = self.unit(new_a);
         values[a + 1] = self.unit(new_b);
-        change.values.extend([(key - 1, values[a]), (key + 1, values[a + 1])]);
+        change
+            .values
+            .extend([(key - 1, values[a]), (key + 1, values[a + 1])]);
         change.from = at[0];
         self.play(&at, &values, &[], samples.times, &mut change.played);
     }
@@ -306,9 +308,14 @@ impl Curve {
                 continue;
             }
             let length = |a: usize| times[self.at[a + 1]] - times[self.at[a]];
-            put(key.checked_sub(1).map_or(DVec4::ZERO, |last| self.tangents[last].1 / length(last)));
+            put(key
+                .checked_sub(1)
+                .map_or(DVec4::ZERO, |last| self.tangents[last].1 / length(last)));
             put(value);
-            put(self.tangents.get(key).map_or(DVec4::ZERO, |(out, _)| *out / length(key)));
+            put(self
+                .tangents
+                .get(key)
+                .map_or(DVec4::ZERO, |(out, _)| *out / length(key)));
         }
         Channel {
             node: self.target.node,

@@ -13,6 +13,8 @@ mod curve;
 mod plan;
 mod round;
 mod state;
+#[cfg(test)]
+mod tests;
 mod thin;
 
 use super::choose::Choice;

@@ -24,6 +24,11 @@ const MORE: [f64; 3] = [0.75, 1.0, 1.2];
 /// Lines through all stops that are nearer than this share of the bound leave room to thin them.
 const STRAIGHT: f64 = 0.3;
 
+/// Clips with more keys than this, dense, are tried in one plan alone, with more than the second not at
+/// all: a key takes some 50 microseconds a plan, and there are up to fourteen. Counted, not
+/// timed, so that the result does not depend on the machine.
+const MOST: [usize; 2] = [8_000, 64_000];
+
 /// Bytes that a sample of a moving node takes while a plan is tried: two poses, three matrices, two
 /// rotations, an error.
 const TRIAL: usize = 500;
@@ -40,6 +45,10 @@ pub(in crate::clips) fn spend(
     let Some(spending) = Spending::new(work, first, bound) else {
         return Ok(None);
     };
+    let dense = spending.open.len() * work.samples.stops.len();
+    if dense > MOST[1] {
+        return Ok(None);
+    }
     let trial = work.truth.len() * TRIAL;
     let affordable = budget.limits.memory / 2 / trial.max(1);
     let threads = options.thread_count().min(affordable.max(1));
@@ -71,15 +80,30 @@ impl Search<'_> {
         let mut plans = vec![lines, cubics];
         if let [Some(lines), Some(cubics)] = &tried[..] {
             let pairs = lines.iter().zip(cubics);
-            let cubic: Vec<bool> = pairs.map(|(a, b)| a.cubic || alone_bytes(b) < alone_bytes(a)).collect();
-            let mut groupings = vec![Vec::new()];
-            groupings.extend(MORE.iter().map(|&more| grouped(lines, cubics, more)));
+            let cubic: Vec<bool> = pairs
+                .map(|(a, b)| a.cubic || alone_bytes(b) < alone_bytes(a))
+                .collect();
+            let mut groupings: Vec<_> = MORE
+                .iter()
+                .map(|&more| grouped(lines, cubics, more))
+                .collect();
+            if self.is_long() {
+                plans.clear();
+                groupings.drain(..2);
+            } else {
+                groupings.push(Vec::new());
+            }
             groupings.dedup();
-            plans.extend(groupings.into_iter().map(|groups| self.plan(&cubic, groups)));
+            plans.extend(
+                groupings
+                    .into_iter()
+                    .map(|groups| self.plan(&cubic, groups)),
+            );
         }
         let jobs: Vec<(&Plan, f64)> = plans
             .iter()
             .flat_map(|plan| SHARES.map(|share| (plan, share)))
+            .skip(usize::from(self.is_long()))
             .collect();
         let made = self.run(&jobs)?.into_iter().chain(tried);
         let sized = made
@@ -87,6 +111,10 @@ impl Search<'_> {
             .map(|curves| (self.spending.bytes(&curves), curves));
         let best = sized.min_by_key(|(bytes, _)| *bytes);
         Ok(best.map(|(_, curves)| self.spending.choices(&curves)))
+    }
+
+    fn is_long(&self) -> bool {
+        self.spending.open.len() * self.spending.work.samples.stops.len() > MOST[0]
     }
 
     /// `groups` of straight curves, and everything else alone.
@@ -132,7 +160,12 @@ impl Search<'_> {
             let off = off.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
             off * lever <= STRAIGHT * spending.bound
         };
-        spending.dense(&plan).into_iter().enumerate().map(one).collect()
+        spending
+            .dense(&plan)
+            .into_iter()
+            .enumerate()
+            .map(one)
+            .collect()
     }
 }
 

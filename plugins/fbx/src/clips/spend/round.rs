@@ -63,14 +63,15 @@ impl Rounding<'_, '_> {
             for key in 0..curve.at.len() {
                 let i = curve.at[key];
                 let row = i * width;
+                // One value for all times cannot make good what changes with them.
+                let above = above.filter(|_| curve.at.len() > 1);
                 let (is, was) = match above {
                     Some(above) => (self.turned_after[row + above], self.turned[row + above]),
                     None => (DQuat::IDENTITY, DQuat::IDENTITY),
                 };
                 let aim = (is.conjugate() * was * DQuat::from_vec4(curve.values[key])).normalize();
                 let aim = DVec4::from(aim);
-                let alone = curve.at.len() == 1;
-                curve.values[key] = match curve.short && !alone {
+                curve.values[key] = match curve.short {
                     true => self.nearest(aim, node, i, &children),
                     false => aim,
                 };

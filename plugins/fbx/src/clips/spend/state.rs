@@ -155,7 +155,9 @@ impl<'a> State<'a> {
         let in_order = shells.in_order().iter().copied();
         let nodes: Vec<usize> = in_order.filter(|&node| moved[node]).collect();
         let place = |node: usize| nodes.iter().position(|&other| other == node);
-        let parents = nodes.iter().map(|&node| shells.parent(node).and_then(place));
+        let parents = nodes
+            .iter()
+            .map(|&node| shells.parent(node).and_then(place));
         Below {
             parents: parents.collect(),
             nodes,
@@ -208,7 +210,10 @@ impl<'a> State<'a> {
                         (None, None) => self.rest[above] * own_world,
                     },
                 };
-                let far = self.work.shells.apart(node, &self.work.truth[row + slot], &world);
+                let far = self
+                    .work
+                    .shells
+                    .apart(node, &self.work.truth[row + slot], &world);
                 if allowed < 0.0 || far > allowed * allowed {
                     good = false;
                     break 'samples;
@@ -242,7 +247,9 @@ impl<'a> State<'a> {
     /// The node that was farthest off when the nodes of `below` were measured last.
     pub(super) fn worst(&self, below: &Below) -> usize {
         let far = self.trial.far.iter().enumerate();
-        let worst = far.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(at, _)| at);
+        let worst = far
+            .max_by(|a, b| a.1.total_cmp(b.1))
+            .map_or(0, |(at, _)| at);
         below.nodes[worst % below.nodes.len()]
     }
 
@@ -266,6 +273,15 @@ impl<'a> State<'a> {
             .iter()
             .map(|&child| self.world(child, 0).translation.distance(own.translation));
         far.fold(self.work.shells.radius(node, own), f64::max)
+    }
+
+    /// The largest error, metres.
+    #[cfg(test)]
+    pub(super) fn error(&self) -> f64 {
+        let width = self.work.moved.len();
+        let far = self.far.iter().enumerate();
+        far.map(|(at, far)| far.sqrt() + self.morph[at / width])
+            .fold(0.0, f64::max)
     }
 }
 

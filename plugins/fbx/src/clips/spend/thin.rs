@@ -22,8 +22,6 @@ struct Candidate {
     group: usize,
     /// Its sample.
     at: usize,
-    /// Of the group when it was measured.
-    version: usize,
 }
 
 impl Eq for Candidate {}
@@ -97,19 +95,27 @@ impl<'a> Thinning<'a> {
     /// Rounds all values. Where that takes more than the bound leaves, the rotation with the longest
     /// lever above the worst place is not kept in 16 bits.
     pub(super) fn round(&mut self, bound: f64) -> Option<()> {
-        let below = self.state.below(self.curves.iter().map(|curve| curve.target));
+        let below = self
+            .state
+            .below(self.curves.iter().map(|curve| curve.target));
         let last = self.samples.times.len() - 1;
         loop {
             let mut curves = self.curves.clone();
             round(&self.state, &mut curves, self.samples);
-            let played: Vec<Vec<DVec4>> =
-                curves.iter().map(|c| c.played(self.samples.times)).collect();
+            let played: Vec<Vec<DVec4>> = curves
+                .iter()
+                .map(|c| c.played(self.samples.times))
+                .collect();
             let parts: Vec<Played> = curves
                 .iter()
                 .zip(&played)
                 .map(|(curve, values)| Played::from_start(curve.target, values))
                 .collect();
-            if self.state.measure(&below, &parts, (0, last), bound).is_some() {
+            if self
+                .state
+                .measure(&below, &parts, (0, last), bound)
+                .is_some()
+            {
                 self.curves = curves;
                 return Some(());
             }
@@ -129,12 +135,12 @@ impl<'a> Thinning<'a> {
     /// Takes out keys until none can go.
     pub(super) fn run(&mut self) {
         loop {
-            let mut versions = vec![0; self.groups.len()];
             let mut heap = BinaryHeap::new();
             for group in 0..self.groups.len() {
-                let at = self.curves[self.groups[group].curves[0]].at.clone();
-                for key in 1..at.len().saturating_sub(1) {
-                    self.offer(&mut heap, group, at[key], 0);
+                let keys = self.curves[self.groups[group].curves[0]].at.clone();
+                for at in keys {
+                    let cost = self.measure(group, at);
+                    heap.extend(cost.map(|cost| Candidate { cost, group, at }));
                 }
             }
             let mut gone = 0;
@@ -143,31 +149,16 @@ impl<'a> Thinning<'a> {
                     continue;
                 };
                 // What went since may have made it dearer than others.
-                if next.version != versions[next.group]
-                    && heap.peek().is_some_and(|other| cost > other.cost)
-                {
-                    let version = versions[next.group];
-                    heap.push(Candidate { cost, version, ..next });
+                if cost > next.cost && heap.peek().is_some_and(|other| cost > other.cost) {
+                    heap.push(Candidate { cost, ..next });
                     continue;
                 }
                 self.take(next.group);
                 gone += 1;
-                versions[next.group] += 1;
             }
             if gone == 0 {
                 return;
             }
-        }
-    }
-
-    fn offer(&mut self, heap: &mut BinaryHeap<Candidate>, group: usize, at: usize, version: usize) {
-        if let Some(cost) = self.measure(group, at) {
-            heap.push(Candidate {
-                cost,
-                group,
-                at,
-                version,
-            });
         }
     }
 
@@ -180,7 +171,8 @@ impl<'a> Thinning<'a> {
             return None;
         }
         let mut bytes = 4;
-        self.changes.resize_with(group.curves.len().max(self.changes.len()), Change::default);
+        self.changes
+            .resize_with(group.curves.len().max(self.changes.len()), Change::default);
         let (mut from, mut to) = (usize::MAX, 0);
         for (&number, change) in group.curves.iter().zip(&mut self.changes) {
             let curve = &self.curves[number];
@@ -199,7 +191,9 @@ impl<'a> Thinning<'a> {
                 values: &change.played,
             })
             .collect();
-        let cost = self.state.measure(&group.below, &played, (from, to), self.bound)?;
+        let cost = self
+            .state
+            .measure(&group.below, &played, (from, to), self.bound)?;
         Some(cost / bytes as f64)
     }
 
@@ -216,6 +210,11 @@ impl<'a> Thinning<'a> {
         self.curves
     }
 
+    #[cfg(test)]
+    pub(super) fn parts(&mut self) -> (&State<'a>, &mut Vec<Curve>) {
+        (&self.state, &mut self.curves)
+    }
+
     /// Curves that may be one value become that.
     pub(super) fn settle(&mut self, rest: impl Fn(&Curve) -> DVec4) {
         for number in 0..self.curves.len() {
@@ -224,14 +223,19 @@ impl<'a> Thinning<'a> {
                 continue;
             }
             let wanted = self.wanted[number];
-            let mean = wanted.iter().fold(DVec4::ZERO, |sum, value| sum + *value) / wanted.len() as f64;
+            let mean =
+                wanted.iter().fold(DVec4::ZERO, |sum, value| sum + *value) / wanted.len() as f64;
             for value in [rest(curve), mean] {
                 let still = self.curves[number].constant(value);
                 let values = still.played(self.samples.times);
                 let played = [Played::from_start(still.target, &values)];
                 let below = self.state.below([still.target].into_iter());
                 let last = self.samples.times.len() - 1;
-                if self.state.measure(&below, &played, (0, last), self.bound).is_some() {
+                if self
+                    .state
+                    .measure(&below, &played, (0, last), self.bound)
+                    .is_some()
+                {
                     self.state.take(&below);
                     self.curves[number] = still;
                     break;
