@@ -5,7 +5,7 @@ use crate::clips::reduce::{leverage, moving_bytes};
 use crate::clips::sample::{Samples as Sampled, Track};
 use crate::model::{Model, Node, Trs};
 use crate::options::{Budget, Limits, Options};
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 
 const FRAMES: usize = 60;
 
@@ -61,11 +61,15 @@ fn turned(model: &Model, angle: impl Fn(usize, f64) -> f64) -> Sampled {
     }
 }
 
+fn sine(angle: f64) -> f64 {
+    DVec2::from_angle(angle).y
+}
+
 /// Swings at different speeds, the last node hardly at all.
 fn swings(number: usize, time: f64) -> f64 {
     match number {
-        3 => 1e-5 * (9.0 * time).sin(),
-        _ => 0.4 * ((1.5 + number as f64) * time + number as f64).sin(),
+        3 => 1e-5 * sine(9.0 * time),
+        _ => 0.4 * sine((1.5 + number as f64) * time + number as f64),
     }
 }
 
@@ -163,7 +167,7 @@ fn the_error_that_is_kept_is_the_one_that_is_played() {
 #[test]
 fn joints_make_good_what_those_above_were_rounded_by() {
     let model = chain(12);
-    let samples = turned(&model, |number, time| 0.3 * (time + number as f64).sin());
+    let samples = turned(&model, |number, time| 0.3 * sine(time + number as f64));
     with_work(&model, &samples, |work, first, options| {
         let spending = Spending::new(work, first, 1.0).unwrap();
         let count = spending.open.len();
