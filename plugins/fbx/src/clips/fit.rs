@@ -182,7 +182,7 @@ impl<V: Value, D: Fn(&V, &V) -> f64> Signal<'_, V, D> {
     }
 
     /// Tangents with which a cubic from one sample to another keeps to those between.
-    pub(crate) fn stretch(&self, from: usize, to: usize, tolerance: f64) -> Option<(V, V)> {
+    fn stretch(&self, from: usize, to: usize, tolerance: f64) -> Option<(V, V)> {
         let (p, q) = (&self.values[from], &self.values[to]);
         // The straight line's tangents, which the fit changes.
         let mut line = q.clone();

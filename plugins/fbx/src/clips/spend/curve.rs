@@ -1,6 +1,6 @@
 //! A channel whose keys stand on samples, and what becomes of it without one of them.
 
-use crate::clips::fit::Signal;
+use super::fit::{self, Keys, Tangents};
 use crate::clips::value::{Value, hermite};
 use crate::model::{Channel, Interpolation, Property, Trs};
 use glam::{DQuat, DVec3, DVec4};
@@ -25,7 +25,7 @@ pub(super) struct Curve {
     pub(super) at: Vec<usize>,
     pub(super) values: Vec<DVec4>,
     /// Of each stretch, out of its first key and into its second; empty where it is straight.
-    pub(super) tangents: Vec<(DVec4, DVec4)>,
+    pub(super) tangents: Vec<Tangents>,
 }
 
 /// What a curve would be without one of its keys.
@@ -33,10 +33,10 @@ pub(super) struct Curve {
 pub(super) struct Change {
     /// Number of the key that goes.
     pub(super) key: usize,
-    /// Keys whose values change, by their numbers before it goes.
-    pub(super) values: Vec<(usize, DVec4)>,
-    /// Of the stretch that takes the place of two.
-    pub(super) tangents: Option<(DVec4, DVec4)>,
+    /// Values of the keys before and after it.
+    pub(super) values: [DVec4; 2],
+    /// Where they are cubic: of the stretches beside these two keys.
+    pub(super) tangents: Vec<Tangents>,
     /// The first sample that changes, and what is played there and after it.
     pub(super) from: usize,
     pub(super) played: Vec<DVec4>,
@@ -47,7 +47,6 @@ pub(super) struct Change {
 pub(super) struct Samples<'a> {
     /// Seconds.
     pub(super) times: &'a [f64],
-    pub(super) jumps: &'a [bool],
     pub(super) stops: &'a [usize],
 }
 
@@ -70,10 +69,13 @@ impl Curve {
         };
         curve.values = at.iter().map(|&at| wanted[at]).collect();
         if cubic {
-            curve.tangents = at
-                .windows(2)
-                .map(|pair| curve.fitted(pair[0], pair[1], wanted, samples))
-                .collect();
+            let keys = Keys {
+                at,
+                values: &curve.values,
+                wanted,
+                times: samples.times,
+            };
+            curve.tangents = (0..at.len() - 1).map(|stretch| fit::tangents(&keys, stretch)).collect();
         }
         curve
     }
@@ -99,8 +101,9 @@ impl Curve {
     /// Makes all numbers what they are once they are written.
     pub(super) fn write(&mut self, times: &[f64]) {
         let short = self.short;
+        let steps = DVec4::splat(32767.0);
         let written = |value: DVec4| match short {
-            true => (value * 32767.0).round() / 32767.0,
+            true => (value * 32767.0).clamp(-steps, steps).round() / 32767.0,
             false => value.as_vec4().as_dvec4(),
         };
         for value in &mut self.values {
@@ -113,18 +116,9 @@ impl Curve {
         }
     }
 
-    /// Tangents of a stretch.
-    fn fitted(&self, from: usize, to: usize, wanted: &[DVec4], samples: Samples) -> (DVec4, DVec4) {
-        let (out, into) = match self.is_rotation() {
-            true => fit(from, to, samples, |i| quat(wanted[i])),
-            false => fit(from, to, samples, |i| wanted[i].truncate()),
-        };
-        (out, into)
-    }
-
     /// No tangent is too steep for integers.
     pub(super) fn fits_short(&self, times: &[f64]) -> bool {
-        let steep = |(pair, (out, into)): (&[usize], &(DVec4, DVec4))| {
+        let steep = |(pair, (out, into)): (&[usize], &Tangents)| {
             let length = times[pair[1]] - times[pair[0]];
             out.abs().max_element().max(into.abs().max_element()) > length
         };
@@ -137,7 +131,7 @@ impl Curve {
         &self,
         at: &[usize],
         values: &[DVec4],
-        tangents: &[(DVec4, DVec4)],
+        tangents: &[Tangents],
         times: &[f64],
         out: &mut Vec<DVec4>,
     ) {
@@ -183,100 +177,58 @@ impl Curve {
         out
     }
 
-    /// The curve without key number `key`, which is neither the first nor the last. Straight lines get
-    /// the values at both neighbours that fit best.
+    /// The curve without key number `key`, which is neither the first nor the last. Both neighbours get
+    /// the values that fit best.
     pub(super) fn without(
         &self,
         key: usize,
         wanted: &[DVec4],
-        samples: Samples,
+        times: &[f64],
         change: &mut Change,
     ) {
-        change.key = key;
-        change.values.clear();
-        change.tangents = None;
-        if self.cubic {
-            let (from, to) = (self.at[key - 1], self.at[key + 1]);
-            let tangents = self.fitted(from, to, wanted, samples);
-            change.tangents = Some(tangents);
-            change.from = from;
-            self.play(
-                &[from, to],
-                &[self.values[key - 1], self.values[key + 1]],
-                &[tangents],
-                samples.times,
-                &mut change.played,
-            );
-            return;
-        }
         let first = (key - 1).saturating_sub(1);
         let last = (key + 2).min(self.at.len() - 1);
         let numbers: Vec<usize> = (first..=last).filter(|&k| k != key).collect();
         let at: Vec<usize> = numbers.iter().map(|&k| self.at[k]).collect();
         let mut values: Vec<DVec4> = numbers.iter().map(|&k| self.values[k]).collect();
         let a = key - 1 - first;
-        let [new_a, new_b] = Self::best_pair(&at, &values, a, wanted, samples.times);
+        let keys = Keys {
+            at: &at,
+            values: &values,
+            wanted,
+            times,
+        };
+        let [new_a, new_b] = fit::pair(&keys, a, self.cubic);
         values[a] = self.unit(new_a);
         values[a + 1] = self.unit(new_b);
-        change
-            .values
-            .extend([(key - 1, values[a]), (key + 1, values[a + 1])]);
-        change.from = at[0];
-        self.play(&at, &values, &[], samples.times, &mut change.played);
-    }
-
-    /// The values of keys `a` and `a + 1` of straight lines through `at` for which the squares of what is
-    /// left are least; other keys stay. (Weighing samples by how far they were missed, for the
-    /// largest miss in place of the squares, was tried: no fewer bytes.)
-    fn best_pair(
-        at: &[usize],
-        values: &[DVec4],
-        a: usize,
-        wanted: &[DVec4],
-        times: &[f64],
-    ) -> [DVec4; 2] {
-        let (mut aa, mut ab, mut bb) = (0.0, 0.0, 0.0);
-        let (mut ra, mut rb) = (DVec4::ZERO, DVec4::ZERO);
-        for stretch in 0..at.len() - 1 {
-            let (from, to) = (at[stretch], at[stretch + 1]);
-            let per_second = 1.0 / (times[to] - times[from]);
-            // A key belongs to the stretch that it begins, the last one to the last.
-            let end = if stretch + 2 == at.len() { to + 1 } else { to };
-            for i in from..end {
-                let share = (times[i] - times[from]) * per_second;
-                let (mut wa, mut wb, mut rest) = (0.0, 0.0, wanted[i]);
-                for (key, part) in [(stretch, 1.0 - share), (stretch + 1, share)] {
-                    if key == a {
-                        wa = part;
-                    } else if key == a + 1 {
-                        wb = part;
-                    } else {
-                        rest -= values[key] * part;
-                    }
-                }
-                aa += wa * wa;
-                ab += wa * wb;
-                bb += wb * wb;
-                ra += rest * wa;
-                rb += rest * wb;
-            }
+        change.key = key;
+        change.values = [values[a], values[a + 1]];
+        change.tangents.clear();
+        if self.cubic {
+            let keys = Keys {
+                at: &at,
+                values: &values,
+                wanted,
+                times,
+            };
+            let all = (0..at.len() - 1).map(|stretch| fit::tangents(&keys, stretch));
+            change.tangents.extend(all);
         }
-        // Each of the two has its own sample, so that this is not 0.
-        let det = aa * bb - ab * ab;
-        [(ra * bb - rb * ab) / det, (rb * aa - ra * ab) / det]
+        change.from = at[0];
+        self.play(&at, &values, &change.tangents, times, &mut change.played);
     }
 
     /// Takes a change.
     pub(super) fn take(&mut self, change: &Change) {
-        for &(key, value) in &change.values {
-            self.values[key] = value;
+        let key = change.key;
+        [self.values[key - 1], self.values[key + 1]] = change.values;
+        self.at.remove(key);
+        self.values.remove(key);
+        if self.cubic {
+            self.tangents.remove(key);
+            let first = (key - 1).saturating_sub(1);
+            self.tangents[first..first + change.tangents.len()].copy_from_slice(&change.tangents);
         }
-        if let Some(tangents) = change.tangents {
-            self.tangents[change.key - 1] = tangents;
-            self.tangents.remove(change.key);
-        }
-        self.at.remove(change.key);
-        self.values.remove(change.key);
     }
 
     /// It is one value, and that is `rest` as far as f32 can tell.
@@ -333,26 +285,6 @@ impl Curve {
 
 fn quat(value: DVec4) -> DQuat {
     DQuat::from_vec4(value)
-}
-
-fn fit<V: Value + Widened>(
-    from: usize,
-    to: usize,
-    samples: Samples,
-    value: impl Fn(usize) -> V,
-) -> (DVec4, DVec4) {
-    let values: Vec<V> = (from..=to).map(value).collect();
-    let signal = Signal {
-        times: &samples.times[from..=to],
-        jumps: &samples.jumps[from..=to],
-        stops: &[],
-        values: &values,
-        distance: |_: &V, _: &V| 0.0,
-    };
-    let (out, into) = signal
-        .stretch(0, to - from, f64::INFINITY)
-        .expect("everything is within an infinite tolerance");
-    (out.widened(), into.widened())
 }
 
 /// Four numbers of whatever is moved.

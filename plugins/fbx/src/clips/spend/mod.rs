@@ -10,6 +10,7 @@
 
 mod alike;
 mod curve;
+mod fit;
 mod plan;
 mod round;
 mod state;
@@ -98,7 +99,6 @@ impl<'a> Spending<'a> {
     fn samples(&self) -> Samples<'_> {
         Samples {
             times: &self.work.times,
-            jumps: &self.work.samples.grid.jumps,
             stops: &self.work.samples.stops,
         }
     }

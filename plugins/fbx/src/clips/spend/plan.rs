@@ -17,8 +17,8 @@ const SHARES: [f64; 2] = [0.97, 0.85];
 /// The share for the tries that only tell how many keys each channel needs.
 const TRIED: f64 = 0.9;
 
-/// How many times the keys of its neediest member a group is thought to need. Groups grow as it
-/// shrinks.
+/// How many times the keys of its neediest member a group is thought to need: the more, the more curves
+/// stay alone.
 const MORE: [f64; 3] = [0.75, 1.0, 1.2];
 
 /// Lines through all stops that are nearer than this share of the bound leave room to thin them.
@@ -83,22 +83,20 @@ impl Search<'_> {
             let cubic: Vec<bool> = pairs
                 .map(|(a, b)| a.cubic || alone_bytes(b) < alone_bytes(a))
                 .collect();
-            let mut groupings: Vec<_> = MORE
-                .iter()
-                .map(|&more| grouped(lines, cubics, more))
-                .collect();
+            let needs: Vec<Need> = lines.iter().zip(cubics).map(need).collect();
+            let mut groupings = match self.is_long() {
+                true => vec![alike::groups(&needs, MORE[1])],
+                false => MORE.map(|more| alike::groups(&needs, more)).to_vec(),
+            };
             if self.is_long() {
                 plans.clear();
-                groupings.drain(..2);
             } else {
-                groupings.push(Vec::new());
+                let all = (0..count).filter(|&number| needs[number].keys > 0);
+                groupings.extend([vec![all.collect()], Vec::new()]);
             }
             groupings.dedup();
-            plans.extend(
-                groupings
-                    .into_iter()
-                    .map(|groups| self.plan(&cubic, groups)),
-            );
+            let groupings = groupings.into_iter();
+            plans.extend(groupings.map(|groups| self.plan(&cubic, groups)));
         }
         let jobs: Vec<(&Plan, f64)> = plans
             .iter()
@@ -119,6 +117,7 @@ impl Search<'_> {
 
     /// `groups` of straight curves, and everything else alone.
     fn plan(&self, cubic: &[bool], mut groups: Vec<Vec<usize>>) -> Plan {
+        groups.retain(|group| !group.is_empty());
         let grouped: Vec<usize> = groups.concat();
         let others = (0..cubic.len()).filter(|number| !grouped.contains(number));
         groups.extend(others.map(|number| vec![number]));
@@ -174,16 +173,14 @@ fn alone_bytes(curve: &Curve) -> usize {
     curve.at.len() * (4 + curve.width())
 }
 
-/// Groups of straight curves.
-fn grouped(lines: &[Curve], cubics: &[Curve], more: f64) -> Vec<Vec<usize>> {
-    let need = |(line, cubic): (&Curve, &Curve)| Need {
+/// What a curve needs, as straight lines and as cubics.
+fn need((line, cubic): (&Curve, &Curve)) -> Need {
+    Need {
         keys: match line.cubic || line.at.len() == 1 {
             true => 0,
             false => line.at.len(),
         },
         width: line.width(),
         alone: alone_bytes(line).min(alone_bytes(cubic)),
-    };
-    let needs: Vec<Need> = lines.iter().zip(cubics).map(need).collect();
-    alike::groups(&needs, more)
+    }
 }

@@ -176,7 +176,7 @@ impl<'a> Thinning<'a> {
         let (mut from, mut to) = (usize::MAX, 0);
         for (&number, change) in group.curves.iter().zip(&mut self.changes) {
             let curve = &self.curves[number];
-            curve.without(key, self.wanted[number], self.samples, change);
+            curve.without(key, self.wanted[number], self.samples.times, change);
             bytes += curve.width();
             from = from.min(change.from);
             to = to.max(change.from + change.played.len() - 1);
