@@ -75,7 +75,9 @@ impl Curve {
                 wanted,
                 times: samples.times,
             };
-            curve.tangents = (0..at.len() - 1).map(|stretch| fit::tangents(&keys, stretch)).collect();
+            curve.tangents = (0..at.len() - 1)
+                .map(|stretch| fit::tangents(&keys, stretch))
+                .collect();
         }
         curve
     }
@@ -179,13 +181,7 @@ impl Curve {
 
     /// The curve without key number `key`, which is neither the first nor the last. Both neighbours get
     /// the values that fit best.
-    pub(super) fn without(
-        &self,
-        key: usize,
-        wanted: &[DVec4],
-        times: &[f64],
-        change: &mut Change,
-    ) {
+    pub(super) fn without(&self, key: usize, wanted: &[DVec4], times: &[f64], change: &mut Change) {
         let first = (key - 1).saturating_sub(1);
         let last = (key + 2).min(self.at.len() - 1);
         let numbers: Vec<usize> = (first..=last).filter(|&k| k != key).collect();

@@ -159,7 +159,9 @@ mod tests {
     const AT: [usize; 4] = [0, 7, 15, 24];
 
     fn times() -> Vec<f64> {
-        (0..=24).map(|i| f64::from(i) * 0.04 + f64::from(i % 3) * 0.003).collect()
+        (0..=24)
+            .map(|i| f64::from(i) * 0.04 + f64::from(i % 3) * 0.003)
+            .collect()
     }
 
     #[test]
@@ -177,9 +179,18 @@ mod tests {
             times: &times,
         };
         let [a, b] = pair(&keys, 1, true);
-        assert!(a.distance(wanted[7]) < 1e-9 && b.distance(wanted[15]) < 1e-9, "{a} {b}");
+        assert!(
+            a.distance(wanted[7]) < 1e-9 && b.distance(wanted[15]) < 1e-9,
+            "{a} {b}"
+        );
         let exact: Vec<DVec4> = AT.iter().map(|&at| wanted[at]).collect();
-        let (out, into) = tangents(&Keys { values: &exact, ..keys }, 1);
+        let (out, into) = tangents(
+            &Keys {
+                values: &exact,
+                ..keys
+            },
+            1,
+        );
         let slope = |t: f64| DVec4::new(6.0 * t * t - 2.0 * t, -1.0, 2.0 * t, 0.0);
         let length = times[15] - times[7];
         assert!(out.distance(slope(times[7]) * length) < 1e-9, "{out}");
@@ -191,11 +202,18 @@ mod tests {
     fn the_squares_are_least() {
         let times = times();
         let noise = |i: usize| f64::from((i * 37 % 11) as u32) * 0.1 - 0.5;
-        let wanted: Vec<DVec4> = (0..25).map(|i| DVec4::new(noise(i), noise(i + 3), 0.0, 1.0)).collect();
+        let wanted: Vec<DVec4> = (0..25)
+            .map(|i| DVec4::new(noise(i), noise(i + 3), 0.0, 1.0))
+            .collect();
         for cubic in [false, true] {
             let squares = |a: DVec4, b: DVec4| -> f64 {
                 let values = [wanted[0], a, b, wanted[24]];
-                let keys = Keys { at: &AT, values: &values, wanted: &wanted, times: &times };
+                let keys = Keys {
+                    at: &AT,
+                    values: &values,
+                    wanted: &wanted,
+                    times: &times,
+                };
                 let inside = |stretch: usize| {
                     let (from, to) = (AT[stretch], AT[stretch + 1]);
                     let (p, q) = (values[stretch], values[stretch + 1]);
@@ -215,7 +233,12 @@ mod tests {
                 (0..3).flat_map(inside).sum::<f64>() + keys
             };
             let values = [wanted[0], DVec4::ZERO, DVec4::ZERO, wanted[24]];
-            let keys = Keys { at: &AT, values: &values, wanted: &wanted, times: &times };
+            let keys = Keys {
+                at: &AT,
+                values: &values,
+                wanted: &wanted,
+                times: &times,
+            };
             let [a, b] = pair(&keys, 1, cubic);
             let least = squares(a, b);
             for aside in [DVec4::X, DVec4::Y, -DVec4::X, -DVec4::Y] {

@@ -244,13 +244,15 @@ impl<'a> State<'a> {
         }
     }
 
-    /// The node that was farthest off when the nodes of `below` were measured last.
+    /// The node that was farthest off when the nodes of `below` were measured last, with what morph
+    /// targets were off by then.
     pub(super) fn worst(&self, below: &Below) -> usize {
+        let nodes = &below.nodes;
+        let morph = |at: usize| self.morph[self.trial.from + at / nodes.len()];
         let far = self.trial.far.iter().enumerate();
-        let worst = far
-            .max_by(|a, b| a.1.total_cmp(b.1))
-            .map_or(0, |(at, _)| at);
-        below.nodes[worst % below.nodes.len()]
+        let far = far.map(|(at, far)| (at, far.sqrt() + morph(at)));
+        let worst = far.max_by(|a, b| a.1.total_cmp(&b.1));
+        nodes[worst.map_or(0, |(at, _)| at % nodes.len())]
     }
 
     /// `node` is `other` or hangs on it somewhere.
