@@ -1,10 +1,10 @@
 //! What the clips of a folder's FBX files cost as glTF, property by property, and how much of the
 //! error that was allowed is spent.
 //!
-//! `cargo run --release -p dolomite_fbx --example animation_bytes -- FOLDER [MAX_ERROR] [OTHERS]`
+//! `cargo run --release -p dolomite_fbx --example animation_bytes -- FOLDER [METRES] [quick|thorough] [OTHERS]`
 //!
-//! OTHERS is a folder of `.glb` files that another program made of the same files, with the names that
-//! the table shows; their bytes are counted in the same way.
+//! OTHERS is a folder of .glb files that another program made of the same files; the file `a/b.fbx` is
+//! `a__b.fbx.glb` there. Their bytes are counted in the same way. Files that are refused are left out.
 
 use dolomite_fbx::check::Played;
 use dolomite_fbx::model::{Channel, Interpolation, Model, Property};
@@ -19,10 +19,13 @@ struct Bytes {
     times: usize,
     /// Translations, rotations, scales, weights.
     values: [usize; 4],
+    /// Lists of times that differ.
     time_lists: usize,
     keys: usize,
+    /// Of these, those of cubic channels.
     cubic: usize,
     channels: usize,
+    /// Of these, those of one key.
     single: usize,
 }
 
@@ -79,11 +82,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut words = std::env::args().skip(1);
     let folder = PathBuf::from(words.next().ok_or("name a folder")?);
     let max_error: f64 = words.next().map_or(Ok(1e-4), |word| word.parse())?;
-    let others = words.next().map(PathBuf::from);
     let effort = match words.next().as_deref() {
-        Some("thorough") => Effort::Thorough,
-        _ => Effort::Quick,
+        None | Some("thorough") => Effort::Thorough,
+        Some("quick") => Effort::Quick,
+        Some(other) => return Err(format!("{other}: quick or thorough").into()),
     };
+    let others = words.next().map(PathBuf::from);
     let options = Options {
         effort,
         max_error,
@@ -94,7 +98,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     files_below(&folder, &mut paths)?;
     paths.sort();
     println!(
-        "{:<58} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7} {:>6}/{:<6} {:>7} {:>5} {:>4}/{:<4} {:>5} {:>6} {:>8} {:>6} {:>7}",
+        "{:<58} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7} {:>6}/{:<6} {:>7} {:>5} {:>4}/{:<4} {:>5} {:>6} {:>8} {:>6} {:>7} size",
         "file",
         "bytes",
         "times",
@@ -166,9 +170,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             report.size
         );
     }
-    println!(
-        "sum {ours} / {theirs} = {:.3}",
-        ours as f64 / theirs.max(1) as f64
-    );
+    if theirs > 0 {
+        let ratio = ours as f64 / theirs as f64;
+        println!("{ours} bytes, {theirs} of the others: {ratio:.3}");
+    }
     Ok(())
 }

@@ -312,6 +312,26 @@ mod tests {
         let grid = Grid::through(&marks, 0.0, Some(rate));
         assert_eq!(grid.len(), 6, "{grid:?}");
         assert!(!grid.whole[0] && grid.whole[1..5].iter().all(|&whole| whole));
+        assert_eq!(grid.within[..5], [true, false, false, false, false]);
+    }
+
+    #[test]
+    fn what_spins_is_looked_at_within_frames_too() {
+        let frame = 1.0 / 30.0;
+        let rate = Rate {
+            samples: 60.0,
+            frame,
+        };
+        let spins = Mark {
+            spin: 90.0,
+            swing: 90.0,
+            ..Mark::at(frame)
+        };
+        let marks = [Mark::at(0.0), spins, Mark::at(2.0 * frame)];
+        let grid = Grid::through(&marks, 0.0, Some(rate));
+        // 90 degrees in pieces of six, and all of them lie within a frame.
+        assert_eq!(grid.len(), 2 + 15);
+        assert!(grid.within[..16].iter().all(|&within| within));
     }
 
     #[test]

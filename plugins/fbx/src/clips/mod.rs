@@ -12,6 +12,7 @@ mod refine;
 mod sample;
 mod spend;
 mod value;
+mod work;
 
 pub(crate) use metric::{Shells, order};
 pub(crate) use play::{Player, play};

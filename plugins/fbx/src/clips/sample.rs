@@ -230,3 +230,40 @@ pub(crate) fn morph_weights(
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn what_lies_within_frames_is_straight_unless_the_node_spins() {
+        let mut grid = Grid::default();
+        for i in 0..6 {
+            // Keys at 0, 2, 3 and 5; the time from 3 to 5 is no frame.
+            grid.push(f64::from(i), i as f32, false, [0, 2, 3, 5].contains(&i));
+            grid.set_within(i < 3);
+        }
+        let at = |x: f64| Trs {
+            translation: DVec3::X * x,
+            ..Trs::IDENTITY
+        };
+        let wild = [0.0, 9.0, 4.0, 6.0, -7.0, 8.0];
+        let straightened = |spins| {
+            let poses = wild.map(at).to_vec();
+            let mut track = Track {
+                node: 0,
+                spins,
+                poses,
+            };
+            track.straighten(&grid);
+            track
+                .poses
+                .iter()
+                .map(|pose| pose.translation.x)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(straightened(true), wild);
+        assert_eq!(straightened(false), [0.0, 2.0, 4.0, 6.0, -7.0, 8.0]);
+    }
+}

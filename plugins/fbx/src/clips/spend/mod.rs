@@ -20,7 +20,7 @@ mod thin;
 
 use super::choose::Choice;
 use super::play::Player;
-use super::reduce::Work;
+use super::work::Work;
 use crate::model::{Interpolation, Property};
 use curve::{Curve, Samples, Target, Widened};
 use glam::DVec4;

@@ -5,7 +5,7 @@ use super::curve::Curve;
 use super::{Plan, Spending};
 use crate::clips::choose::Choice;
 use crate::clips::parts::in_parts;
-use crate::clips::reduce::Work;
+use crate::clips::work::Work;
 use crate::error::FbxError;
 use crate::model::Property;
 use crate::options::{Budget, Options};

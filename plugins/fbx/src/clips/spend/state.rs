@@ -1,7 +1,7 @@
 //! Where every node is at every sample while keys go, and how far that is from the file.
 
 use super::curve::{Target, put};
-use crate::clips::reduce::Work;
+use crate::clips::work::Work;
 use crate::model::Trs;
 use glam::{DAffine3, DVec4};
 
