@@ -4,6 +4,7 @@ use crate::error::FbxError;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Joints that a vertex may follow in the result.
@@ -73,8 +74,8 @@ pub struct Options<'a> {
     /// Threads that work on clips; 0 (the default) takes as many as the machine has. The result does
     /// not depend on it.
     pub threads: usize,
-    /// What a file may cost; `None` (the default) sets [`Limits::of_file`], with more time where
-    /// [`Options::effort`] takes it.
+    /// What a file may cost; `None` (the default) sets [`Limits::of_file`], and gives a thorough search forty
+    /// times these seconds for itself.
     pub limits: Option<Limits>,
     /// Is told how far it is.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
@@ -166,20 +167,6 @@ impl Limits {
             seconds: 1.4 + bytes as f64 / 2e6,
         }
     }
-
-    /// The same with the time that a search of this effort may take: forty times as long for a thorough
-    /// one.
-    #[must_use]
-    pub fn with_effort(self, effort: Effort) -> Self {
-        let times = match effort {
-            Effort::Quick => 1.0,
-            Effort::Thorough => 40.0,
-        };
-        Self {
-            seconds: self.seconds * times,
-            ..self
-        }
-    }
 }
 
 /// Where a file comes from.
@@ -193,11 +180,18 @@ pub struct Origin {
     pub folder: Option<PathBuf>,
 }
 
+/// Seconds of a thorough search over those of everything else, where nobody sets them.
+const SEARCH: f64 = 40.0;
+
 /// The clock and the purse of one conversion.
 pub(crate) struct Budget {
     pub(crate) file: String,
     pub(crate) limits: Limits,
     began: Instant,
+    /// Seconds that searches for keys may take beside all else; `None`: they count as all else.
+    search: Option<f64>,
+    /// Nanoseconds that they took so far.
+    searched: AtomicU64,
 }
 
 impl Budget {
@@ -206,11 +200,42 @@ impl Budget {
             file: file.to_owned(),
             limits,
             began: Instant::now(),
+            search: None,
+            searched: AtomicU64::new(0),
         }
     }
 
+    /// Of a file of so many bytes, with the limits of `options` or those of its size.
+    pub(crate) fn of(file: &str, bytes: usize, options: &Options) -> Self {
+        let limits = options.limits.unwrap_or_else(|| Limits::of_file(bytes));
+        Self {
+            search: options.limits.is_none().then_some(SEARCH * limits.seconds),
+            ..Self::new(file, limits)
+        }
+    }
+
+    /// Does `work` on a clock of its own, which goes on where the last search stopped it, while this one
+    /// stands.
+    pub(crate) fn search<T>(&self, work: impl FnOnce(&Self) -> T) -> T {
+        let Some(seconds) = self.search else {
+            return work(self);
+        };
+        let so_far = Duration::from_nanos(self.searched.load(Ordering::Relaxed)).as_secs_f64();
+        let limits = Limits {
+            seconds: (seconds - so_far).max(0.0),
+            ..self.limits
+        };
+        let own = Self::new(&self.file, limits);
+        let out = work(&own);
+        let took = u64::try_from(own.began.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        self.searched.fetch_add(took, Ordering::Relaxed);
+        out
+    }
+
     pub(crate) fn is_late(&self) -> bool {
-        self.began.elapsed() > Duration::from_secs_f64(self.limits.seconds.clamp(0.0, 1e9))
+        let searched = Duration::from_nanos(self.searched.load(Ordering::Relaxed));
+        self.began.elapsed().saturating_sub(searched)
+            > Duration::from_secs_f64(self.limits.seconds.clamp(0.0, 1e9))
     }
 
     pub(crate) fn in_time(&self, during: &'static str) -> Result<(), FbxError> {
@@ -241,5 +266,38 @@ impl Budget {
             what,
             limit: self.limits.memory,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_search_has_a_clock_of_its_own() {
+        let limits = |seconds| Limits { memory: 0, seconds };
+        let rest = Duration::from_millis(30);
+        let budget = Budget {
+            search: Some(0.05),
+            ..Budget::new("", limits(0.02))
+        };
+        // Longer than all else may take, and again longer than what is left of the search's own.
+        assert!(!budget.search(|own| {
+            std::thread::sleep(rest);
+            own.is_late()
+        }));
+        assert!(!budget.is_late());
+        assert!(budget.search(|own| {
+            std::thread::sleep(rest);
+            own.is_late()
+        }));
+        assert!(!budget.is_late());
+        // Limits that were asked for hold for both.
+        let budget = Budget::new("", limits(0.02));
+        assert!(budget.search(|own| {
+            std::thread::sleep(rest);
+            own.is_late()
+        }));
+        assert!(budget.is_late());
     }
 }

@@ -83,14 +83,12 @@ pub(crate) fn reduce(
     let (error, choices) = match options.effort {
         Effort::Quick => (error, choices),
         Effort::Thorough => {
-            let spent = spend(&work, &choices, bound, options, budget)?;
-            let mut tries = spent
-                .map(|spent| (work.error(&spent, options), spent))
-                .into_iter()
-                .filter(|(error, spent)| {
-                    *error <= bound && moving_bytes(spent) < moving_bytes(&choices)
-                });
-            tries.next().unwrap_or((error, choices))
+            let spent = budget.search(|clock| spend(&work, &choices, bound, options, clock))?;
+            let spent = spent.map(|spent| (work.error(&spent, options), spent));
+            let better = spent.filter(|(error, spent)| {
+                *error <= bound && moving_bytes(spent) < moving_bytes(&choices)
+            });
+            better.unwrap_or((error, choices))
         }
     };
     let keys = choices

@@ -26,7 +26,7 @@ use curve::{Curve, Samples, Target, Widened};
 use glam::DVec4;
 use state::{Played, State};
 use std::collections::BTreeSet;
-use thin::Thinning;
+use thin::{Still, Thinning};
 
 pub(super) use plan::spend;
 
@@ -148,8 +148,9 @@ impl<'a> Spending<'a> {
             self.samples(),
             share * self.bound,
         )?;
+        thinning.settle(|curve| self.rest(curve), Still::Hardly);
         thinning.run();
-        thinning.settle(|curve| self.rest(curve));
+        thinning.settle(|curve| self.rest(curve), Still::Ends);
         thinning.round(self.bound)?;
         Some(thinning.into_curves())
     }

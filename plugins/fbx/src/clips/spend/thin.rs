@@ -42,6 +42,18 @@ impl PartialOrd for Candidate {
     }
 }
 
+/// Which curves are tried as one value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Still {
+    /// Those with which nothing is off by more than [`HARDLY`] of the bound.
+    Hardly,
+    /// Those that have no keys but the first and the last.
+    Ends,
+}
+
+/// See [`Still::Hardly`].
+const HARDLY: f64 = 0.1;
+
 /// Curves and the poses that they play.
 pub(super) struct Thinning<'a> {
     state: State<'a>,
@@ -215,32 +227,38 @@ impl<'a> Thinning<'a> {
         (&self.state, &mut self.curves)
     }
 
-    /// Curves that may be one value become that.
-    pub(super) fn settle(&mut self, rest: impl Fn(&Curve) -> DVec4) {
+    /// Curves become one value that may be: at first those that hardly move, which would else have to
+    /// share with all others what is left of the bound; then, once they are down to two keys, all.
+    pub(super) fn settle(&mut self, rest: impl Fn(&Curve) -> DVec4, still: Still) {
+        let last = self.samples.times.len() - 1;
         for number in 0..self.curves.len() {
             let curve = &self.curves[number];
-            if curve.at.len() != 2 {
-                continue;
-            }
+            let bound = match still {
+                Still::Hardly => HARDLY * self.bound,
+                Still::Ends if curve.at.len() == 2 => self.bound,
+                Still::Ends => continue,
+            };
             let wanted = self.wanted[number];
             let mean =
                 wanted.iter().fold(DVec4::ZERO, |sum, value| sum + *value) / wanted.len() as f64;
             for value in [rest(curve), mean] {
-                let still = self.curves[number].constant(value);
-                let values = still.played(self.samples.times);
-                let played = [Played::from_start(still.target, &values)];
-                let below = self.state.below([still.target].into_iter());
-                let last = self.samples.times.len() - 1;
-                if self
-                    .state
-                    .measure(&below, &played, (0, last), self.bound)
-                    .is_some()
-                {
+                let constant = self.curves[number].constant(value);
+                let values = constant.played(self.samples.times);
+                let played = [Played::from_start(constant.target, &values)];
+                let below = self.state.below([constant.target].into_iter());
+                let cost = self.state.measure(&below, &played, (0, last), bound);
+                if cost.is_some() {
                     self.state.take(&below);
-                    self.curves[number] = still;
+                    self.curves[number] = constant;
                     break;
                 }
             }
         }
+        for group in &mut self.groups {
+            group
+                .curves
+                .retain(|&number| self.curves[number].at.len() > 1);
+        }
+        self.groups.retain(|group| !group.curves.is_empty());
     }
 }
