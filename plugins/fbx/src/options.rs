@@ -35,8 +35,8 @@ pub enum Effort {
     Quick,
     /// All channels of a clip together, until the error at the skin leaves no key that could go: a
     /// twentieth to two fifths less bytes within the same bound, for some thirty times the time. Clips
-    /// of more than 64 000 keys (a minute of thirty-five joints at 30 frames a second) are left as the
-    /// quick search has them.
+    /// of more than 160 000 keys (two and a half minutes of thirty-five joints at 30 frames a second) are
+    /// left as the quick search has them.
     Thorough,
 }
 

@@ -40,6 +40,8 @@ pub(super) struct Change {
     /// The first sample that changes, and what is played there and after it.
     pub(super) from: usize,
     pub(super) played: Vec<DVec4>,
+    /// A tangent would be too steep for the integers that the curve is kept in.
+    pub(super) steep: bool,
 }
 
 /// What samples have in common.
@@ -120,11 +122,7 @@ impl Curve {
 
     /// No tangent is too steep for integers.
     pub(super) fn fits_short(&self, times: &[f64]) -> bool {
-        let steep = |(pair, (out, into)): (&[usize], &Tangents)| {
-            let length = times[pair[1]] - times[pair[0]];
-            out.abs().max_element().max(into.abs().max_element()) > length
-        };
-        !self.at.windows(2).zip(&self.tangents).any(steep)
+        fits_short(&self.at, &self.tangents, times)
     }
 
     /// What is played at the samples from the first to the last of keys with `values` and, where they are
@@ -210,6 +208,7 @@ impl Curve {
             let all = (0..at.len() - 1).map(|stretch| fit::tangents(&keys, stretch));
             change.tangents.extend(all);
         }
+        change.steep = self.short && !fits_short(&at, &change.tangents, times);
         change.from = at[0];
         self.play(&at, &values, &change.tangents, times, &mut change.played);
     }
@@ -277,6 +276,14 @@ impl Curve {
             short: self.short,
         }
     }
+}
+
+/// Tangents of keys at samples are at most 1 a second, which is what integers go to.
+fn fits_short(at: &[usize], tangents: &[Tangents], times: &[f64]) -> bool {
+    at.windows(2).zip(tangents).all(|(pair, (out, into))| {
+        let length = times[pair[1]] - times[pair[0]];
+        out.abs().max_element().max(into.abs().max_element()) <= length
+    })
 }
 
 fn quat(value: DVec4) -> DQuat {

@@ -7,6 +7,7 @@ use crate::model::{Model, Node, Trs};
 use crate::options::{Budget, Limits, Options};
 use glam::{DQuat, DVec2, DVec3};
 
+/// Two seconds.
 const FRAMES: usize = 60;
 
 /// `count` nodes, each a metre above the last.
@@ -29,10 +30,11 @@ fn chain(count: usize) -> Model {
     }
 }
 
-/// Two seconds in which each node is turned about its own axis by `angle` of its number and the time.
-fn turned(model: &Model, angle: impl Fn(usize, f64) -> f64) -> Sampled {
+/// A clip of so many frames in which each node is turned about its own axis by `angle` of its number and
+/// the time.
+fn turned(model: &Model, frames: usize, angle: impl Fn(usize, f64) -> f64) -> Sampled {
     let mut grid = Grid::default();
-    for i in 0..=FRAMES {
+    for i in 0..=frames {
         let time = i as f64 / 30.0;
         grid.push(time, time as f32, false, true);
         grid.set_within(true);
@@ -87,7 +89,7 @@ fn with_work(model: &Model, samples: &Sampled, test: impl FnOnce(&Work, &[Choice
 #[test]
 fn keys_keep_to_the_bound_and_are_fewer() {
     let model = chain(4);
-    let samples = turned(&model, swings);
+    let samples = turned(&model, FRAMES, swings);
     with_work(&model, &samples, |work, first, options| {
         let budget = Budget::new("", Limits::of_file(1 << 20));
         let dear = moving_bytes(first);
@@ -114,7 +116,7 @@ fn keys_keep_to_the_bound_and_are_fewer() {
 fn what_hardly_moves_is_at_rest() {
     let model = chain(4);
     // More than the quick search forgives, less than the bound.
-    let samples = turned(&model, swings);
+    let samples = turned(&model, FRAMES, swings);
     with_work(&model, &samples, |work, first, options| {
         let budget = Budget::new("", Limits::of_file(1 << 20));
         let still = |choices: &[Choice]| {
@@ -133,7 +135,7 @@ fn what_hardly_moves_is_at_rest() {
 #[test]
 fn the_error_that_is_kept_is_the_one_that_is_played() {
     let model = chain(4);
-    let samples = turned(&model, swings);
+    let samples = turned(&model, FRAMES, swings);
     with_work(&model, &samples, |work, first, options| {
         let bound = 1e-3;
         let spending = Spending::new(work, first, bound).unwrap();
@@ -170,7 +172,9 @@ fn the_error_that_is_kept_is_the_one_that_is_played() {
 #[test]
 fn joints_make_good_what_those_above_were_rounded_by() {
     let model = chain(12);
-    let samples = turned(&model, |number, time| 0.3 * sine(time + number as f64));
+    let samples = turned(&model, FRAMES, |number, time| {
+        0.3 * sine(time + number as f64)
+    });
     with_work(&model, &samples, |work, first, options| {
         let spending = Spending::new(work, first, 1.0).unwrap();
         let count = spending.open.len();
@@ -198,7 +202,7 @@ fn joints_make_good_what_those_above_were_rounded_by() {
 #[test]
 fn the_same_on_any_number_of_threads() {
     let model = chain(4);
-    let samples = turned(&model, swings);
+    let samples = turned(&model, FRAMES, swings);
     with_work(&model, &samples, |work, first, options| {
         let budget = Budget::new("", Limits::of_file(1 << 20));
         let with = |threads: usize| {
@@ -216,4 +220,23 @@ fn the_same_on_any_number_of_threads() {
         };
         assert!(with(1) == with(3));
     });
+}
+
+/// Long clips are tried in fewer plans, and very long ones left as they are.
+#[test]
+fn long_clips_are_tried_less() {
+    let model = chain(3);
+    let budget = Budget::new("", Limits::of_file(1 << 24));
+    for (frames, is_tried) in [(5_400, true), (54_000, false)] {
+        let samples = turned(&model, frames, swings);
+        with_work(&model, &samples, |work, _, options| {
+            let first = work.choose(1e-3, &[], options);
+            let spent = spend(work, &first, 1e-2, options, &budget).unwrap();
+            assert_eq!(spent.is_some(), is_tried);
+            if let Some(spent) = spent {
+                assert!(work.error(&spent, options) <= 1e-2);
+                assert!(moving_bytes(&spent) < moving_bytes(&first));
+            }
+        });
+    }
 }

@@ -189,6 +189,9 @@ impl<'a> Thinning<'a> {
         for (&number, change) in group.curves.iter().zip(&mut self.changes) {
             let curve = &self.curves[number];
             curve.without(key, self.wanted[number], self.samples.times, change);
+            if change.steep {
+                return None;
+            }
             bytes += curve.width();
             from = from.min(change.from);
             to = to.max(change.from + change.played.len() - 1);
