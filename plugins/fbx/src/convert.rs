@@ -4,7 +4,7 @@ use crate::clips::{Reduced, Samples, Shells, Source, leverage, reduce, refine, s
 use crate::error::FbxError;
 use crate::load::load;
 use crate::model::{Channel, Interpolation, Mesh, Model, Node, Property, Trs};
-use crate::options::{Budget, Limits, Options, Origin};
+use crate::options::{Budget, Options, Origin};
 use crate::read::devices::{read_camera, read_light};
 use crate::read::textures::Textures;
 use crate::read::{Meshes, ShapeKey, Shapes, read_materials, read_nodes, read_skin, report_lost};
@@ -44,10 +44,8 @@ impl Conversion {
 /// [`FbxError`]: no FBX file, a broken one, one beyond the limits, or an option out of range.
 pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conversion, FbxError> {
     options.check()?;
-    let limits = options
-        .limits
-        .unwrap_or_else(|| Limits::of_file(bytes.len()));
-    let budget = Budget::new(&origin.name, limits);
+    let budget = Budget::of(&origin.name, bytes.len(), options);
+    let limits = budget.limits;
     let scene = load(bytes, &budget, options)?;
     let mut report = Report {
         version: scene.metadata.version,

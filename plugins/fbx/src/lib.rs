@@ -32,7 +32,9 @@
 //! or cubics, that keep the skin within `max_error` of that: in the world, 3 cm around each joint, or out to
 //! the farthest vertex that follows it, with what all joints above do wrong. The error in the report
 //! is measured by playing the keys. Where a file has a key in every frame, what its three angles do within a
-//! frame is not followed unless asked for ([`Options::within_frames`]).
+//! frame is not followed, but for nodes that spin, unless asked for ([`Options::within_frames`]). By
+//! default channels are looked at one by one, as fast as the file is read; [`Effort::Thorough`] takes all
+//! of a clip together and its time, for fewer bytes.
 //!
 //! **Weights.** Vertices that follow more than four joints get the four, and the weights, that come
 //! nearest to what all of them do over the clips; or up to eight.
@@ -70,7 +72,7 @@ mod write;
 
 pub use convert::{Conversion, convert};
 pub use error::FbxError;
-pub use options::{Limits, Options, Origin, Progress, Weights};
+pub use options::{Effort, Limits, Options, Origin, Progress, Weights};
 #[cfg(feature = "bevy")]
 pub use plugin::{FbxConversion, FbxLoader, FbxLoaderError, FbxLoaderSettings, FbxPlugin};
 pub use report::{ClipReport, Lost, Report};

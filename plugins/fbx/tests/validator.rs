@@ -8,7 +8,7 @@
 mod ascii;
 mod support;
 
-use dolomite_fbx::{Options, Origin, Weights, convert};
+use dolomite_fbx::{Effort, Options, Origin, Weights, convert};
 use std::process::Command;
 use support::{files_below, shared_fbx};
 
@@ -48,7 +48,12 @@ fn every_result_is_valid() {
         weights: Weights::Eight,
         ..Options::default()
     };
+    let thorough = Options {
+        effort: Effort::Thorough,
+        ..Options::default()
+    };
     take(ascii::strip(90.0).as_bytes(), Origin::default(), &eight);
+    take(ascii::strip(90.0).as_bytes(), Origin::default(), &thorough);
     for path in shared_fbx()
         .map(|folder| files_below(&folder))
         .unwrap_or_default()
@@ -60,6 +65,7 @@ fn every_result_is_valid() {
         };
         let bytes = std::fs::read(&path).unwrap();
         take(&bytes, origin.clone(), &Options::default());
+        take(&bytes, origin.clone(), &thorough);
         take(&bytes, origin, &eight);
     }
     let run = Command::new("node")

@@ -35,6 +35,7 @@ pub(crate) enum Kinds {
 }
 
 /// Keys of a channel.
+#[derive(Clone)]
 pub(crate) struct Choice {
     pub(crate) channel: Channel,
     /// It never leaves its value at rest.

@@ -3,6 +3,7 @@
 use super::keys::{Mark, SPIN, keys};
 use crate::error::FbxError;
 use crate::options::{Budget, Options};
+use std::collections::BTreeSet;
 use ufbx::{AnimStack, Scene};
 
 /// Distance of the two sides of a jump on the file's clock, seconds: far less than a frame, far more
@@ -29,6 +30,8 @@ pub(crate) struct Grid {
     pub(crate) keys: Vec<bool>,
     /// What lies between this sample and the next counts: they are keys no frame apart.
     pub(crate) whole: Vec<bool>,
+    /// The gap after this sample lies within a frame: it counts for nodes alone that spin.
+    pub(crate) within: Vec<bool>,
 }
 
 /// How finely a clip is looked at.
@@ -58,10 +61,15 @@ impl Rate {
         }
     }
 
+    /// Two keys are no more than a frame apart.
+    fn is_within(self, pair: &[Mark]) -> bool {
+        pair[1].time - pair[0].time <= self.frame * 1.001
+    }
+
     /// Into how many pieces the time between two keys is cut.
     fn pieces(self, pair: &[Mark]) -> f64 {
         let length = pair[1].time - pair[0].time;
-        if length <= self.frame * 1.001 && pair[0].spin < SPIN {
+        if self.is_within(pair) && pair[0].spin < SPIN {
             return 1.0;
         }
         // A hair less than whole numbers, which frames of 1/30 s would else miss by rounding.
@@ -78,16 +86,17 @@ impl Grid {
 
     /// Every key of the stack's curves, both sides of each step, and between keys that are more than a
     /// frame apart at least the middle and so many samples a second as `asked` says; at most `most`
-    /// samples, for which what lies between keys is left out first.
+    /// samples, for which what lies between keys is left out first. Gives the clip's begin too, and the
+    /// nodes that spin.
     pub(crate) fn of_stack(
         scene: &Scene,
         stack: &AnimStack,
         asked: &Options,
         most: usize,
         budget: &Budget,
-    ) -> Result<(f64, Self), FbxError> {
+    ) -> Result<(f64, Self, BTreeSet<usize>), FbxError> {
         let rate = Rate::of(scene, asked);
-        let keys = keys(scene, stack, budget)?;
+        let (keys, spinning) = keys(scene, stack, budget)?;
         let (begin, end) = range(stack, &keys);
         let mut marks = vec![Mark::at(begin)];
         marks.extend(
@@ -122,7 +131,7 @@ impl Grid {
         if marks.len() > most {
             return Err(budget.too_much("the keys of a clip"));
         }
-        Ok((begin, Self::through(&marks, begin, rate)))
+        Ok((begin, Self::through(&marks, begin, rate), spinning))
     }
 
     fn through(marks: &[Mark], begin: f64, rate: Option<Rate>) -> Self {
@@ -141,12 +150,16 @@ impl Grid {
                 grid.push(beside, first, false, true);
             }
             let count = rate.map_or(1.0, |rate| rate.pieces(&[*mark, *next])) as usize;
+            let first = grid.len() - 1;
             if count == 1 && !mark.after {
-                grid.whole[grid.times.len() - 1] = false;
+                grid.whole[first] = false;
             }
             for piece in 1..count {
                 let time = mark.time + (next.time - mark.time) * (piece as f64 / count as f64);
                 grid.push(time, (time - begin) as f32, false, false);
+            }
+            if rate.is_some_and(|rate| rate.is_within(&[*mark, *next])) {
+                grid.within[first..].fill(true);
             }
         }
         grid
@@ -166,7 +179,15 @@ impl Grid {
                 self.jumps.push(jump);
                 self.keys.push(key);
                 self.whole.push(true);
+                self.within.push(false);
             }
+        }
+    }
+
+    /// Says of the last sample whether the gap after it lies within a frame.
+    pub(crate) fn set_within(&mut self, within: bool) {
+        if let Some(last) = self.within.last_mut() {
+            *last = within;
         }
     }
 
@@ -291,6 +312,26 @@ mod tests {
         let grid = Grid::through(&marks, 0.0, Some(rate));
         assert_eq!(grid.len(), 6, "{grid:?}");
         assert!(!grid.whole[0] && grid.whole[1..5].iter().all(|&whole| whole));
+        assert_eq!(grid.within[..5], [true, false, false, false, false]);
+    }
+
+    #[test]
+    fn what_spins_is_looked_at_within_frames_too() {
+        let frame = 1.0 / 30.0;
+        let rate = Rate {
+            samples: 60.0,
+            frame,
+        };
+        let spins = Mark {
+            spin: 90.0,
+            swing: 90.0,
+            ..Mark::at(frame)
+        };
+        let marks = [Mark::at(0.0), spins, Mark::at(2.0 * frame)];
+        let grid = Grid::through(&marks, 0.0, Some(rate));
+        // 90 degrees in pieces of six, and all of them lie within a frame.
+        assert_eq!(grid.len(), 2 + 15);
+        assert!(grid.within[..16].iter().all(|&within| within));
     }
 
     #[test]

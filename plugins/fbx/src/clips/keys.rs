@@ -2,6 +2,7 @@
 
 use crate::error::FbxError;
 use crate::options::Budget;
+use std::collections::BTreeSet;
 use ufbx::{AnimStack, ElementType, Interpolation, Scene};
 
 /// Names of properties that move a node.
@@ -54,13 +55,15 @@ impl Mark {
     }
 }
 
-/// Keys of everything that moves nodes or morph targets, each time once, growing.
+/// Keys of everything that moves nodes or morph targets, each time once, growing; and the nodes of
+/// which an angle changes much from one key to the next.
 pub(super) fn keys(
     scene: &Scene,
     stack: &AnimStack,
     budget: &Budget,
-) -> Result<Vec<Mark>, FbxError> {
+) -> Result<(Vec<Mark>, BTreeSet<usize>), FbxError> {
     let mut all: Vec<Mark> = Vec::new();
+    let mut spinning = BTreeSet::new();
     for layer in &stack.layers {
         budget.in_time("clips")?;
         for prop in layer.anim_props.iter() {
@@ -88,7 +91,9 @@ pub(super) fn keys(
                     .enumerate()
                     .filter(|(other, _)| *other != number);
                 let others: Vec<&[ufbx::Keyframe]> = others.map(|(_, keys)| *keys).collect();
-                merge(&mut all, keys, turns.then_some(&others));
+                if merge(&mut all, keys, turns.then_some(&others)) >= SPIN {
+                    spinning.insert(prop.element.typed_id as usize);
+                }
             }
         }
     }
@@ -105,12 +110,17 @@ pub(super) fn keys(
             }
         }
     }
-    Ok(all)
+    Ok((all, spinning))
 }
 
 /// Curves of a bake have the same times: then this is one walk along both. `others` are the two other
-/// angles of a rotation.
-fn merge(all: &mut Vec<Mark>, keys: &[ufbx::Keyframe], others: Option<&Vec<&[ufbx::Keyframe]>>) {
+/// angles of a rotation. Gives the largest [`Mark::spin`].
+fn merge(
+    all: &mut Vec<Mark>,
+    keys: &[ufbx::Keyframe],
+    others: Option<&Vec<&[ufbx::Keyframe]>>,
+) -> f64 {
+    let mut most = 0.0_f64;
     let change = |keys: &[ufbx::Keyframe], i: usize| match (keys.get(i), keys.get(i + 1)) {
         (Some(key), Some(next)) => (next.value - key.value).abs(),
         _ => 0.0,
@@ -138,6 +148,7 @@ fn merge(all: &mut Vec<Mark>, keys: &[ufbx::Keyframe], others: Option<&Vec<&[ufb
                 _ => 0.0,
             },
         };
+        most = most.max(mark.spin);
         while at < all.len() && all[at].time < mark.time {
             at += 1;
         }
@@ -155,4 +166,5 @@ fn merge(all: &mut Vec<Mark>, keys: &[ufbx::Keyframe], others: Option<&Vec<&[ufb
         all.append(&mut new);
         all.sort_by(|a, b| a.time.total_cmp(&b.time));
     }
+    most
 }

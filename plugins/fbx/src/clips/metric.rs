@@ -90,19 +90,40 @@ impl Shells {
     pub(crate) fn distance(&self, a: &[DAffine3], b: &[DAffine3], moving: &[bool]) -> f64 {
         let mut farthest = 0.0_f64;
         for node in (0..a.len()).filter(|&node| moving[node]) {
-            let (m, n) = (&a[node], &b[node]);
-            let shift = n.translation - m.translation;
-            for axis in 0..3 {
-                let (c, d) = (m.matrix3.col(axis), n.matrix3.col(axis));
-                let shell = self.vertices[node].max(SHELL / c.length().max(1e-9));
-                let swing = (d - c) * shell;
-                let far = (shift + swing)
-                    .length_squared()
-                    .max((shift - swing).length_squared());
-                farthest = farthest.max(far);
-            }
+            farthest = farthest.max(self.apart(node, &a[node], &b[node]));
         }
         farthest.sqrt()
+    }
+
+    /// The squared distance of two places of one node, `m` being where it belongs.
+    pub(crate) fn apart(&self, node: usize, m: &DAffine3, n: &DAffine3) -> f64 {
+        let shift = n.translation - m.translation;
+        let mut farthest = 0.0_f64;
+        for axis in 0..3 {
+            let (c, d) = (m.matrix3.col(axis), n.matrix3.col(axis));
+            let shell = self.vertices[node].max(SHELL / c.length().max(1e-9));
+            let swing = (d - c) * shell;
+            let far = (shift + swing)
+                .length_squared()
+                .max((shift - swing).length_squared());
+            farthest = farthest.max(far);
+        }
+        farthest
+    }
+
+    /// The shell around a node that stands at `world`, metres.
+    pub(crate) fn radius(&self, node: usize, world: &DAffine3) -> f64 {
+        (self.vertices[node] * stretch(world)).max(SHELL)
+    }
+
+    /// All nodes, parents before children.
+    pub(crate) fn in_order(&self) -> &[usize] {
+        &self.order
+    }
+
+    /// The node that a node hangs on.
+    pub(crate) fn parent(&self, node: usize) -> Option<usize> {
+        self.parents[node]
     }
 
     /// Which nodes move when those in `nodes` do: they and all below them.

@@ -10,7 +10,9 @@ mod play;
 mod reduce;
 mod refine;
 mod sample;
+mod spend;
 mod value;
+mod work;
 
 pub(crate) use metric::{Shells, order};
 pub(crate) use play::{Player, play};

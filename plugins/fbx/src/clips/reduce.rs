@@ -1,15 +1,17 @@
 //! From samples to keys that keep to a bound.
 
-use super::choose::{Choice, Kinds, Sampled, rotation, vector, weights};
+use super::choose::{Choice, Kinds};
+use super::grid::Grid;
 use super::metric::{Leverage, Shells};
-use super::parts::{in_parts, threads};
-use super::play::{Player, Pose, play};
+use super::play::Pose;
+use super::refine::KNOWN_TO;
 use super::sample::Samples;
+use super::spend::spend;
+use super::work::Work;
 use crate::error::FbxError;
-use crate::model::{Channel, Clip, Interpolation, Model, Property};
-use crate::options::{Budget, Options};
+use crate::model::{Clip, Interpolation, Model};
+use crate::options::{Budget, Effort, Options};
 use crate::report::ClipReport;
-use glam::{DAffine3, DQuat, DVec3};
 use std::collections::BTreeSet;
 
 /// Tries at a share of the bound for each joint. Errors of joints along a chain add up, and by how
@@ -22,8 +24,8 @@ const FIRST_SHARE: f64 = 0.4;
 /// An error above this share of the bound is near enough to it: twice the error is one key in five less.
 const ENOUGH: f64 = 0.3;
 
-/// The share of the bound that keys get. What lies between samples is known to the rest of it.
-const FOR_KEYS: f64 = 0.8;
+/// The share of the bound that keys get where nothing that counts lies between samples; f32 gets the rest.
+const ON_SAMPLES: f64 = 0.98;
 
 /// Poses that the leverage of joints is taken over.
 const LEVER_POSES: usize = 8;
@@ -47,7 +49,7 @@ pub(crate) fn reduce(
     budget: &Budget,
 ) -> Result<Reduced, FbxError> {
     let work = Work::new(samples, model, shells, leverage, options);
-    let bound = FOR_KEYS * bound;
+    let bound = for_keys(&samples.grid) * bound;
     let mut best: Option<(usize, f64, Vec<Choice>)> = None;
     let mut share = FIRST_SHARE;
     let mut kinds = Vec::new();
@@ -76,6 +78,17 @@ pub(crate) fn reduce(
         None => {
             let choices = work.choose(0.0, &kinds, options);
             (work.error(&choices, options), choices)
+        }
+    };
+    let (error, choices) = match options.effort {
+        Effort::Quick => (error, choices),
+        Effort::Thorough => {
+            let spent = budget.search(|clock| spend(&work, &choices, bound, options, clock))?;
+            let spent = spent.map(|spent| (work.error(&spent, options), spent));
+            let better = spent.filter(|(error, spent)| {
+                *error <= bound && moving_bytes(spent) < moving_bytes(&choices)
+            });
+            better.unwrap_or((error, choices))
         }
     };
     let keys = choices
@@ -107,6 +120,15 @@ pub(crate) fn reduce(
     })
 }
 
+/// The share of the bound that keys get; what lies between samples is known to the rest of it.
+fn for_keys(grid: &Grid) -> f64 {
+    let mut gaps = 0..grid.len().saturating_sub(1);
+    match gaps.all(|gap| grid.within[gap] || grid.jumps[gap]) {
+        true => ON_SAMPLES,
+        false => 1.0 - KNOWN_TO,
+    }
+}
+
 /// Bytes of all channels; equal times are kept once.
 fn bytes_of(choices: &[Choice]) -> usize {
     let mut known = BTreeSet::new();
@@ -114,6 +136,13 @@ fn bytes_of(choices: &[Choice]) -> usize {
         .iter()
         .map(|choice| choice.channel.bytes(&mut known))
         .sum()
+}
+
+/// The same without those that never leave their rest, which need no keys where that is so in all clips.
+pub(super) fn moving_bytes(choices: &[Choice]) -> usize {
+    let mut known = BTreeSet::new();
+    let moving = choices.iter().filter(|choice| !choice.at_rest);
+    moving.map(|choice| choice.channel.bytes(&mut known)).sum()
 }
 
 /// The kind of keys that a try found smallest, for the tries after it.
@@ -141,238 +170,4 @@ pub(crate) fn leverage(samples: &Samples, model: &Model, shells: &Shells) -> Vec
         .chain([rest.clone()])
         .collect();
     shells.leverage(poses.iter())
-}
-
-struct Work<'a> {
-    samples: &'a Samples,
-    model: &'a Model,
-    shells: &'a Shells,
-    rest: Pose,
-    leverage: Vec<Leverage>,
-    moving: Vec<bool>,
-    columns: Vec<Columns>,
-    /// Matrices of the moving nodes at each sample, as the file has them.
-    truth: Vec<DAffine3>,
-    moved: Vec<usize>,
-    /// Times of samples as f32 has them.
-    times: Vec<f64>,
-    /// Samples on the file's own keys.
-    common: Vec<usize>,
-}
-
-/// A track's properties apart.
-struct Columns {
-    translations: Vec<DVec3>,
-    rotations: Vec<DQuat>,
-    scales: Vec<DVec3>,
-}
-
-impl<'a> Work<'a> {
-    fn new(
-        samples: &'a Samples,
-        model: &'a Model,
-        shells: &'a Shells,
-        leverage: Vec<Leverage>,
-        options: &Options,
-    ) -> Self {
-        let rest: Pose = model.nodes.iter().map(|node| node.rest).collect();
-        let moving = shells.moved_by(samples.tracks.iter().map(|track| track.node));
-        let moved: Vec<usize> = (0..moving.len()).filter(|&node| moving[node]).collect();
-        let mut work = Self {
-            samples,
-            model,
-            shells,
-            leverage,
-            rest,
-            moving,
-            columns: samples
-                .tracks
-                .iter()
-                .map(|track| columns(&track.poses))
-                .collect(),
-            truth: Vec::new(),
-            common: samples
-                .stops
-                .iter()
-                .copied()
-                .filter(|&stop| samples.grid.keys[stop])
-                .collect(),
-            moved,
-            times: samples
-                .grid
-                .labels
-                .iter()
-                .map(|&label| f64::from(label))
-                .collect(),
-        };
-        work.truth = work.worlds(options);
-        work
-    }
-
-    fn worlds(&self, options: &Options) -> Vec<DAffine3> {
-        let count = self.samples.grid.len();
-        let parts = in_parts(count, self.threads(options), |range| {
-            let (mut pose, mut world) = (self.rest.clone(), Vec::new());
-            let mut out = Vec::with_capacity(range.len() * self.moved.len());
-            for i in range {
-                for track in &self.samples.tracks {
-                    pose[track.node] = track.poses[i];
-                }
-                self.shells.world(&pose, &mut world);
-                out.extend(self.moved.iter().map(|&node| world[node]));
-            }
-            out
-        });
-        parts.into_iter().flatten().collect()
-    }
-
-    fn threads(&self, options: &Options) -> usize {
-        threads(self.samples.grid.len() * self.samples.tracks.len(), options)
-    }
-
-    /// Keys that let each joint by itself do `error` metres wrong.
-    fn choose(&self, error: f64, kinds: &[Kinds], options: &Options) -> Vec<Choice> {
-        let tracks = self.samples.tracks.len();
-        let parts = in_parts(tracks, self.threads(options), |range| {
-            range
-                .flat_map(|index| self.choose_track(index, error, kinds))
-                .collect::<Vec<_>>()
-        });
-        let mut choices: Vec<Choice> = parts.into_iter().flatten().collect();
-        for morph in &self.samples.morphs {
-            choices.extend(self.choose_morph(morph, error));
-        }
-        choices
-    }
-
-    fn choose_track(&self, index: usize, error: f64, kinds: &[Kinds]) -> [Choice; 3] {
-        let (track, columns) = (&self.samples.tracks[index], &self.columns[index]);
-        let lever = self.leverage[track.node];
-        let rest = self.rest[track.node];
-        let sampled = |property: usize| {
-            self.sampled(
-                track.node,
-                kinds.get(index * 3 + property).copied().unwrap_or_default(),
-            )
-        };
-        [
-            vector(
-                &sampled(0),
-                Property::Translation,
-                &columns.translations,
-                rest.translation,
-                error / lever.translation,
-            ),
-            rotation(
-                &sampled(1),
-                &columns.rotations,
-                rest.rotation,
-                error / lever.rotation,
-            ),
-            vector(
-                &sampled(2),
-                Property::Scale,
-                &columns.scales,
-                rest.scale,
-                error / lever.scale,
-            ),
-        ]
-    }
-
-    fn choose_morph(&self, morph: &super::sample::MorphTrack, error: f64) -> Vec<Choice> {
-        let values: Vec<Vec<f64>> = morph
-            .weights
-            .chunks(morph.targets)
-            .map(<[f64]>::to_vec)
-            .collect();
-        let targets = &self.model.meshes[morph.mesh].targets;
-        let rest: Vec<f64> = targets.iter().map(|target| target.rest).collect();
-        morph
-            .nodes
-            .iter()
-            .map(|&node| {
-                // A skinned mesh may be scaled by its joints; they are as large as their shells say.
-                let scale = self.leverage[node].translation.max(1.0);
-                let reach: Vec<f64> = targets.iter().map(|target| target.reach * scale).collect();
-                weights(
-                    &self.sampled(node, Kinds::Any),
-                    &values,
-                    &rest,
-                    &reach,
-                    error,
-                )
-            })
-            .collect()
-    }
-
-    fn sampled(&self, node: usize, kinds: Kinds) -> Sampled<'_> {
-        Sampled {
-            node,
-            times: &self.times,
-            jumps: &self.samples.grid.jumps,
-            stops: &self.samples.stops,
-            common: &self.common,
-            kinds,
-        }
-    }
-
-    /// The largest distance of the played keys from the samples, metres: of joints, and of morph
-    /// targets.
-    fn error(&self, choices: &[Choice], options: &Options) -> f64 {
-        let channels: Vec<&Channel> = choices.iter().map(|choice| &choice.channel).collect();
-        let parts = in_parts(self.samples.grid.len(), self.threads(options), |range| {
-            let mut players: Vec<Player> = channels
-                .iter()
-                .map(|channel| Player::new(channel))
-                .collect();
-            let (mut pose, mut world) = (self.rest.clone(), Vec::new());
-            let mut truth = vec![DAffine3::IDENTITY; self.rest.len()];
-            let mut farthest = 0.0_f64;
-            for i in range {
-                let time = f64::from(self.samples.grid.labels[i]);
-                let mut morphed = 0.0_f64;
-                play(&mut players, time, &mut pose, |node, weights| {
-                    morphed = morphed.max(self.morph_error(node, i, weights));
-                });
-                self.shells.world(&pose, &mut world);
-                for (slot, &node) in self.moved.iter().enumerate() {
-                    truth[node] = self.truth[i * self.moved.len() + slot];
-                }
-                farthest =
-                    farthest.max(self.shells.distance(&truth, &world, &self.moving) + morphed);
-            }
-            farthest
-        });
-        parts.into_iter().fold(0.0, f64::max)
-    }
-
-    fn morph_error(&self, node: usize, sample: usize, weights: &[f64]) -> f64 {
-        let Some(morph) = self
-            .samples
-            .morphs
-            .iter()
-            .find(|morph| morph.nodes.contains(&node))
-        else {
-            return 0.0;
-        };
-        let truth = &morph.weights[sample * morph.targets..(sample + 1) * morph.targets];
-        let targets = &self.model.meshes[morph.mesh].targets;
-        let each = truth.iter().zip(weights).zip(targets);
-        each.map(|((a, b), target)| (a - b).abs() * target.reach)
-            .sum()
-    }
-}
-
-fn columns(poses: &[crate::model::Trs]) -> Columns {
-    let mut rotations: Vec<DQuat> = poses.iter().map(|pose| pose.rotation).collect();
-    for i in 1..rotations.len() {
-        if rotations[i].dot(rotations[i - 1]) < 0.0 {
-            rotations[i] = -rotations[i];
-        }
-    }
-    Columns {
-        translations: poses.iter().map(|pose| pose.translation).collect(),
-        rotations,
-        scales: poses.iter().map(|pose| pose.scale).collect(),
-    }
 }

@@ -7,7 +7,7 @@
 
 use super::grid::Grid;
 use super::metric::Leverage;
-use super::sample::{Samples, evaluate, morph_weights};
+use super::sample::{Samples, between, evaluate, morph_weights};
 use super::value::{Value, angle};
 use crate::error::FbxError;
 use crate::model::{Model, Trs};
@@ -16,12 +16,10 @@ use crate::read::ShapeKey;
 use glam::{DQuat, DVec3};
 use ufbx::SceneRoot;
 
-/// A middle that is nearer to the straight line than this share of the bound is not looked at.
-const STRAIGHT: f64 = 0.2;
-
-/// A middle that is nearer to where it was foretold than this share of the bound ends the search: the
-/// next would be sixteen times nearer.
-const FORETOLD: f64 = 0.2;
+/// How near what lies between samples is known, as a share of the bound: a middle that is nearer than this
+/// to the straight line is not looked at, and one that is nearer to where it was foretold ends
+/// the search, for the next would be sixteen times nearer.
+pub(super) const KNOWN_TO: f64 = 0.2;
 
 /// Halvings of the time between two samples at most.
 const ROUNDS: usize = 5;
@@ -43,6 +41,7 @@ pub(crate) fn refine(
     leverage: &[Leverage],
     bound: f64,
 ) -> Result<(), FbxError> {
+    let near = KNOWN_TO * bound;
     // Gaps that are still asked about.
     let mut open = vec![true; samples.grid.len().saturating_sub(1)];
     for _ in 0..ROUNDS {
@@ -51,12 +50,12 @@ pub(crate) fn refine(
         let middles: Vec<Middle> = (0..open.len())
             .filter(|&gap| open[gap] && !grid.jumps[gap])
             .filter_map(|gap| Middle::of(grid, gap))
-            .filter(|middle| is_bent(samples, middle, source.model, leverage, STRAIGHT * bound))
+            .filter(|middle| is_bent(samples, middle, source.model, leverage, near))
             .collect();
         if middles.is_empty() || grid.len() + middles.len() > samples.most {
             break;
         }
-        open = add(samples, source, &middles, leverage, FORETOLD * bound)?;
+        open = add(samples, source, &middles, leverage, near)?;
     }
     foretell(samples);
     Ok(())
@@ -118,9 +117,11 @@ fn weave_grid(samples: &mut Samples, middles: &[Middle]) -> Vec<Option<usize>> {
         if let Some(whole) = samples.grid.whole.last_mut() {
             *whole = old.whole[sample];
         }
+        samples.grid.set_within(old.within[sample]);
         match middles.get(next).filter(|middle| middle.gap == sample) {
             Some(middle) => {
                 samples.grid.push(middle.time, middle.label, false, false);
+                samples.grid.set_within(old.within[sample]);
                 from.extend([Some(next), Some(next)]);
                 next += 1;
             }
@@ -241,7 +242,7 @@ fn add(
 ) -> Result<Vec<bool>, FbxError> {
     let times: Vec<f64> = middles.iter().map(|middle| middle.time).collect();
     let nodes: Vec<usize> = samples.tracks.iter().map(|track| track.node).collect();
-    let looked = evaluate(
+    let mut looked = evaluate(
         source.scene,
         source.stack,
         &nodes,
@@ -250,11 +251,17 @@ fn add(
         source.budget,
     )?;
     let mut missed = vec![false; middles.len()];
-    for (track, poses) in samples.tracks.iter_mut().zip(looked) {
-        for ((middle, pose), missed) in middles.iter().zip(&poses).zip(&mut missed) {
+    for (track, poses) in samples.tracks.iter_mut().zip(&mut looked) {
+        if !track.spins {
+            let within = |(middle, _): &(&Middle, &mut Trs)| samples.grid.within[middle.gap];
+            for (middle, pose) in middles.iter().zip(poses.iter_mut()).filter(within) {
+                *pose = between(&track.poses[middle.gap], &track.poses[middle.gap + 1], 0.5);
+            }
+        }
+        for ((middle, pose), missed) in middles.iter().zip(poses.iter()).zip(&mut missed) {
             *missed |= apart(&middle.pose(&track.poses), pose, &leverage[track.node]) > near;
         }
-        track.poses = woven(&track.poses, middles, poses, 1);
+        track.poses = woven(&track.poses, middles, std::mem::take(poses), 1);
     }
     for morph in &mut samples.morphs {
         let stack = &source.scene.anim_stacks[source.stack];

@@ -3,18 +3,53 @@
 use super::grid::Grid;
 use super::keys::{BLENDS, MOVES};
 use super::parts::{in_parts, threads};
+use super::value::Value;
 use crate::error::FbxError;
 use crate::model::{Model, Trs};
 use crate::options::{Budget, Options};
 use crate::read::convert::trs;
 use crate::read::shapes::{shape_weights, stops};
 use crate::read::{ShapeKey, rest_of};
+use glam::DQuat;
 use ufbx::{AnimStack, ElementType, SceneRoot};
 
 /// A node that moves, and where it is at each time.
 pub(crate) struct Track {
     pub(crate) node: usize,
+    /// One of its angles changes much between two keys, so that it counts what it does there however
+    /// near these are.
+    pub(crate) spins: bool,
     pub(crate) poses: Vec<Trs>,
+}
+
+impl Track {
+    /// Puts what lies within frames onto the straight way from key to key, unless the node spins.
+    fn straighten(&mut self, grid: &Grid) {
+        if self.spins {
+            return;
+        }
+        let mut from = 0;
+        for to in 1..grid.len() {
+            if grid.within[to - 1] && !grid.keys[to] {
+                continue;
+            }
+            let length = grid.times[to] - grid.times[from];
+            for i in from + 1..to {
+                let share = (grid.times[i] - grid.times[from]) / length;
+                self.poses[i] = between(&self.poses[from], &self.poses[to], share);
+            }
+            from = to;
+        }
+    }
+}
+
+/// A pose on the straight way from one to another.
+pub(super) fn between(a: &Trs, b: &Trs, share: f64) -> Trs {
+    Trs {
+        translation: a.translation.lerp(b.translation, share),
+        rotation: DQuat::on_line(&DQuat::line(&a.rotation, &b.rotation), share),
+        scale: a.scale.lerp(b.scale, share),
+    }
 }
 
 /// Morph targets that move, and their weights at each time, all targets of a time together.
@@ -59,13 +94,18 @@ pub(crate) fn sample(
     // A pose is 80 bytes here and about four times that while keys are chosen.
     let columns = moving.len() * 5 + meshes.iter().map(|&m| shapes[m].len()).sum::<usize>();
     let most = budget.limits.memory / 4 / (columns.max(1) * 64);
-    let (begin, grid) = Grid::of_stack(scene, source, options, most, budget)?;
+    let (begin, grid, spinning) = Grid::of_stack(scene, source, options, most, budget)?;
 
     let poses = evaluate(scene, stack, &moving, &grid.times, options, budget)?;
     let tracks = moving
         .iter()
         .zip(poses)
-        .map(|(&node, poses)| Track { node, poses })
+        .map(|(&node, poses)| {
+            let spins = spinning.contains(&node);
+            let mut track = Track { node, spins, poses };
+            track.straighten(&grid);
+            track
+        })
         .collect();
     let morphs = meshes
         .iter()
@@ -189,4 +229,41 @@ pub(crate) fn morph_weights(
         at += stops.len().max(1);
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn what_lies_within_frames_is_straight_unless_the_node_spins() {
+        let mut grid = Grid::default();
+        for i in 0..6 {
+            // Keys at 0, 2, 3 and 5; the time from 3 to 5 is no frame.
+            grid.push(f64::from(i), i as f32, false, [0, 2, 3, 5].contains(&i));
+            grid.set_within(i < 3);
+        }
+        let at = |x: f64| Trs {
+            translation: DVec3::X * x,
+            ..Trs::IDENTITY
+        };
+        let wild = [0.0, 9.0, 4.0, 6.0, -7.0, 8.0];
+        let straightened = |spins| {
+            let poses = wild.map(at).to_vec();
+            let mut track = Track {
+                node: 0,
+                spins,
+                poses,
+            };
+            track.straighten(&grid);
+            track
+                .poses
+                .iter()
+                .map(|pose| pose.translation.x)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(straightened(true), wild);
+        assert_eq!(straightened(false), [0.0, 2.0, 4.0, 6.0, -7.0, 8.0]);
+    }
 }
