@@ -42,7 +42,7 @@ impl Default for Options {
             triangles: 1_000_000,
             frames: 1000,
             cameras: 200,
-            error: 4.0,
+            error: 8.0,
             parts: Vec::new(),
             folder: None,
             out: None,

@@ -3,7 +3,7 @@
 use super::camera::Camera;
 use super::measure::{Measured, measure};
 use super::places::Places;
-use super::rival::{MOST_TRIANGLES, Rival};
+use super::rival::Rival;
 use super::truth::Truth;
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -35,7 +35,7 @@ pub enum TuneError {
     NothingSeen,
     /// Too much to draw.
     #[error(
-        "at {knob} it draws more than {MOST_TRIANGLES} triangles and errs by {last_error} pixels before"
+        "at {knob} it draws more triangles than are kept and errs by {last_error} pixels before"
     )]
     TooMany {
         /// Where the knob stood.
