@@ -41,7 +41,7 @@ impl Default for Options {
             repeats: 9,
             triangles: 1_000_000,
             frames: 1000,
-            cameras: 200,
+            cameras: 100,
             error: 8.0,
             parts: Vec::new(),
             folder: None,
