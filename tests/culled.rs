@@ -21,6 +21,7 @@ use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, Ter
 use dolomite::tessellation::TerrainView;
 use dolomite::tessellation::detail::{Detail, Metric};
 use dolomite::tessellation::render::stage::StageStats;
+use dolomite::tessellation::stage::StageCamera;
 
 /// Steep ground, as many slopes away from the eye as towards it.
 fn ground() -> Terrain {
@@ -151,4 +152,24 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
             assert!(shades.len() > 50, "{name}: {} colours", shades.len());
         }
     }
+    // Edges alone hide nothing.
+    let edges = StageCamera {
+        fill: false,
+        lines: true,
+        ..StageCamera::default()
+    };
+    let mut found = Vec::new();
+    for occluded in [false, true] {
+        let detail = Detail {
+            metric: Metric::ErrorBound { pixels: 4.0 },
+            finest: 0.5,
+            occluded,
+            ..Detail::default()
+        };
+        app.world_mut()
+            .entity_mut(camera)
+            .insert((level, wide(60.0), detail, edges.clone()));
+        found.push(at_rest(&mut app, &target));
+    }
+    assert!(found[0] == found[1], "edges behind ridges were lost");
 }

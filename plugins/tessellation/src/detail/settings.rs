@@ -130,7 +130,7 @@ pub struct Detail {
     /// picture is the same without; it is there to be compared with.
     pub culled: bool,
     /// Leaves out the triangles that nearer ground hides, with those that `culled` leaves out; nothing without
-    /// it. The picture is the same without.
+    /// it, and nothing where a camera does not fill triangles. The picture is the same without.
     pub occluded: bool,
 }
 

@@ -74,6 +74,8 @@ pub(super) struct DetailState {
     pub groups: Option<DetailGroups>,
     /// What was left out of the picture, and whether it was kept for shadows.
     pub(super) culled: Option<(Picture, bool)>,
+    /// Whether ground hides what is behind it: its edges alone do not.
+    pub(super) solid: bool,
     /// Whether the newest choice looks for what nearer ground hides.
     pub(super) occluded: bool,
     pub depth: u32,
@@ -172,6 +174,7 @@ impl DetailState {
             written: None,
             groups: None,
             culled: None,
+            solid: true,
             occluded: false,
         }
     }
@@ -220,7 +223,8 @@ impl DetailState {
 
     /// How the view looks at its horizon, where it does.
     pub(super) fn horizon(&self, view: &DetailView, anchor_height: f32) -> Option<HorizonView> {
-        let (picture, _) = self.culled.as_ref().filter(|_| self.detail.occluded)?;
+        let wanted = self.detail.occluded && self.solid;
+        let (picture, _) = self.culled.as_ref().filter(|_| wanted)?;
         HorizonView::new(&self.ground, view, picture, anchor_height)
     }
 
@@ -297,8 +301,10 @@ pub fn prepare<K: DetailKind>(
         let culled = detail
             .culled
             .then(|| (picture(view, state, kind.traits), shadowed));
-        if own.culled != culled {
+        let [solid, _] = state.shown;
+        if own.culled != culled || own.solid != solid {
             own.culled = culled;
+            own.solid = solid;
             state.settled = false;
         }
         if ground.on_host {
