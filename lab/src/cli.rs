@@ -51,8 +51,8 @@ pub struct Arguments {
         value_parser = camera_count
     )]
     pub cameras: usize,
-    /// Least error that the methods of `lod` are tuned to, pixels, from 1 to 16; each half of it takes
-    /// about twice as long, and at 1 hours
+    /// Least error that the methods of `lod` are tuned to, pixels, from 1 to 16; 8 takes minutes, 1 half an
+    /// hour and more a view
     #[arg(long, default_value_t = Options::default().error, value_parser = wanted_error)]
     pub error: f64,
     /// Of `lod` alone: run this part of it; may be given more than once [default: all parts]

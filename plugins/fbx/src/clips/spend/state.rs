@@ -108,9 +108,9 @@ impl<'a> State<'a> {
         in_order.filter(|&node| self.slots[node].is_some())
     }
 
-    /// The number of a node among those that move.
+    /// The number of a node among those that move: one that has a track, or hangs on such a one.
     pub(super) fn slot(&self, node: usize) -> usize {
-        self.slots[node].expect("nodes here move")
+        self.slots[node].expect("what is below a track moves")
     }
 
     /// The number of a node's parent, where that moves.
@@ -187,7 +187,7 @@ impl<'a> State<'a> {
             let row = i * width;
             let first = trial.world.len();
             for (&node, parent) in below.nodes.iter().zip(&below.parents) {
-                let slot = self.slots[node].expect("what is below a track moves");
+                let slot = self.slot(node);
                 let mut own = match self.tracks[node] {
                     Some(track) => self.local[track * count + i],
                     None => self.work.rest[node],
@@ -235,7 +235,7 @@ impl<'a> State<'a> {
         let trial = &self.trial;
         for (at, &world) in trial.world.iter().enumerate() {
             let (i, node) = (trial.from + at / nodes.len(), nodes[at % nodes.len()]);
-            let slot = self.slots[node].expect("what is below a track moves");
+            let slot = self.slot(node);
             self.world[i * width + slot] = world;
             self.far[i * width + slot] = trial.far[at];
             if let Some(track) = self.tracks[node] {
