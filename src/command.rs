@@ -85,9 +85,10 @@ pub struct SceneArgs {
     /// What the rule aims at: length of an edge, or error [default: --pixels-per-edge].
     #[arg(long, value_name = "PIXELS", help_heading = "Classic scene")]
     tau: Option<f32>,
-    /// Leave out patches outside of the frustum.
+    /// Tessellate patches outside of the frustum too, as the scene's definition has it; the picture is the
+    /// same.
     #[arg(long, help_heading = "Classic scene")]
-    cull: bool,
+    no_cull: bool,
     /// Height map: metres between samples.
     #[arg(
         long,
@@ -216,7 +217,7 @@ impl SceneArgs {
             mode: self.mode,
             metric: self.metric,
             tau: self.tau,
-            cull: self.cull,
+            no_cull: self.no_cull,
         };
         setup.methods.check(&setup.scene)?;
         setup.switches.lines = self.lines;

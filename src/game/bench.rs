@@ -319,7 +319,7 @@ fn summed(
         path: path.name().to_owned(),
         mode: methods.mode.name(),
         metric: methods.metric.name(),
-        cull: methods.cull,
+        cull: methods.settings().culls(),
         size: size.to_array(),
         device,
         build: if cfg!(debug_assertions) {

@@ -92,8 +92,8 @@ pub struct Methods {
     pub metric: Metric,
     /// What the rule aims at, pixels: the length of an edge, or the error; `None`: its default.
     pub tau: Option<f32>,
-    /// Leaves out patches outside of the frustum.
-    pub cull: bool,
+    /// Tessellates patches outside of the frustum too.
+    pub no_cull: bool,
 }
 
 /// Why a way to make triangles was refused.
@@ -101,7 +101,7 @@ pub struct Methods {
 pub enum MethodError {
     /// Another scene.
     #[error(
-        "scene `{0}`: --mode, --metric, --tau, --cull and --matrix are for `--scene {classic}`",
+        "scene `{0}`: --mode, --metric, --tau, --no-cull and --matrix are for `--scene {classic}`",
         classic = scenes::CLASSIC
     )]
     OtherScene(String),
@@ -154,7 +154,7 @@ impl Methods {
         ClassicSettings {
             levels,
             host: matches!(self.mode, Mode::Cpu | Mode::StaticCpu),
-            cull: self.cull,
+            cull: !self.no_cull,
         }
     }
 

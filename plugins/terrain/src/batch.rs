@@ -219,11 +219,15 @@ impl Terrain {
         let count = out.value.len();
         let mut scratch = vec![0.0; 3 * count];
         for (source, mask) in self.prepared() {
+            let mask = MaskStep::new(mask);
+            // A source that counts nowhere here is not evaluated.
+            if out.value.iter().all(|&below| mask.hides(below)) {
+                continue;
+            }
             let (value, rest) = scratch.split_at_mut(count);
             let (dx, dz) = rest.split_at_mut(count);
             let mut added = Planes { value, dx, dz };
             fill(source, &mut added);
-            let mask = MaskStep::new(mask);
             for index in 0..count {
                 out.set(index, mask.apply(out.get(index), added.get(index)));
             }

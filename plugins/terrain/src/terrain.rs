@@ -296,6 +296,12 @@ impl MaskStep {
         )
     }
 
+    /// Whether what is added at this height counts nothing: t ≤ 0.
+    #[inline]
+    pub(crate) fn hides(self, below: f32) -> bool {
+        self.scale != 0.0 && (below - self.low) * self.scale <= 0.0
+    }
+
     /// height += s(t)·added; gradient by the product and chain rules.
     #[inline]
     pub(crate) fn apply(self, below: Height, added: Height) -> Height {

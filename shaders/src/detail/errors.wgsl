@@ -1,7 +1,7 @@
 #define_import_path dolomite::detail::errors
 
-// Error bounds of a cell from its samples: the twin of Cell::new in
-// plugins/tessellation/src/detail/cell.rs, where they are derived.
+// How far the meshes of a cell are from its samples: the twin of plugins/tessellation/src/detail/errors.rs;
+// what comes of it is derived in cell.rs.
 
 // Steps between samples along a side, samples along it, the one in its middle, and samples of a cell.
 const STEPS: u32 = 8u;
@@ -78,4 +78,9 @@ fn off(square: Square, sample: vec2<f32>, u: f32, v: f32) -> Off {
     let along = select(select(dx, -dx, second), select(-dz, dz, second), upright);
     let quarter = on_quarter(square.middle, a, b, max(abs(dx), abs(dz)), along);
     return Off(halves, residual(sample - quarter), side);
+}
+
+// How far a sample lies from the middle between two others.
+fn second_difference(sample: vec2<f32>, a: vec2<f32>, b: vec2<f32>) -> f32 {
+    return residual(sample - 0.5 * (a + b));
 }

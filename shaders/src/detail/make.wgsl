@@ -3,7 +3,7 @@
 
 #import dolomite::detail::types::Cell
 #import dolomite::detail::bindings::{cells, counts, detail, detail_pass, links, MAKE, blocks_before, make_block}
-#import dolomite::detail::errors::{COUNT, MIDDLE, ROUNDING, SAMPLES, STEPS, Square, TAIL, off}
+#import dolomite::detail::errors::{COUNT, MIDDLE, ROUNDING, SAMPLES, STEPS, Square, TAIL, off, second_difference}
 #import dolomite::detail::lattice::{cell_half, cell_quarter, cell_sides, lattice_point}
 #import dolomite::detail::unseen::unseen
 #import dolomite::terrain::fixed::{Fixed, GroundPoint, fixed_add, fixed_negate, ground_point, ground_x, ground_z, mul_wide}
@@ -70,18 +70,29 @@ fn slot_of(i: u32, j: u32) -> u32 {
 }
 
 // Height of the drawn surface, and of the bed as far as it is seen.
-fn surface(cell: u32, i: u32, j: u32) -> vec2<f32> {
+fn drawn(cell: u32, i: u32, j: u32) -> vec2<f32> {
     let height = heights[cell * COUNT + j * SAMPLES + i];
     return vec2(max(height, detail.sea), clamp(height, detail.sea - detail.opaque_depth, detail.sea));
 }
 
-fn square_at(cell: u32, i: u32, j: u32, n: u32, outer: u32) -> Square {
+// The same in the cell's middle; 0 where it is not a number.
+fn middle_of(cell: u32) -> vec2<f32> {
+    let middle = drawn(cell, MIDDLE, MIDDLE);
+    return select(vec2(0.0), middle, abs(middle) < vec2(1e38));
+}
+
+// Relative to the middle: in a small cell heights differ by less than they are rounded by.
+fn surface(cell: u32, i: u32, j: u32, middle: vec2<f32>) -> vec2<f32> {
+    return drawn(cell, i, j) - middle;
+}
+
+fn square_at(cell: u32, i: u32, j: u32, n: u32, outer: u32, middle: vec2<f32>) -> Square {
     return Square(
-        surface(cell, i, j),
-        surface(cell, i + n, j),
-        surface(cell, i + n, j + n),
-        surface(cell, i, j + n),
-        surface(cell, i + n / 2u, j + n / 2u),
+        surface(cell, i, j, middle),
+        surface(cell, i + n, j, middle),
+        surface(cell, i + n, j + n, middle),
+        surface(cell, i, j + n, middle),
+        surface(cell, i + n / 2u, j + n / 2u, middle),
         outer,
     );
 }
@@ -97,13 +108,13 @@ fn diagonal(i: u32, j: u32) -> u32 {
 }
 
 // Errors of the cell as a whole: every eighth sample.
-fn whole(cell: u32, first: u32, outer: u32, before: Found) -> Found {
+fn whole(cell: u32, first: u32, outer: u32, middle: vec2<f32>, before: Found) -> Found {
     var here = before;
-    let square = square_at(cell, 0u, 0u, STEPS, outer);
+    let square = square_at(cell, 0u, 0u, STEPS, outer, middle);
     for (var k = first; k < COUNT; k += THREADS) {
         let i = k % SAMPLES;
         let j = k / SAMPLES;
-        let sample = surface(cell, i, j);
+        let sample = surface(cell, i, j, middle);
         here.low = select(here.low, sample.x, sample.x < here.low);
         here.high = greater(here.high, sample.x);
         let error = off(square, sample, f32(i) / f32(STEPS), f32(j) / f32(STEPS));
@@ -115,7 +126,7 @@ fn whole(cell: u32, first: u32, outer: u32, before: Found) -> Found {
 }
 
 // Of its quarters: every eighth row of samples.
-fn quarters(cell: u32, first: u32, before: Found) -> Found {
+fn quarters(cell: u32, first: u32, middle: vec2<f32>, before: Found) -> Found {
     const N: u32 = STEPS / 2u;
     var here = before;
     for (var k = first; k < 4u * (N + 1u); k += THREADS) {
@@ -123,30 +134,39 @@ fn quarters(cell: u32, first: u32, before: Found) -> Found {
         let row = k % (N + 1u);
         let i = number & 1u;
         let j = number >> 1u;
-        let square = square_at(cell, i * N, j * N, N, diagonal(i, j));
+        let square = square_at(cell, i * N, j * N, N, diagonal(i, j), middle);
         for (var x = 0u; x <= N; x++) {
-            let error = off(square, surface(cell, i * N + x, j * N + row), f32(x) / f32(N), f32(row) / f32(N));
+            let error = off(square, surface(cell, i * N + x, j * N + row, middle), f32(x) / f32(N), f32(row) / f32(N));
             here.finer = greater(here.finer, greater(error.halves, error.quarters));
         }
     }
     return here;
 }
 
-// Of their quarters: every eighth square.
-fn sixteenths(cell: u32, first: u32, before: Found) -> Found {
-    const N: u32 = STEPS / 4u;
+// Of their quarters: every eighth square. A sample that is no corner lies between two others.
+fn sixteenths(cell: u32, first: u32, middle: vec2<f32>, before: Found) -> Found {
     var here = before;
     for (var number = first; number < 16u; number += THREADS) {
         let i = number & 3u;
         let j = number >> 2u;
-        let square = square_at(cell, i * N, j * N, N, diagonal(i, j));
-        for (var k = 0u; k < (N + 1u) * (N + 1u); k++) {
-            let x = k % (N + 1u);
-            let z = k / (N + 1u);
-            let error = off(square, surface(cell, i * N + x, j * N + z), f32(x) / f32(N), f32(z) / f32(N));
-            here.finer = greater(here.finer, greater(error.halves, error.quarters));
-            here.finest = greater(here.finest, error.quarters);
-        }
+        let x = 2u * i;
+        let z = 2u * j;
+        let nw = surface(cell, x, z, middle);
+        let ne = surface(cell, x + 2u, z, middle);
+        let se = surface(cell, x + 2u, z + 2u, middle);
+        let sw = surface(cell, x, z + 2u, middle);
+        let upright = greater(
+            second_difference(surface(cell, x, z + 1u, middle), nw, sw),
+            second_difference(surface(cell, x + 2u, z + 1u, middle), ne, se),
+        );
+        let level = greater(
+            second_difference(surface(cell, x + 1u, z, middle), nw, ne),
+            second_difference(surface(cell, x + 1u, z + 2u, middle), sw, se),
+        );
+        let even = (diagonal(i, j) & 1u) == 0u;
+        let centre = second_difference(surface(cell, x + 1u, z + 1u, middle), select(sw, nw, even), select(ne, se, even));
+        here.finest = greater(here.finest, greater(upright, level));
+        here.finer = greater(here.finer, greater(here.finest, centre));
     }
     return here;
 }
@@ -167,9 +187,12 @@ fn made(cell: u32, centre: vec2<u32>, half: u32) -> Cell {
         all.high = max(all.high, other.high);
     }
     let sides = cell_sides(half);
+    let middle = middle_of(cell).x;
+    let low = middle + all.low;
+    let high = middle + all.high;
     let missed = TAIL * all.finest
         + unseen(lattice_point(centre), sides, max(sides.x, sides.y) / f32(STEPS))
-        + ROUNDING * max(abs(all.low), abs(all.high));
+        + ROUNDING * max(abs(low), abs(high));
     let quarters = max(all.quarters, vec4(all.finer)) + missed;
     let error = max(all.halves + missed, greatest(quarters));
     let first = 5u * cell;
@@ -177,7 +200,7 @@ fn made(cell: u32, centre: vec2<u32>, half: u32) -> Cell {
     let east = corners[first + 2u];
     let south = corners[first + 3u];
     return Cell(
-        vec4(corners[first + 4u], all.low - error),
+        vec4(corners[first + 4u], low - error),
         corners[first],
         north.x,
         north.yz,
@@ -186,7 +209,7 @@ fn made(cell: u32, centre: vec2<u32>, half: u32) -> Cell {
         south.x,
         south.yz,
         error,
-        all.high + error,
+        high + error,
         quarters.xy,
         quarters.zw,
         all.finer + missed,
@@ -219,9 +242,10 @@ fn make_cells(
         }
         workgroupBarrier();
         var here = Found(vec4(0.0), 0.0, 0.0, 0.0, 1e30, -1e30);
-        here = whole(cell, own, cell_quarter(centre, half), here);
-        here = quarters(cell, own, here);
-        found[thread] = sixteenths(cell, own, here);
+        let middle = middle_of(cell);
+        here = whole(cell, own, cell_quarter(centre, half), middle, here);
+        here = quarters(cell, own, middle, here);
+        found[thread] = sixteenths(cell, own, middle, here);
         workgroupBarrier();
         // Where there are few roots a block of them is not full.
         if own == 0u && centre.x != 0u {

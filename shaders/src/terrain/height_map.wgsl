@@ -19,27 +19,21 @@ fn cubic_slopes(t: f32) -> vec4<f32> {
     return vec4(2.0 * t - 1.5 * t2 - 0.5, 4.5 * t2 - 5.0 * t, 4.0 * t - 4.5 * t2 + 0.5, 1.5 * t2 - t);
 }
 
-fn map_height(layer: Layer, x: Fixed, z: Fixed) -> vec3<f32> {
-    let origin_x = Fixed(bitcast<u32>(layer.origin_cell.x), layer.origin_frac.x);
-    let origin_z = Fixed(bitcast<u32>(layer.origin_cell.y), layer.origin_frac.y);
-    let cx = coordinate(fixed_sub(x, origin_x), layer.mantissa.x, layer.shift.x);
-    let cz = coordinate(fixed_sub(z, origin_z), layer.mantissa.y, layer.shift.y);
-    // Two cells beyond a border all samples are the border's: no need to go further.
-    let i = clamp(bitcast<i32>(cx.whole), -4, i32(layer.size.x) + 4);
-    let j = clamp(bitcast<i32>(cz.whole), -4, i32(layer.size.y) + 4);
-    let fx = fraction(cx);
-    let fz = fraction(cz);
+// Between the samples (i, j) and (i + 1, j + 1); fx, fz from the first, 0 to 1.
+fn bilinear(layer: Layer, i: i32, j: i32, fx: f32, fz: f32) -> vec3<f32> {
     let middle = load_sample(layer, i, j);
-    if layer.kind == BILINEAR {
-        let east = load_sample(layer, i + 1, j) - middle;
-        let south = load_sample(layer, i, j + 1) - middle;
-        let far = load_sample(layer, i + 1, j + 1) - middle;
-        let twist = (far - south) - east;
-        return vec3(
-            middle + (fx * east + fz * (south + fx * twist)),
-            vec2(east + fz * twist, south + fx * twist) * layer.scale,
-        );
-    }
+    let east = load_sample(layer, i + 1, j) - middle;
+    let south = load_sample(layer, i, j + 1) - middle;
+    let far = load_sample(layer, i + 1, j + 1) - middle;
+    let twist = (far - south) - east;
+    return vec3(
+        middle + (fx * east + fz * (south + fx * twist)),
+        vec2(east + fz * twist, south + fx * twist) * layer.scale,
+    );
+}
+
+fn bicubic(layer: Layer, i: i32, j: i32, fx: f32, fz: f32) -> vec3<f32> {
+    let middle = load_sample(layer, i, j);
     let wx = cubic_weights(fx);
     let sx = cubic_slopes(fx);
     let wz = cubic_weights(fz);
@@ -58,4 +52,27 @@ fn map_height(layer: Layer, x: Fixed, z: Fixed) -> vec3<f32> {
         gradient += vec2(wz[dj] * dot(sx, row), sz[dj] * across);
     }
     return vec3(middle + value, gradient * layer.scale);
+}
+
+// Whoever knows that a terrain has no maps of one kind leaves it out, as in height.wgsl.
+fn map_height(layer: Layer, x: Fixed, z: Fixed) -> vec3<f32> {
+    let origin_x = Fixed(bitcast<u32>(layer.origin_cell.x), layer.origin_frac.x);
+    let origin_z = Fixed(bitcast<u32>(layer.origin_cell.y), layer.origin_frac.y);
+    let cx = coordinate(fixed_sub(x, origin_x), layer.mantissa.x, layer.shift.x);
+    let cz = coordinate(fixed_sub(z, origin_z), layer.mantissa.y, layer.shift.y);
+    // Two cells beyond a border all samples are the border's: no need to go further.
+    let i = clamp(bitcast<i32>(cx.whole), -4, i32(layer.size.x) + 4);
+    let j = clamp(bitcast<i32>(cz.whole), -4, i32(layer.size.y) + 4);
+    let fx = fraction(cx);
+    let fz = fraction(cz);
+#ifndef TERRAIN_WITHOUT_BILINEAR
+    if layer.kind == BILINEAR {
+        return bilinear(layer, i, j, fx, fz);
+    }
+#endif
+#ifdef TERRAIN_WITHOUT_BICUBIC
+    return vec3(0.0);
+#else
+    return bicubic(layer, i, j, fx, fz);
+#endif
 }

@@ -6,8 +6,9 @@
 //! rest of the ground, which is not drawn, is looked at as well: a place of it that is seen is a hole.
 //!
 //! An error in pixels is the same thing in a picture of any size: with a fourth of the pixels a
-//! tolerance asks for a fourth of the angle. Most pictures are small, so that more of them fit a run; one
-//! in `FULL` rounds is 1920 × 1080.
+//! tolerance asks for a fourth of the angle. Most pictures are small, so that more of them fit a run, and
+//! their triangles are all looked at; of a hundred rounds nine have pictures of 480 × 270, and one has
+//! 1920 × 1080 (`size_of`).
 
 use super::camera::{Camera, View};
 use super::cameras::{KINDS, Kind, around};
@@ -26,10 +27,6 @@ use std::sync::atomic::AtomicU64;
 pub const TAUS: [f64; 4] = [4.0, 2.0, 1.0, 0.5];
 /// Cameras at a place.
 pub const AT_A_PLACE: usize = 50;
-/// Of so many rounds of cameras, one has the full picture.
-const FULL: usize = 20;
-/// The others' pictures.
-const SMALL: UVec2 = UVec2::new(480, 270);
 /// Of this many places one is for ground that is not drawn.
 const UNDRAWN: usize = 16;
 
@@ -117,11 +114,7 @@ pub fn at_a_place(
     for (number, (kind, camera)) in around(terrain, cameras, seed).into_iter().enumerate() {
         let rounds = round * AT_A_PLACE / KINDS.len() + number / KINDS.len();
         let camera = Camera {
-            size: if rounds % FULL == FULL - 1 {
-                camera.size
-            } else {
-                SMALL
-            },
+            size: size_of(rounds),
             ..camera
         };
         for &tau in taus {
@@ -138,6 +131,15 @@ pub fn at_a_place(
         }
     }
     counts
+}
+
+/// Picture of a round of cameras.
+const fn size_of(round: usize) -> UVec2 {
+    match round % 100 {
+        99 => UVec2::new(1920, 1080),
+        k if k % 10 == 9 => UVec2::new(480, 270),
+        _ => UVec2::new(240, 135),
+    }
 }
 
 fn merge(all: &mut Vec<Count>, part: Vec<Count>) {

@@ -23,12 +23,11 @@ use bevy::tasks::{ComputeTaskPool, TaskPool};
 use bytemuck::{Pod, Zeroable};
 use dolomite_terrain::{GpuTerrainUniform, GroundPoint, GroundRect, Height, Planes, Terrain};
 
+use super::errors::{COUNT, MeshErrors, STEPS, mesh_errors};
 use super::lattice::{CellPlace, DetailLattice};
 
-/// Steps between samples along a side of a cell, a power of two of at least 4.
-const STEPS: usize = 8;
-/// Samples along a side of a cell.
-pub const SAMPLES: usize = STEPS + 1;
+pub use super::errors::SAMPLES;
+
 /// The sample in the middle of a row.
 const MIDDLE: usize = STEPS / 2;
 /// What may lie between samples, as a multiple of the finest second difference.
@@ -70,75 +69,12 @@ const fn place_of_sample(i: usize, j: usize) -> usize {
     j * SAMPLES + i
 }
 
-/// One sample: height of the drawn surface, and of the bed as far as it is seen.
-type Sample = Vec2;
-
-/// Largest errors of one mesh of a cell.
-#[derive(Clone, Copy, Debug, Default)]
-struct Errors {
-    /// Cut by the diagonal alone.
-    halves: f32,
-    /// Cut into four by the centre, each side.
-    quarters: [f32; 4],
-}
-
-fn residual(sample: Sample, drawn: Sample) -> f32 {
-    let off = (sample - drawn).abs();
-    off.x.max(BED_SHARE * off.y)
-}
-
-/// Errors of the square of `n` samples a side that begins at (i, j), its diagonal through corner `outer`.
-fn square_errors(samples: &[Sample], (i, j): (usize, usize), n: usize, outer: usize) -> Errors {
-    let at = |x: usize, z: usize| samples[place_of_sample(i + x, j + z)];
-    // Corners 0 to 3 as the lattice counts them.
-    let corners = [at(0, 0), at(n, 0), at(n, n), at(0, n)];
-    let middle = at(n / 2, n / 2);
-    let size = n as f32;
-    let mut errors = Errors::default();
-    for z in 0..=n {
-        for x in 0..=n {
-            let sample = at(x, z);
-            let (u, v) = (x as f32 / size, z as f32 / size);
-            let halves = if outer.is_multiple_of(2) {
-                // Diagonal from corner 0 to corner 2.
-                let (bend, first) = if u > v {
-                    (corners[1], u)
-                } else {
-                    (corners[3], v)
-                };
-                let second = if u > v { v } else { u };
-                corners[0] + (bend - corners[0]) * first + (corners[2] - bend) * second
-            } else {
-                // From corner 1 to corner 3, by corner 0 or corner 2.
-                let bend = if u + v < 1.0 { corners[0] } else { corners[2] };
-                let (west, south) = (1.0 - u, v);
-                let (first, second) = if u + v < 1.0 {
-                    (west, south)
-                } else {
-                    (south, west)
-                };
-                corners[1] + (bend - corners[1]) * first + (corners[3] - bend) * second
-            };
-            errors.halves = errors.halves.max(residual(sample, halves));
-            // Place about the middle, −1 to 1; on a line between quarters both give the same.
-            let (dx, dz) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-            let side = if dx.abs() > dz.abs() {
-                if dx < 0.0 { 0 } else { 2 }
-            } else if dz < 0.0 {
-                1
-            } else {
-                3
-            };
-            let out = dx.abs().max(dz.abs());
-            // Along the side from corner k − 1 to corner k, −out to out.
-            let along = [-dz, dx, dz, -dx][side];
-            let (a, b) = (corners[(side + 3) % 4], corners[side]);
-            let quarter = middle * (1.0 - out) + (a + b) * (0.5 * out) + (b - a) * (0.5 * along);
-            let off = residual(sample, quarter);
-            errors.quarters[side] = errors.quarters[side].max(off);
-        }
-    }
-    errors
+/// What is drawn of heights, relative to the middle one: in a small cell heights differ by less than they are
+/// rounded by.
+fn about_middle(heights: &[Height], drawn: impl Fn(&Height) -> f32) -> [f32; COUNT] {
+    let middle = drawn(&heights[place_of_sample(MIDDLE, MIDDLE)]);
+    let middle = if middle.is_finite() { middle } else { 0.0 };
+    std::array::from_fn(|k| drawn(&heights[k]) - middle)
 }
 
 impl Cell {
@@ -147,36 +83,25 @@ impl Cell {
     #[must_use]
     pub fn new(heights: &[Height], sea: f32, opaque_depth: f32, outer: usize, unseen: f32) -> Self {
         let surface = |h: &Height| h.value.max(sea);
-        let samples: Vec<Sample> = heights
+        let bed = |h: &Height| h.value.clamp(sea - opaque_depth, sea);
+        let (low, high) = heights
             .iter()
-            .map(|h| Vec2::new(surface(h), h.value.clamp(sea - opaque_depth, sea)))
-            .collect();
-        let whole = square_errors(&samples, (0, 0), STEPS, outer);
-        let mut finer: f32 = 0.0;
-        let mut finest: f32 = 0.0;
-        let sizes = std::iter::successors(Some(STEPS / 2), |n| Some(n / 2)).take_while(|&n| n >= 2);
-        for n in sizes {
-            for j in (0..STEPS).step_by(n) {
-                for i in (0..STEPS).step_by(n) {
-                    let diagonal = quarter_of(i / n, j / n);
-                    let errors = square_errors(&samples, (i, j), n, diagonal);
-                    let quarters = errors.quarters.into_iter().fold(0.0, f32::max);
-                    finer = finer.max(errors.halves).max(quarters);
-                    if n == 2 {
-                        finest = finest.max(quarters);
-                    }
-                }
-            }
+            .map(surface)
+            .fold((f32::MAX, f32::MIN), |(low, high), s| {
+                (low.min(s), high.max(s))
+            });
+        let mut errors = MeshErrors::default();
+        // What is flat, the sea or a bed that nobody sees, is drawn as it is.
+        if high > sea {
+            errors = mesh_errors(&about_middle(heights, surface), outer);
         }
-        let (low, high) = samples.iter().fold((f32::MAX, f32::MIN), |(low, high), s| {
-            (low.min(s.x), high.max(s.x))
-        });
-        let missed = TAIL * finest + unseen + ROUNDING * low.abs().max(high.abs());
-        let quarters = whole.quarters.map(|own| own.max(finer) + missed);
-        let error = whole
-            .halves
-            .max(quarters.into_iter().fold(0.0, f32::max) - missed)
-            + missed;
+        let shallow = heights.iter().any(|h| h.value > sea - opaque_depth);
+        if shallow && heights.iter().any(|h| h.value < sea) {
+            errors = errors.or(&mesh_errors(&about_middle(heights, bed), outer), BED_SHARE);
+        }
+        let missed = TAIL * errors.finest + unseen + ROUNDING * low.abs().max(high.abs());
+        let quarters = errors.quarters.map(|own| own.max(errors.finer) + missed);
+        let error = quarters.into_iter().fold(errors.halves + missed, f32::max);
         let corner = |at: usize| {
             let h = heights[at];
             [h.value, h.gradient.x, h.gradient.y]
@@ -188,7 +113,7 @@ impl Cell {
             error,
             high: high + error,
             quarters,
-            finer: finer + missed,
+            finer: errors.finer + missed,
             pad: 0.0,
         }
     }
@@ -210,16 +135,6 @@ fn height([value, x, z]: [f32; 3]) -> Height {
     Height {
         value,
         gradient: Vec2::new(x, z),
-    }
-}
-
-/// At which corner of the square of two the square (i, j) lies.
-const fn quarter_of(i: usize, j: usize) -> usize {
-    match (i % 2, j % 2) {
-        (0, 0) => 0,
-        (1, 0) => 1,
-        (1, _) => 2,
-        _ => 3,
     }
 }
 

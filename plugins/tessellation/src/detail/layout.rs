@@ -2,7 +2,7 @@
 //! `shaders/src/detail/types.wgsl` and `bindings.wgsl` (a test compares them).
 
 use bytemuck::{Pod, Zeroable};
-use dolomite_terrain::{GpuTerrainUniform, Source, Terrain};
+use dolomite_terrain::{Filter, GpuTerrainUniform, Source, Terrain};
 
 use super::cell::DetailCells;
 use super::cull::Picture;
@@ -266,7 +266,7 @@ pub const LAST_PASSES: [Pass; 9] = [
 #[must_use]
 pub fn without(terrain: &Terrain) -> Vec<&'static str> {
     let layers = &terrain.data().layers;
-    let kinds: [(&str, fn(&Source) -> bool); 4] = [
+    let kinds: [(&str, fn(&Source) -> bool); 6] = [
         ("TERRAIN_WITHOUT_FRACTALS", |source| {
             matches!(source, Source::Fractal(_))
         }),
@@ -276,6 +276,14 @@ pub fn without(terrain: &Terrain) -> Vec<&'static str> {
         ("TERRAIN_WITHOUT_MAPS", |source| {
             matches!(source, Source::Map(_))
         }),
+        (
+            "TERRAIN_WITHOUT_BILINEAR",
+            |source| matches!(source, Source::Map(map) if map.filter() == Filter::Bilinear),
+        ),
+        (
+            "TERRAIN_WITHOUT_BICUBIC",
+            |source| matches!(source, Source::Map(map) if map.filter() == Filter::Bicubic),
+        ),
         ("TERRAIN_WITHOUT_HILLS", |source| {
             matches!(source, Source::Hill(_))
         }),

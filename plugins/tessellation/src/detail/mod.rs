@@ -22,6 +22,7 @@
 //! | [`settings`] | metrics and their knobs |
 //! | [`lattice`] | places, cells and their neighbours, in integers |
 //! | [`mod@cell`] | heights and error bounds of a cell, from a few samples |
+//! | [`errors`] | how far the meshes of a cell are from its samples |
 //! | [`view`] | what a vertical metre is in pixels, at most |
 //! | [`mod@select`] | which vertices a view gets |
 //! | [`mod@mesh`] | their heights, and the triangles |
@@ -34,6 +35,7 @@
 pub mod budget;
 pub mod cell;
 pub mod cull;
+pub mod errors;
 pub mod horizon;
 pub mod lattice;
 pub mod layout;

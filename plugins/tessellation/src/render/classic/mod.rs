@@ -27,18 +27,34 @@ pub struct ClassicKind {
 }
 
 /// What is shown, and how it is made; a resource that may be changed at any time.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct ClassicSettings {
     /// How levels are chosen.
     pub levels: ClassicLevels,
     /// Tessellates on the CPU and uploads.
     pub host: bool,
-    /// Leaves out patches outside of the frustum, which the scene's definition does not. Not for
-    /// static levels.
+    /// Leaves out patches outside of the frustum, which the scene's definition does not; the picture is
+    /// the same. Not for static levels, which no view changes.
     pub cull: bool,
 }
 
+impl Default for ClassicSettings {
+    fn default() -> Self {
+        Self {
+            levels: ClassicLevels::default(),
+            host: false,
+            cull: true,
+        }
+    }
+}
+
 impl ClassicSettings {
+    /// Whether patches outside of the frustum are left out.
+    #[must_use]
+    pub fn culls(&self) -> bool {
+        self.cull && !self.is_static()
+    }
+
     fn is_static(&self) -> bool {
         matches!(self.levels, ClassicLevels::Static(_))
     }
@@ -49,7 +65,7 @@ impl ClassicSettings {
     }
 
     fn params(&self) -> Vec4 {
-        Vec4::from(self.levels.params(self.cull && !self.is_static()))
+        Vec4::from(self.levels.params(self.culls()))
     }
 }
 
