@@ -51,10 +51,20 @@ pub struct Arguments {
         value_parser = camera_count
     )]
     pub cameras: usize,
-    /// Least error that the methods of `lod` are tuned to, pixels, from 1 to 16; 8 takes minutes, 1 half an
-    /// hour and more a view
-    #[arg(long, default_value_t = Options::default().error, value_parser = wanted_error)]
-    pub error: f64,
+    /// Errors that the methods of `lod` are tuned to, pixels, from 1 to 16, separated by commas; 8 takes
+    /// minutes, 1 half an hour and more a view
+    #[arg(
+        long = "error",
+        value_delimiter = ',',
+        value_name = "PIXELS",
+        default_values_t = Options::default().errors,
+        value_parser = wanted_error
+    )]
+    pub errors: Vec<f64>,
+    /// Most vertices that the other methods of `lod` may draw, as a multiple of ours: who needs more is said
+    /// to need more, sooner [default: as memory holds]
+    #[arg(long, value_name = "TIMES", value_parser = multiple)]
+    pub most: Option<f64>,
     /// Of `lod` alone: run this part of it; may be given more than once [default: all parts]
     #[arg(long = "part", value_enum, value_name = "PART")]
     pub parts: Vec<Part>,
@@ -155,6 +165,13 @@ fn wanted_error(text: &str) -> Result<f64, String> {
     }
 }
 
+fn multiple(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(times) if (1.0..=1e6).contains(&times) => Ok(times),
+        _ => Err("a number from 1 to a million is needed".into()),
+    }
+}
+
 fn in_range(text: &str, range: &std::ops::RangeInclusive<usize>) -> Result<usize, String> {
     match text.parse() {
         Ok(count) if range.contains(&count) => Ok(count),
@@ -198,7 +215,8 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
         triangles: arguments.triangles,
         frames: arguments.frames,
         cameras: arguments.cameras,
-        error: arguments.error,
+        errors: arguments.errors.clone(),
+        most: arguments.most,
         parts: arguments.parts.clone(),
         folder: arguments.folder.clone(),
         out: Some(arguments.out.clone()),
@@ -318,13 +336,18 @@ mod tests {
     #[test]
     fn cameras_and_errors_have_ranges() {
         assert_eq!(parse("lod --cameras 7").unwrap().cameras, 7);
-        assert_eq!(parse("lod --error 1").unwrap().error, 1.0);
+        assert_eq!(parse("lod --error 1").unwrap().errors, [1.0]);
+        assert_eq!(parse("lod --error 16,2").unwrap().errors, [16.0, 2.0]);
+        assert_eq!(parse("lod --most 2.5").unwrap().most, Some(2.5));
+        assert_eq!(parse("lod").unwrap().most, None);
         for wrong in [
             "--cameras=0",
             "--cameras=many",
             "--error=0",
             "--error=NaN",
             "--error=17",
+            "--error=1,0",
+            "--most=0.5",
         ] {
             assert!(parse(&format!("lod {wrong}")).is_err(), "{wrong}");
         }

@@ -23,8 +23,10 @@ pub struct Options {
     pub frames: usize,
     /// Cameras of `lod`.
     pub cameras: usize,
-    /// The least error that methods of `lod` are tuned to, pixels.
-    pub error: f64,
+    /// Errors that methods of `lod` are tuned to, pixels.
+    pub errors: Vec<f64>,
+    /// Most vertices that the others of `lod` may draw, as a multiple of ours; `None`: as memory holds.
+    pub most: Option<f64>,
     /// What of `lod` is run; nothing named is all of it.
     pub parts: Vec<Part>,
     /// Where `fbx` looks for files; `None` is the shared data.
@@ -42,7 +44,8 @@ impl Default for Options {
             triangles: 1_000_000,
             frames: 1000,
             cameras: 100,
-            error: 8.0,
+            errors: vec![16.0, 8.0],
+            most: None,
             parts: Vec::new(),
             folder: None,
             out: None,

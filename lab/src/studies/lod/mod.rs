@@ -53,7 +53,7 @@ use camera::Camera;
 use cdlod::Cdlod;
 use dolomite_terrain::Terrain;
 use places::Places;
-use rival::Rival;
+use rival::{AtMost, Rival};
 pub use run::{Part, STUDY};
 use truth::Truth;
 use tune::{TuneError, Tuned, tune};
@@ -89,17 +89,20 @@ pub const PLACES: usize = 1 << 17;
 /// Every method of [`all_rivals`] under every camera at `wanted` pixels of error.
 #[must_use]
 pub fn rivals(terrain: &Terrain, cameras: &[Camera], wanted: f64, seed: u32) -> Vec<Row> {
-    compare(&all_rivals(), terrain, cameras, (wanted, PLACES), seed)
+    let budget = (wanted, PLACES);
+    compare(&all_rivals(), terrain, cameras, budget, None, seed)
 }
 
 /// These methods under every camera at `wanted` pixels of error over some `places` places, the same
-/// for all methods. A line a method goes to standard error.
+/// for all methods. `most`: as many vertices a method may draw, as a multiple of the first method's. A line
+/// a method goes to standard error.
 #[must_use]
 pub fn compare(
     methods: &[Box<dyn Rival>],
     terrain: &Terrain,
     cameras: &[Camera],
     (wanted, places): (f64, usize),
+    most: Option<f64>,
     seed: u32,
 ) -> Vec<Row> {
     let truth = Truth::new(terrain);
@@ -108,8 +111,16 @@ pub fn compare(
         let view = camera.view();
         let here = Places::new(&truth, &view, places, seed);
         let fresh = Places::new(&truth, &view, places, seed.wrapping_add(1));
-        for method in methods {
-            let tuned = tune(&**method, &truth, camera, (&here, &fresh), wanted);
+        let mut limit = u64::MAX;
+        for (k, method) in methods.iter().enumerate() {
+            let method = AtMost {
+                rival: &**method,
+                vertices: limit,
+            };
+            let tuned = tune(&method, &truth, camera, (&here, &fresh), wanted);
+            if let (0, Some(most), Ok(first)) = (k, most, &tuned) {
+                limit = (first.vertices as f64 * most) as u64;
+            }
             match &tuned {
                 Ok(tuned) => eprintln!(
                     "lod: camera {number}: {}: {} vertices, {} triangles, knob {}, error {:.4} \
@@ -145,7 +156,7 @@ mod tests {
         let terrain = terrains::fbm(1);
         let cameras = cameras::ordinary(&terrain);
         let wanted = 16.0;
-        let rows = compare(&all_rivals(), &terrain, &cameras[1..], (wanted, 4000), 1);
+        let rows = compare(&all_rivals(), &terrain, &cameras[1..], (wanted, 4000), None, 1);
         assert_eq!(rows.len(), 8);
         for rows in rows.chunks(4) {
             let tuned: Vec<Tuned> = rows.iter().map(|row| row.tuned.unwrap()).collect();

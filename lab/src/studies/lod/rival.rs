@@ -32,3 +32,27 @@ pub trait Rival: Send + Sync {
 /// Most triangles that a method keeps in memory. With its vertices, the locator and what the bisection
 /// remembers, a triangle takes some 100 to 200 bytes.
 pub const MOST_TRIANGLES: usize = 24_000_000;
+
+/// A method that may draw no more than so many vertices: to learn whether it needs more, without waiting for
+/// how many.
+pub struct AtMost<'a> {
+    /// The method.
+    pub rival: &'a dyn Rival,
+    /// The most.
+    pub vertices: u64,
+}
+
+impl Rival for AtMost<'_> {
+    fn name(&self) -> &'static str {
+        self.rival.name()
+    }
+
+    fn knob(&self) -> Knob {
+        self.rival.knob()
+    }
+
+    fn draw(&self, truth: &Truth, camera: &Camera, knob: f64) -> Option<Box<dyn Drawn>> {
+        let drawn = self.rival.draw(truth, camera, knob)?;
+        (drawn.vertices() <= self.vertices).then_some(drawn)
+    }
+}

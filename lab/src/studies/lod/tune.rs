@@ -57,6 +57,9 @@ pub const CLOSE: f64 = 0.02;
 /// samples jumps, and may have no knob within [`CLOSE`].
 const MOST_DRAWS: u32 = 28;
 
+/// Where a method may draw no more, its error is known to within this step of ln(knob): a twentieth.
+const LAST_STEP: f64 = 0.05;
+
 /// Finds the knob for which the largest error at `places` is at most `wanted` pixels, and no more
 /// than 2 % below if there is such a one. From the coarsest end in steps of what the error asks for,
 /// then by false position on logarithms, kept inside the middle four fifths. `fresh` are other places.
@@ -99,12 +102,19 @@ pub fn tune(
     // Coarser than wanted: (t, error).
     let mut coarse = (0.0, f64::INFINITY);
     let mut t = 0.0;
+    // The coarsest knob that draws too much.
+    let mut beyond = f64::INFINITY;
     let (mut fine_t, mut fine) = loop {
-        let Some(tuned) = try_at(t)? else {
+        if beyond - coarse.0 < LAST_STEP {
             return Err(TuneError::TooMany {
-                knob: at(t),
+                knob: at(beyond),
                 last_error: coarse.1,
             });
+        }
+        let Some(tuned) = try_at(t)? else {
+            beyond = t;
+            t = (coarse.0 + beyond) / 2.0;
+            continue;
         };
         let error = tuned.measured.max;
         if error <= wanted {
@@ -121,6 +131,9 @@ pub fn tune(
             1.6
         };
         t = (t + 0.7 * ratio.ln().clamp(0.2, 3.0)).min(length);
+        if t >= beyond {
+            t = (coarse.0 + beyond) / 2.0;
+        }
     };
     // At its coarsest it may be better than wanted; there is nothing to be gained then.
     while fine_t > 0.0 && !close(&fine) && fine.draws < MOST_DRAWS {
@@ -156,6 +169,7 @@ pub fn tune(
 
 #[cfg(test)]
 mod tests {
+    use super::super::rival::AtMost;
     use super::super::uniform::Uniform;
     use super::super::{cameras, terrains};
     use super::*;
@@ -189,5 +203,17 @@ mod tests {
         assert_eq!(refused, Err(TuneError::NothingSeen));
         let never = tune(&Uniform, &truth, &camera, (&places, &fresh), 1e-14);
         assert!(matches!(never, Err(TuneError::Finest { .. })), "{never:?}");
+        // With as many vertices as it takes, and a few more, it is found; with a few less it is not, and
+        // the error that is told is of a knob close to where it ends.
+        let enough = |share: f64| {
+            let most = (fine.vertices as f64 * share) as u64;
+            let limited = AtMost { rival: &Uniform, vertices: most };
+            tune(&limited, &truth, &camera, (&places, &fresh), 1.0)
+        };
+        assert!(enough(1.02).unwrap().measured.max <= 1.0);
+        let Err(TuneError::TooMany { last_error, .. }) = enough(0.8) else {
+            panic!("{:?}", enough(0.8));
+        };
+        assert!((1.0..1.6).contains(&last_error), "{last_error}");
     }
 }
