@@ -12,7 +12,7 @@ use crate::noise::tile::{self, Grid, Out};
 use crate::terrain::{MaskStep, Prepared, Terrain};
 use bevy::math::{DVec2, Vec2};
 use bevy::tasks::{ComputeTaskPool, TaskPool};
-use fearless_simd::Level;
+use fearless_simd::{Level, dispatch};
 use thiserror::Error;
 
 /// A regular grid of places: sample (column, row) lies at origin + (column, row) × spacing, columns
@@ -107,11 +107,28 @@ impl<'a> Planes<'a> {
         self.dz[index] = height.gradient.y;
     }
 
-    fn get(&self, index: usize) -> Height {
-        let gradient = Vec2::new(self.dx[index], self.dz[index]);
-        Height {
-            value: self.value[index],
-            gradient,
+    /// Adds as many samples under a mask, each as [`MaskStep::apply`] does: loops that compilers put into
+    /// vectors.
+    #[inline(always)]
+    fn add(&mut self, mask: MaskStep, added: &Planes) {
+        let count = self.value.len();
+        let (value, dx, dz) = (&mut *self.value, &mut *self.dx, &mut *self.dz);
+        let (dx, dz) = (&mut dx[..count], &mut dz[..count]);
+        let (more, more_dx) = (&added.value[..count], &added.dx[..count]);
+        let more_dz = &added.dz[..count];
+        for i in 0..count {
+            let below = Height {
+                value: value[i],
+                gradient: Vec2::new(dx[i], dz[i]),
+            };
+            let above = Height {
+                value: more[i],
+                gradient: Vec2::new(more_dx[i], more_dz[i]),
+            };
+            let sum = mask.apply(below, above);
+            value[i] = sum.value;
+            dx[i] = sum.gradient.x;
+            dz[i] = sum.gradient.y;
         }
     }
 }
@@ -228,9 +245,7 @@ impl Terrain {
             let (dx, dz) = rest.split_at_mut(count);
             let mut added = Planes { value, dx, dz };
             fill(source, &mut added);
-            for index in 0..count {
-                out.set(index, mask.apply(out.get(index), added.get(index)));
-            }
+            dispatch!(Level::new(), _simd => out.add(mask, &added));
         }
     }
 }

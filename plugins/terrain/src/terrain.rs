@@ -303,7 +303,7 @@ impl MaskStep {
     }
 
     /// height += s(t)·added; gradient by the product and chain rules.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn apply(self, below: Height, added: Height) -> Height {
         if self.scale == 0.0 {
             return Height {

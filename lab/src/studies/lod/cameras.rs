@@ -62,16 +62,55 @@ pub fn camera(terrain: &Terrain, kind: Kind, seed: u32) -> Camera {
     camera_at(terrain, kind, xz, &mut random)
 }
 
-/// `count` cameras at one place: as many of each kind, all different but for [`Kind::Above`], which
-/// stands over the middle. What is known of the ground here serves all of them.
+/// Cameras of a kind that look the same way; then they turn.
+pub const BURST: usize = 20;
+
+/// `count` cameras at one place, as many of each kind; [`Kind::Above`] stands over the middle. What is known
+/// of the ground here serves all of them, most of all those of a [`BURST`]: they differ by a few degrees, and
+/// by a fourth of their height above the ground.
 #[must_use]
 pub fn around(terrain: &Terrain, count: usize, seed: u32) -> Vec<(Kind, Camera)> {
     let mut random = Random::new(seed);
     let xz = on_land(terrain, &mut random);
-    let kinds = KINDS.into_iter().cycle().take(count);
-    kinds
-        .map(|kind| (kind, camera_at(terrain, kind, xz, &mut random)))
-        .collect()
+    let mut first: Vec<Camera> = Vec::new();
+    let mut cameras = Vec::with_capacity(count);
+    for number in 0..count {
+        let (round, at) = (number / KINDS.len(), number % KINDS.len());
+        if at == 0 && round.is_multiple_of(BURST) {
+            first = KINDS
+                .iter()
+                .map(|&kind| camera_at(terrain, kind, xz, &mut random))
+                .collect();
+        }
+        let camera = if round.is_multiple_of(BURST) {
+            first[at]
+        } else {
+            nudged(terrain, first[at], &mut random)
+        };
+        cameras.push((KINDS[at], camera));
+    }
+    cameras
+}
+
+/// A camera that differs a little: by up to 4 degrees of yaw and 2 of pitch, a tenth of the angle, and a
+/// fourth of the height above the ground.
+fn nudged(terrain: &Terrain, camera: Camera, random: &mut Random) -> Camera {
+    let mut around = |most: f64| most * (2.0 * random.unit() - 1.0);
+    let ground = terrain
+        .sample_f64(DVec2::new(camera.eye.x, camera.eye.z))
+        .height
+        .max(terrain.sea_level().map_or(f64::NEG_INFINITY, f64::from));
+    let height = (camera.eye.y - ground) * (1.0 + around(0.25));
+    Camera {
+        eye: DVec3::new(camera.eye.x, ground + height, camera.eye.z),
+        yaw: camera.yaw + around(4.0_f64.to_radians()),
+        pitch: camera.pitch + around(2.0_f64.to_radians()),
+        fov_y: camera.fov_y * (1.0 + around(0.1)),
+        orthographic: camera
+            .orthographic
+            .map(|metres| metres * (1.0 + around(0.1))),
+        ..camera
+    }
 }
 
 /// A place on land, if some is found; the sea is flat and asks for nothing.

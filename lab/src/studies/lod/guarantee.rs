@@ -11,7 +11,7 @@
 //! 1920 × 1080 (`size_of`).
 
 use super::camera::{Camera, View};
-use super::cameras::{KINDS, Kind, around};
+use super::cameras::{BURST, KINDS, Kind, around};
 use super::measure::{Measured, Sample, Tally};
 use super::ours::{FINEST, bound, cells_of, choose, detail_view, positions};
 use super::terrains;
@@ -25,8 +25,8 @@ use std::sync::atomic::AtomicU64;
 
 /// Tolerances, pixels.
 pub const TAUS: [f64; 4] = [4.0, 2.0, 1.0, 0.5];
-/// Cameras at a place.
-pub const AT_A_PLACE: usize = 50;
+/// Cameras at a place: a burst of each kind.
+pub const AT_A_PLACE: usize = BURST * KINDS.len();
 /// Of this many places one is for ground that is not drawn.
 const UNDRAWN: usize = 16;
 

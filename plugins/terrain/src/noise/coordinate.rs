@@ -81,6 +81,48 @@ impl Frequency {
         ((i128::from(position) * i128::from(self.mantissa)) >> self.shift) as i64
     }
 
+    /// Cells and fractions of the [coordinates](Self::coordinate) of many positions plus `offset`: products
+    /// of 32 bits alone, which compilers put into vectors where they may use them.
+    #[inline(always)]
+    pub(crate) fn coordinates<const N: usize>(
+        self,
+        positions: &[i64; N],
+        offset: i64,
+        cells: &mut [u32; N],
+        fractions: &mut [f32; N],
+    ) {
+        const LOW: u64 = u32::MAX as u64;
+        let mantissa = u64::from(self.mantissa);
+        // The product is high × 2³² + low with 0 ≤ low < 2³²; `high` fits an i64.
+        let product = |position: i64| {
+            let position = position as u64;
+            let low = (position & LOW) * mantissa;
+            let high = (position >> 32) * mantissa;
+            // The upper word is signed: what its sign bit counts too much.
+            let sign = ((position as i64 >> 63) as u64 & mantissa) << 32;
+            (high.wrapping_sub(sign).wrapping_add(low >> 32), low & LOW)
+        };
+        let mut set = |i: usize, coordinate: u64| {
+            let at = coordinate.wrapping_add(offset as u64);
+            cells[i] = (at >> 32) as u32;
+            // Below 2²⁴: the same number as a signed one, which vectors convert at once.
+            fractions[i] = ((at as u32) >> 8) as i32 as f32 * FRACTION_STEP;
+        };
+        if self.shift >= 32 {
+            let shift = self.shift - 32;
+            for i in 0..N {
+                let (high, _) = product(positions[i]);
+                set(i, (high as i64 >> shift) as u64);
+            }
+        } else {
+            let shift = self.shift;
+            for i in 0..N {
+                let (high, low) = product(positions[i]);
+                set(i, (high << (32 - shift)) | (low >> shift));
+            }
+        }
+    }
+
     /// The same coordinate as (cell, fraction) in `f64` for the oracle, from a position in `f64`
     /// metres. Whole metres are multiplied in integers, so the error is about 2⁻⁵² × frequency
     /// cells at any distance (plus what the caller lost in making the position an `f64`).
@@ -143,6 +185,31 @@ mod tests {
         // Rounds up into the next power of two.
         let carried = Frequency::new(2.0 - f64::EPSILON).expect("in range");
         assert_eq!(carried, Frequency::new(2.0).expect("in range"));
+    }
+
+    #[test]
+    fn many_coordinates_are_those_of_each() {
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state ^ (state >> 29)) as i64
+        };
+        let ends = [i64::MIN, -1, 0, 1, i64::MAX, 1 << 32, -(1 << 32), 12_345];
+        for shift in Frequency::SHIFT_MIN..=Frequency::SHIFT_MAX {
+            for mantissa in [1 << 31, u32::MAX, (random() as u32) | 1 << 31] {
+                let frequency = Frequency { mantissa, shift };
+                let positions: [i64; 64] =
+                    core::array::from_fn(|k| *ends.get(k).unwrap_or(&random()));
+                let offset = random();
+                let (mut cells, mut fractions) = ([0; 64], [0.0; 64]);
+                frequency.coordinates(&positions, offset, &mut cells, &mut fractions);
+                for (k, &position) in positions.iter().enumerate() {
+                    let at = frequency.coordinate(position).wrapping_add(offset);
+                    assert_eq!(cells[k], cell(at), "{frequency:?} {position}");
+                    assert_eq!(fractions[k], fraction(at), "{frequency:?} {position}");
+                }
+            }
+        }
     }
 
     #[test]

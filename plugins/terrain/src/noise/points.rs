@@ -1,10 +1,9 @@
 //! Many points of a fractal in f32: any places, in blocks, in native vectors.
 //!
-//! The 96-bit coordinate products are scalar (no vector unit has them); hashing, noise and sums
-//! run over the lanes. The operations on a sample are those of `scalar`, in the same order, so
+//! The 96-bit coordinate products are taken apart into those of 32 bits, which vector units have; hashing, noise
+//! and sums run over the lanes. The operations on a sample are those of `scalar`, in the same order, so
 //! the bits are the same.
 
-use super::coordinate::{cell, fraction};
 use super::fractal::PreparedFractal;
 use super::lattice::{Place, cell_gradients, fade};
 use super::octave::{Octave, PreparedWarp};
@@ -75,9 +74,15 @@ pub(crate) fn octaves<K: Kind>(
     positions: &Positions,
 ) -> Block {
     let mut state: [[f32; BLOCK]; STATE] = K::START.map(|start| [start; BLOCK]);
+    let mut places = Places {
+        cell: [[0; BLOCK]; 2],
+        fraction: [[0.0; BLOCK]; 2],
+    };
     for octave in octaves {
-        let places = Places::new(octave, positions);
-        dispatch!(level, simd => places.add::<_, K>(simd, octave, erosion, &mut state));
+        dispatch!(level, simd => {
+            places.enter(octave, positions);
+            places.add::<_, K>(simd, octave, erosion, &mut state);
+        });
     }
     [state[0], state[1], state[2]]
 }
@@ -89,20 +94,16 @@ struct Places {
 }
 
 impl Places {
-    fn new(octave: &Octave, positions: &Positions) -> Self {
-        let mut places = Self {
-            cell: [[0; BLOCK]; 2],
-            fraction: [[0.0; BLOCK]; 2],
-        };
-        for (axis, positions) in positions.iter().enumerate() {
-            for (i, &position) in positions.iter().enumerate() {
-                let at = octave.frequency.coordinate(position);
-                let at = at.wrapping_add(octave.offset[axis]);
-                places.cell[axis][i] = cell(at);
-                places.fraction[axis][i] = fraction(at);
-            }
+    #[inline(always)]
+    fn enter(&mut self, octave: &Octave, positions: &Positions) {
+        for axis in 0..2 {
+            octave.frequency.coordinates(
+                &positions[axis],
+                octave.offset[axis],
+                &mut self.cell[axis],
+                &mut self.fraction[axis],
+            );
         }
-        places
     }
 
     #[inline(always)]
