@@ -19,6 +19,7 @@
 //! | [`mod@guarantee`] | is any error above the tolerance: many cameras, many places |
 //! | [`mod@cracks`], [`mod@pops`] | gaps in meshes; movement from frame to frame |
 //! | [`precision`], [`mod@speed`] | a million metres away; times on the CPU |
+//! | [`mod@passes`] | times of the choice on the adapter |
 //! | [`mod@run`], [`report`] | the study, and what is told of it |
 
 #![expect(
@@ -36,6 +37,7 @@ pub mod guarantee;
 pub mod measure;
 pub mod mesh;
 pub mod ours;
+pub mod passes;
 pub mod places;
 pub mod pops;
 pub mod precision;
@@ -156,7 +158,14 @@ mod tests {
         let terrain = terrains::fbm(1);
         let cameras = cameras::ordinary(&terrain);
         let wanted = 16.0;
-        let rows = compare(&all_rivals(), &terrain, &cameras[1..], (wanted, 4000), None, 1);
+        let rows = compare(
+            &all_rivals(),
+            &terrain,
+            &cameras[1..],
+            (wanted, 4000),
+            None,
+            1,
+        );
         assert_eq!(rows.len(), 8);
         for rows in rows.chunks(4) {
             let tuned: Vec<Tuned> = rows.iter().map(|row| row.tuned.unwrap()).collect();

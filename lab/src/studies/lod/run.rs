@@ -1,8 +1,10 @@
 //! The study: how much of everything, and what is told of it.
 
+use super::camera::Camera;
 use super::cameras::{KINDS, ordinary};
 use super::guarantee::{TAUS, guarantee};
 use super::ours::Ours;
+use super::passes::passes;
 use super::pops::{MOVES, RATE, TAU, pops};
 use super::precision::{FAR, far_noise, pairs};
 use super::report::{self, Compared, row};
@@ -10,11 +12,14 @@ use super::rival::Rival;
 use super::speed::speed;
 use super::{PLACES, all_rivals, compare, cracks, terrains};
 use crate::csv;
+use crate::gpu::Gpu;
 use crate::study::{Options, Report, Study};
-use bevy::math::UVec2;
+use bevy::math::{DVec3, UVec2};
 use clap::ValueEnum;
 use dolomite_terrain::Terrain;
+use dolomite_tessellation::classic::ClassicHeights;
 use serde_json::{Map, Value, json};
+use std::path::PathBuf;
 
 /// As the command line knows it.
 pub const STUDY: Study = Study {
@@ -22,6 +27,9 @@ pub const STUDY: Study = Study {
     about: "level of detail: is the error bound kept; vertices beside 4 methods; cracks, pops",
     run: |options| run(&Plan::of(options)),
 };
+
+/// The classic scene's samples in the shared data.
+const CLASSIC: &str = "data/classic/heights_1024_f32le.raw";
 
 /// What the study is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -34,6 +42,8 @@ pub enum Part {
     Precision,
     /// Time on the CPU.
     Time,
+    /// Time of each pass on the adapter.
+    Passes,
     /// How far do drawn vertices move from frame to frame?
     Pops,
     /// Vertices beside those of other methods.
@@ -129,6 +139,9 @@ pub fn run(plan: &Plan) -> Report {
     }
     if plan.has(Part::Time) {
         tell("time", times(plan, &mut rows));
+    }
+    if plan.has(Part::Passes) {
+        tell("passes", on_the_adapter(plan));
     }
     if plan.has(Part::Pops) {
         tell("pops", movements(plan, &mut rows));
@@ -234,6 +247,44 @@ fn times(plan: &Plan, rows: &mut Vec<csv::Row>) -> Value {
         }));
     }
     json!(told)
+}
+
+/// The mountain and, where the shared data are, the classic scene at the first frame of its path.
+fn on_the_adapter(plan: &Plan) -> Value {
+    eprintln!("lod: passes");
+    let gpu = match Gpu::new() {
+        Ok(gpu) => gpu,
+        Err(error) => return json!({ "not_measured": error.to_string() }),
+    };
+    let [standing, flying, _] = ordinary(&plan.ground);
+    let finest = dolomite_tessellation::detail::Detail::default().finest;
+    let mut views = vec![
+        ("standing", plan.ground.clone(), standing, finest),
+        ("flying", plan.ground.clone(), flying, finest),
+    ];
+    let shared = std::env::var_os("DOLOMITE_SHARED").map_or("../shared".into(), PathBuf::from);
+    if let Ok(heights) = ClassicHeights::load(&shared.join(CLASSIC)) {
+        let orbit = Camera {
+            eye: DVec3::new(200.0, 70.0, 0.0),
+            yaw: std::f64::consts::PI,
+            pitch: (-0.25_f64).atan(),
+            roll: 0.0,
+            size: UVec2::new(1280, 720),
+            fov_y: 60.0_f64.to_radians(),
+            near: 0.1,
+            orthographic: None,
+        };
+        views.insert(0, ("classic", heights.terrain(), orbit, 0.25));
+    }
+    let mut told = Map::new();
+    told.insert("device".into(), json!(gpu.name));
+    for (name, ground, camera, finest) in views {
+        let found = passes(&gpu, &ground, &camera, plan.time_tau, finest);
+        let found = found.unwrap_or_else(|error| json!({ "not_measured": error.to_string() }));
+        eprintln!("lod: passes: {name}: {found}");
+        told.insert(name.into(), found);
+    }
+    Value::Object(told)
 }
 
 fn movements(plan: &Plan, rows: &mut Vec<csv::Row>) -> Value {

@@ -207,7 +207,10 @@ mod tests {
         // the error that is told is of a knob close to where it ends.
         let enough = |share: f64| {
             let most = (fine.vertices as f64 * share) as u64;
-            let limited = AtMost { rival: &Uniform, vertices: most };
+            let limited = AtMost {
+                rival: &Uniform,
+                vertices: most,
+            };
             tune(&limited, &truth, &camera, (&places, &fresh), 1.0)
         };
         assert!(enough(1.02).unwrap().measured.max <= 1.0);

@@ -191,7 +191,9 @@ mod tests {
     fn many_coordinates_are_those_of_each() {
         let mut state = 1_u64;
         let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
             (state ^ (state >> 29)) as i64
         };
         let ends = [i64::MIN, -1, 0, 1, i64::MAX, 1 << 32, -(1 << 32), 12_345];

@@ -149,7 +149,8 @@ struct Weights<const L: usize> {
 
 static HALVES: [Weights<PADDED>; 2] = [Weights::halves(STEPS, 0), Weights::halves(STEPS, 1)];
 static QUARTERS: Weights<PADDED> = Weights::quarters(STEPS);
-static HALF_HALVES: [Weights<HALF_PADDED>; 2] = [Weights::halves(HALF, 0), Weights::halves(HALF, 1)];
+static HALF_HALVES: [Weights<HALF_PADDED>; 2] =
+    [Weights::halves(HALF, 0), Weights::halves(HALF, 1)];
 static HALF_QUARTERS: Weights<HALF_PADDED> = Weights::quarters(HALF);
 /// At which side's triangle each sample of a cell lies.
 static SIDES: [u8; COUNT] = sides();
@@ -277,7 +278,8 @@ mod tests {
             }
             worst as f32
         };
-        let corners = |i: usize, j: usize, n: usize| [(i, j), (i + n, j), (i + n, j + n), (i, j + n)];
+        let corners =
+            |i: usize, j: usize, n: usize| [(i, j), (i + n, j), (i + n, j + n), (i, j + n)];
         let halves = |i, j, n, outer: usize| {
             let c = corners(i, j, n);
             [0, 2].map(|k| [c[outer % 2], c[(outer + 1 + k) % 4], c[(outer % 2) + 2]])
@@ -315,14 +317,18 @@ mod tests {
                 (state >> 8) as f32 / 16_777_216.0 - 0.5
             });
             for outer in 0..4 {
-                let (found, expected) = (mesh_errors(&samples, outer), by_triangles(&samples, outer));
+                let (found, expected) =
+                    (mesh_errors(&samples, outer), by_triangles(&samples, outer));
                 let all = |e: &MeshErrors| {
                     let [a, b, c, d] = e.quarters;
                     [e.halves, a, b, c, d, e.finer, e.finest]
                 };
                 for (found, expected) in all(&found).into_iter().zip(all(&expected)) {
                     // Five roundings of numbers below 1.
-                    assert!((found - expected).abs() < 4e-7, "{round}: {found} {expected}");
+                    assert!(
+                        (found - expected).abs() < 4e-7,
+                        "{round}: {found} {expected}"
+                    );
                 }
             }
         }

@@ -27,6 +27,7 @@ mod ranges;
 mod readback;
 pub(crate) mod stats;
 mod view;
+mod view_buffers;
 
 use std::any::TypeId;
 use std::marker::PhantomData;
