@@ -4,7 +4,6 @@
 use bevy::camera::{CompositingSpace, RenderTarget};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::tonemapping::Tonemapping;
-use bevy::light::cluster::ClusterConfig;
 use bevy::prelude::*;
 use dolomite_terrain::GroundProbe;
 use dolomite_tessellation::classic::ClassicHeights;
@@ -64,8 +63,6 @@ fn dress_camera(
                     ..default()
                 }),
                 Msaa::Off,
-                // Patches light themselves: no lamp is looked for.
-                ClusterConfig::None,
                 Tonemapping::None,
                 // Encoded at the vertices, not at each store of a pixel.
                 CompositingSpace::Srgb,
