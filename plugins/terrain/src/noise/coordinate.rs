@@ -110,14 +110,14 @@ impl Frequency {
         };
         if self.shift >= 32 {
             let shift = self.shift - 32;
-            for i in 0..N {
-                let (high, _) = product(positions[i]);
+            for (i, &position) in positions.iter().enumerate() {
+                let (high, _) = product(position);
                 set(i, (high as i64 >> shift) as u64);
             }
         } else {
             let shift = self.shift;
-            for i in 0..N {
-                let (high, low) = product(positions[i]);
+            for (i, &position) in positions.iter().enumerate() {
+                let (high, low) = product(position);
                 set(i, (high << (32 - shift)) | (low >> shift));
             }
         }

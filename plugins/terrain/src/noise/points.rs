@@ -96,9 +96,9 @@ struct Places {
 impl Places {
     #[inline(always)]
     fn enter(&mut self, octave: &Octave, positions: &Positions) {
-        for axis in 0..2 {
+        for (axis, positions) in positions.iter().enumerate() {
             octave.frequency.coordinates(
-                &positions[axis],
+                positions,
                 octave.offset[axis],
                 &mut self.cell[axis],
                 &mut self.fraction[axis],

@@ -237,11 +237,11 @@ impl<const L: usize> Weights<L> {
     fn off(&self, samples: &[f32; L], corners: [f32; 4], middle: f32) -> [f32; L] {
         let [a, b, c, d] = &self.corners;
         let mut off = [0.0; L];
-        for k in 0..L {
+        for (k, off) in off.iter_mut().enumerate() {
             let drawn = (corners[0] * a[k] + corners[1] * b[k])
                 + (corners[2] * c[k] + corners[3] * d[k])
                 + middle * self.middle[k];
-            off[k] = (samples[k] - drawn).abs();
+            *off = (samples[k] - drawn).abs();
         }
         off
     }
