@@ -7,7 +7,7 @@
 //!
 //! An error in pixels is the same thing in a picture of any size: with a fourth of the pixels a
 //! tolerance asks for a fourth of the angle. Most pictures are small, so that more of them fit a run, and
-//! their triangles are all looked at; of a hundred rounds nine have pictures of 480 × 270, and one has
+//! a larger part of their triangles is looked at; of a hundred rounds nine have pictures of 480 × 270, and one has
 //! 1920 × 1080 (`size_of`).
 
 use super::camera::{Camera, View};

@@ -65,7 +65,7 @@ pub fn passes(
         (entry, time)
     });
     Ok(json!({
-        "cells_drawn": used,
+        "cells_made": used,
         "vertices": first.positions.len(),
         "triangles": first.triangles.len(),
         "first_ms": told(making),
