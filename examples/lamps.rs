@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite::tessellation::render::stage::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
-use dolomite::tessellation::stage::{PatchLayout, PatchMesh, Patches, shapes};
+use dolomite::tessellation::render::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
+use dolomite::tessellation::{PatchLayout, PatchMesh, Patches, shapes};
 
 /// Iron tubes: 12 sides of two triangles stand for each segment.
 #[derive(Resource, AsBindGroup, Clone)]

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite::tessellation::render::stage::{PatchKind, PatchPlugin, PatchShader};
-use dolomite::tessellation::stage::{PatchLayout, Patches, shapes};
+use dolomite::tessellation::render::{PatchKind, PatchPlugin, PatchShader};
+use dolomite::tessellation::{PatchLayout, Patches, shapes};
 
 #[derive(Resource, AsBindGroup, Clone)]
 struct Rock {}

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use bevy::math::ops;
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite::tessellation::render::stage::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
-use dolomite::tessellation::stage::{PatchLayout, Patches, shapes};
+use dolomite::tessellation::render::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
+use dolomite::tessellation::{PatchLayout, Patches, shapes};
 
 const STARS: u32 = 6000;
 

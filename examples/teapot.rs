@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite::tessellation::render::stage::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
-use dolomite::tessellation::stage::{PatchLayout, PatchMesh, Patches, Winding};
+use dolomite::tessellation::render::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
+use dolomite::tessellation::{PatchLayout, PatchMesh, Patches, Winding};
 
 #[derive(Resource, AsBindGroup, Clone)]
 struct Bezier {}

@@ -13,9 +13,9 @@ use dolomite::DolomitePlugins;
 use dolomite::terrain::{
     Fractal, Ground, GroundRect, Hill, Layer, Source, Sum, Terrain, TerrainData,
 };
-use dolomite::tessellation::render::stage::{PatchKind, PatchPlugin, PatchShader};
-use dolomite::tessellation::stage::{PatchLayout, Patches, shapes};
-use dolomite::tessellation::{MaterialBands, TerrainMaterial, TerrainView};
+use dolomite::tessellation::render::{PatchKind, PatchPlugin, PatchShader};
+use dolomite::tessellation::{PatchLayout, Patches, shapes};
+use dolomite::ground::{MaterialBands, TerrainMaterial, TerrainView};
 
 /// A boulder that stands on the island.
 #[derive(Resource, AsBindGroup, Clone)]

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use bevy::math::UVec2;
 use clap::{Args, Parser, Subcommand};
-use dolomite::game::bench_path;
-use dolomite::game::classic_view::FIELD_OF_VIEW;
-use dolomite::game::keys;
-use dolomite::game::methods::{MethodError, Methods, Metric, Mode};
-use dolomite::game::scenes::{CLASSIC, MapOptions, SceneRequest};
-use dolomite::game::settings::Settings;
-use dolomite::game::setup::{GameError, Setup};
+use dolomite_game::game::bench_path;
+use dolomite_game::game::classic_view::FIELD_OF_VIEW;
+use dolomite_game::game::keys;
+use dolomite_game::game::methods::{MethodError, Methods, Metric, Mode};
+use dolomite_game::game::scenes::{CLASSIC, MapOptions, SceneRequest};
+use dolomite_game::game::settings::Settings;
+use dolomite_game::game::setup::{GameError, Setup};
 use dolomite::terrain::RawFormat;
 
 use crate::fbx2gltf::Fbx2gltf;

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use bevy::app::AppExit;
 use clap::Parser;
-use dolomite::game::{bench, matrix, play, settings, setup::GameError, shot};
+use dolomite_game::game::{bench, matrix, play, settings, setup::GameError, shot};
 
 use command::{Command, Line};
 

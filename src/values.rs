@@ -3,8 +3,8 @@
 use std::str::FromStr;
 
 use bevy::math::{DVec3, UVec2};
-use dolomite::game::camera::{PITCH_LIMIT, Pose};
-use dolomite::game::settings::MAX_SIDE;
+use dolomite_game::game::camera::{PITCH_LIMIT, Pose};
+use dolomite_game::game::settings::MAX_SIDE;
 use dolomite::terrain::RawFormat;
 
 /// The numbers of a raw height map.

@@ -19,10 +19,10 @@ use dolomite::DolomitePlugins;
 use dolomite::terrain::{
     Fractal, GroundProbe, GroundRect, Layer, ProbeBatch, Source, Terrain, TerrainData,
 };
-use dolomite::tessellation::TerrainView;
-use dolomite::tessellation::detail::{Detail, DrawnProbes};
-use dolomite::tessellation::render::ground::{AnswerCensus, DrawnProbeStats, answer_census};
-use dolomite::tessellation::render::stage::{StageCensus, StageStats, census};
+use dolomite::ground::TerrainView;
+use dolomite::ground::detail::{Detail, DrawnProbes};
+use dolomite::ground::render::{AnswerCensus, DrawnProbeStats, answer_census};
+use dolomite::tessellation::render::{StageCensus, StageStats, census};
 
 /// Frames of 16 ms.
 const STEP: Duration = Duration::from_millis(16);

@@ -18,10 +18,10 @@ use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 use dolomite::DolomitePlugins;
 use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
-use dolomite::tessellation::TerrainView;
-use dolomite::tessellation::detail::{Detail, Metric};
-use dolomite::tessellation::render::stage::StageStats;
-use dolomite::tessellation::stage::StageCamera;
+use dolomite::ground::TerrainView;
+use dolomite::ground::detail::{Detail, Metric};
+use dolomite::tessellation::render::StageStats;
+use dolomite::tessellation::StageCamera;
 
 /// Steep ground, as many slopes away from the eye as towards it.
 fn ground() -> Terrain {

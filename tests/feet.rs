@@ -6,14 +6,14 @@ mod adapter;
 use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore};
 use bevy::math::{DVec2, UVec2};
 use bevy::prelude::*;
-use dolomite::game::input::PlayerInput;
-use dolomite::game::offscreen::{Offscreen, STEP};
-use dolomite::game::player::Figure;
-use dolomite::game::scenes::{MapOptions, SceneRequest};
-use dolomite::game::settings::Settings;
-use dolomite::game::setup::Setup;
+use dolomite_game::game::input::PlayerInput;
+use dolomite_game::game::offscreen::{Offscreen, STEP};
+use dolomite_game::game::player::Figure;
+use dolomite_game::game::scenes::{MapOptions, SceneRequest};
+use dolomite_game::game::settings::Settings;
+use dolomite_game::game::setup::Setup;
 use dolomite::terrain::{GroundProbe, ProbeBatch, Terrain};
-use dolomite::tessellation::render::ground::DrawnProbeStats;
+use dolomite::ground::render::DrawnProbeStats;
 
 /// The mountain, small, as `--max-error` plays it; `None`, after a line that says so, without Vulkan.
 fn game(max_error: f32) -> Option<Offscreen> {

@@ -11,15 +11,15 @@ use bevy::time::TimeUpdateStrategy;
 use dolomite::DolomiteMinimalPlugins;
 use dolomite::character::CharacterMotion;
 use dolomite::character::gait::Motion;
-use dolomite::game::camera::{CLEARANCE, FreeCamera, PITCH_LIMIT};
-use dolomite::game::hot_reload::{AssetsDir, SceneFault, reload_changed};
-use dolomite::game::input::PlayerInput;
-use dolomite::game::jump::Jump;
-use dolomite::game::methods::{Metric, Mode};
-use dolomite::game::player::{EDGE, Figure, WADING_DEPTH, depth};
-use dolomite::game::scenes::{self, CurrentScene, MapOptions, SceneRequest};
-use dolomite::game::settings::Settings;
-use dolomite::game::simulation::{DetailFocus, Landscape, SimulationPlugin, Switches};
+use dolomite_game::game::camera::{CLEARANCE, FreeCamera, PITCH_LIMIT};
+use dolomite_game::game::hot_reload::{AssetsDir, SceneFault, reload_changed};
+use dolomite_game::game::input::PlayerInput;
+use dolomite_game::game::jump::Jump;
+use dolomite_game::game::methods::{Metric, Mode};
+use dolomite_game::game::player::{EDGE, Figure, WADING_DEPTH, depth};
+use dolomite_game::game::scenes::{self, CurrentScene, MapOptions, SceneRequest};
+use dolomite_game::game::settings::Settings;
+use dolomite_game::game::simulation::{DetailFocus, Landscape, SimulationPlugin, Switches};
 use dolomite::terrain::{Ground, ProbeAnswer, ProbeBatch, Terrain};
 
 /// Greatest distance of the drawn feet from the f64 ground, metres.

@@ -17,10 +17,10 @@ use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 use dolomite::DolomitePlugins;
 use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
-use dolomite::tessellation::TerrainView;
-use dolomite::tessellation::detail::budget::{Budget, BudgetError, BudgetReport};
-use dolomite::tessellation::detail::{Detail, Metric};
-use dolomite::tessellation::render::stage::StageStats;
+use dolomite::ground::TerrainView;
+use dolomite::ground::detail::budget::{Budget, BudgetError, BudgetReport};
+use dolomite::ground::detail::{Detail, Metric};
+use dolomite::tessellation::render::StageStats;
 
 /// Few vertices, so that the finest tolerances are met by the pool's end and not by the machine's.
 const POOL: u32 = 1 << 13;

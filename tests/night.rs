@@ -6,13 +6,13 @@ mod adapter;
 use bevy::math::UVec2;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
-use dolomite::game::offscreen::Offscreen;
-use dolomite::game::scenes::{MapOptions, SceneRequest};
-use dolomite::game::settings::Settings;
-use dolomite::game::setup::Setup;
-use dolomite::game::stars::Star;
-use dolomite::tessellation::render::stage::{StageCensus, StageStats, census};
-use dolomite::tessellation::stage::Patches;
+use dolomite_game::game::offscreen::Offscreen;
+use dolomite_game::game::scenes::{MapOptions, SceneRequest};
+use dolomite_game::game::settings::Settings;
+use dolomite_game::game::setup::Setup;
+use dolomite_game::game::stars::Star;
+use dolomite::tessellation::render::{StageCensus, StageStats, census};
+use dolomite::tessellation::Patches;
 use std::time::Duration;
 
 /// The mountain, small; `None`, after a line that says so, without Vulkan.

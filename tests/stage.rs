@@ -16,10 +16,10 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::render::render_resource::{AsBindGroup, TextureFormat};
-use dolomite::tessellation::render::stage::{
+use dolomite::tessellation::render::{
     PatchKind, PatchPlugin, PatchPool, PatchShader, StageCensus, StageStats, census,
 };
-use dolomite::tessellation::stage::{
+use dolomite::tessellation::{
     Drawing, PatchLayout, PatchMesh, Patches, StageCamera, shapes,
 };
 
@@ -302,7 +302,7 @@ fn functions_that_cannot_be_used_are_named_and_the_others_are_drawn() {
     });
     let fault = |kind: &str| {
         let named = |fault: &&_| -> bool {
-            let fault: &dolomite::tessellation::render::stage::StageFault = fault;
+            let fault: &dolomite::tessellation::render::StageFault = fault;
             fault.kind.ends_with(kind)
         };
         stats.faults.iter().find(named).expect(kind).to_string()

@@ -8,14 +8,14 @@ pub use answers::{DetailAnswers, Staged};
 
 use crate::gpu::{Gpu, GpuError};
 use bytemuck::{bytes_of, cast_slice, pod_collect_to_vec};
-use dolomite_tessellation::detail::DetailCells;
-use dolomite_tessellation::detail::lattice::MAX_DEPTH;
-use dolomite_tessellation::detail::layout::{
+use dolomite_ground::detail::DetailCells;
+use dolomite_ground::detail::lattice::MAX_DEPTH;
+use dolomite_ground::detail::layout::{
     ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DEPTH_PASSES, DetailParams,
     DetailPass, Groups, HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, Pass,
     RECORD_BYTES, Second, VIEW_CELL_BYTES, arguments_at, without,
 };
-use dolomite_tessellation::stage::layout::{HEAD_WORDS, OTHERS_ARGUMENTS, VERTEX_BYTES};
+use dolomite_tessellation::layout::{HEAD_WORDS, OTHERS_ARGUMENTS, VERTEX_BYTES};
 use layouts::{Layouts, group};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};

@@ -4,8 +4,8 @@
 use crate::gpu::Gpu;
 use crate::stage::{StageError, StagePasses, StageRun, layout};
 use bytemuck::{Zeroable, bytes_of};
-use dolomite_tessellation::stage::layout::{EVALUATED_BYTES, StageDraw, VERTEX_BYTES};
-use dolomite_tessellation::stage::{Domain, Drawing};
+use dolomite_tessellation::layout::{EVALUATED_BYTES, StageDraw, VERTEX_BYTES};
+use dolomite_tessellation::{Domain, Drawing};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};

@@ -3,7 +3,7 @@
 use crate::gpu::{Gpu, GpuError};
 use crate::stage::StageRun;
 use bytemuck::cast_slice;
-use dolomite_tessellation::stage::layout::VERTEX_BYTES;
+use dolomite_tessellation::layout::VERTEX_BYTES;
 use wgpu::{
     BufferUsages, Extent3d, FragmentState, LoadOp, Operations, RenderPassColorAttachment,
     RenderPassDescriptor, RenderPipelineDescriptor, StoreOp, TextureDescriptor, TextureDimension,

@@ -3,12 +3,12 @@
 
 use crate::gpu::{Gpu, GpuError};
 use bytemuck::{Zeroable, bytes_of, cast_slice, pod_collect_to_vec, pod_read_unaligned};
-use dolomite_tessellation::stage::layout::{
+use dolomite_tessellation::layout::{
     BLOCK, EVALUATED_BYTES, GRID_DISPATCH_ARGUMENTS, StageParams, StageView, VERTEX_BYTES,
     VERTEX_DISPATCH_ARGUMENTS, WorkHead,
 };
-use dolomite_tessellation::stage::tables::{Instance, Tables};
-use dolomite_tessellation::stage::{
+use dolomite_tessellation::tables::{Instance, Tables};
+use dolomite_tessellation::{
     Domain, Drawing, Mode, PatchLayout, PatchMesh, Spacing, Tessellator, Winding,
 };
 use std::borrow::Cow;

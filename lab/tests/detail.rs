@@ -7,8 +7,8 @@ use dolomite_lab::gpu::for_test;
 use dolomite_terrain::{
     Fractal, GroundPoint, GroundRect, Hill, Layer, Mask, Source, Terrain, TerrainData,
 };
-use dolomite_tessellation::detail::layout::{DEPTH_PASSES, DetailParams, LAST_PASSES};
-use dolomite_tessellation::detail::{
+use dolomite_ground::detail::layout::{DEPTH_PASSES, DetailParams, LAST_PASSES};
+use dolomite_ground::detail::{
     Detail, DetailCells, DetailMesh, DetailView, Horizon, HorizonView, Metric, Picture, mesh,
     select,
 };

@@ -7,8 +7,8 @@ use dolomite_lab::gpu::for_test;
 use dolomite_lab::studies::ground::measure::{check, ground, params, places};
 use dolomite_lab::studies::lod::cameras::{Kind, camera};
 use dolomite_terrain::GroundPoint;
-use dolomite_tessellation::detail::ring::Ring;
-use dolomite_tessellation::detail::{DetailCells, Metric};
+use dolomite_ground::detail::ring::Ring;
+use dolomite_ground::detail::{DetailCells, Metric};
 
 const PIXELS: Metric = Metric::ErrorBound { pixels: 12.0 };
 

@@ -5,8 +5,8 @@ mod support;
 
 use dolomite_lab::gpu::{Binding, for_test};
 use dolomite_lab::stage::{StagePasses, StageRun};
-use dolomite_tessellation::stage::tables::Instance;
-use dolomite_tessellation::stage::{PatchLayout, PatchMesh, Tessellator, shapes};
+use dolomite_tessellation::tables::Instance;
+use dolomite_tessellation::{PatchLayout, PatchMesh, Tessellator, shapes};
 use std::sync::Arc;
 use support::by_points;
 

@@ -5,9 +5,9 @@ mod support;
 use dolomite_lab::gpu::for_test;
 use dolomite_lab::raster::{Raster, SIDE};
 use dolomite_lab::stage::{StagePasses, StageRun};
-use dolomite_tessellation::stage::half_edge::{Manifold, check};
-use dolomite_tessellation::stage::tables::Instance;
-use dolomite_tessellation::stage::{
+use dolomite_tessellation::half_edge::{Manifold, check};
+use dolomite_tessellation::tables::Instance;
+use dolomite_tessellation::{
     Domain, Levels, Mode, PatchLayout, PatchMesh, Primitives, Tessellator, Winding, shapes,
 };
 use std::sync::Arc;

@@ -3,7 +3,7 @@
 use dolomite_lab::studies::tessellation::captures::compare;
 use dolomite_lab::studies::tessellation::cases::read;
 use dolomite_lab::studies::tessellation::check::{Faults, against_capture};
-use dolomite_tessellation::stage::{Mode, Primitives, Tessellator};
+use dolomite_tessellation::{Mode, Primitives, Tessellator};
 use std::path::Path;
 
 fn captures() -> std::path::PathBuf {

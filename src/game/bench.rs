@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::prelude::*;
-use dolomite_tessellation::render::stage::StageStats;
+use dolomite_tessellation::render::StageStats;
 use serde::Serialize;
 use thiserror::Error;
 

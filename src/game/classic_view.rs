@@ -6,10 +6,10 @@ use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use dolomite_terrain::GroundProbe;
-use dolomite_tessellation::classic::ClassicHeights;
-use dolomite_tessellation::detail::Detail;
-use dolomite_tessellation::render::classic::{ClassicPlugin, ClassicSettings};
-use dolomite_tessellation::stage::StageCamera;
+use dolomite_classic::ClassicHeights;
+use dolomite_ground::detail::Detail;
+use dolomite_classic::render::{ClassicPlugin, ClassicSettings};
+use dolomite_tessellation::StageCamera;
 
 use super::camera::{CameraSystems, FreeCamera};
 use super::hud::UiCamera;

@@ -6,9 +6,9 @@ use std::time::Duration;
 use bevy::diagnostic::{DiagnosticsStore, FrameTimeDiagnosticsPlugin};
 use bevy::prelude::*;
 use bevy::time::common_conditions::on_real_timer;
-use dolomite_tessellation::detail::budget::BudgetReport;
-use dolomite_tessellation::detail::{Detail, Metric};
-use dolomite_tessellation::render::stage::StageStats;
+use dolomite_ground::detail::budget::BudgetReport;
+use dolomite_ground::detail::{Detail, Metric};
+use dolomite_tessellation::render::StageStats;
 
 use super::hot_reload::SceneFault;
 use super::keys;

@@ -3,9 +3,9 @@
 
 use bevy::prelude::*;
 use clap::ValueEnum;
-use dolomite_tessellation::classic::{ClassicLevels, STATIC_LEVEL};
-use dolomite_tessellation::detail::{self, Detail};
-use dolomite_tessellation::render::classic::ClassicSettings;
+use dolomite_classic::{ClassicLevels, STATIC_LEVEL};
+use dolomite_ground::detail::{self, Detail};
+use dolomite_classic::render::ClassicSettings;
 use thiserror::Error;
 
 use super::scenes::{self, LoadedScene};

@@ -15,8 +15,8 @@ use bevy::shader::ShaderCacheError;
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
-use dolomite_tessellation::render::ground::TerrainRelief;
-use dolomite_tessellation::render::stage::StageStats;
+use dolomite_ground::render::TerrainRelief;
+use dolomite_tessellation::render::StageStats;
 use thiserror::Error;
 
 use super::device::{self, Device};

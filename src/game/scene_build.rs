@@ -8,7 +8,7 @@ use dolomite_terrain::{
     Filter, Fractal, GroundRect, HeightMapFile, Layer, MapFormat, Source, Terrain, TerrainData,
 };
 
-use dolomite_tessellation::classic::ClassicHeights;
+use dolomite_classic::ClassicHeights;
 
 use super::bench_path::classic_orbit;
 use super::camera::{PITCH_LIMIT, Pose};

@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 use dolomite_terrain::{Ground, HeightMapError, RawFormat, Terrain, TerrainError};
-use dolomite_tessellation::classic::{ClassicHeights, ClassicHeightsError, heights};
+use dolomite_classic::{ClassicHeights, ClassicHeightsError, heights};
 use thiserror::Error;
 
 use super::camera::Pose;

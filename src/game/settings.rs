@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
-use dolomite_tessellation::detail::settings::LEAST_PIXELS;
+use dolomite_ground::detail::settings::LEAST_PIXELS;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use bevy::math::Vec4;
 use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, ShaderType};
-use dolomite_tessellation::render::stage::{PatchKind, PatchPlugin, PatchPool, PatchShader};
-use dolomite_tessellation::stage::{PatchLayout, PatchMesh, Patches};
+use dolomite_tessellation::render::{PatchKind, PatchPlugin, PatchPool, PatchShader};
+use dolomite_tessellation::{PatchLayout, PatchMesh, Patches};
 
 use super::camera::{CameraSystems, FreeCamera};
 use super::scattering::zenith_depth;

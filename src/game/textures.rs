@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use bevy::asset::RenderAssetUsages;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-use dolomite_tessellation::render::ground::texture::{LAYERS, TextureArrayError, texture_array};
+use dolomite_ground::render::texture::{LAYERS, TextureArrayError, texture_array};
 use thiserror::Error;
 
 /// Why a texture array was refused.

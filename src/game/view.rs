@@ -9,10 +9,10 @@ use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 use dolomite_terrain::Ground;
-use dolomite_tessellation::detail::budget::{Budget, FrameTime};
-use dolomite_tessellation::detail::{Detail, Metric};
-use dolomite_tessellation::stage::StageCamera;
-use dolomite_tessellation::{MaterialBands, TerrainMaterial, TerrainView};
+use dolomite_ground::detail::budget::{Budget, FrameTime};
+use dolomite_ground::detail::{Detail, Metric};
+use dolomite_tessellation::StageCamera;
+use dolomite_ground::{MaterialBands, TerrainMaterial, TerrainView};
 
 use super::camera::{CameraSystems, FreeCamera};
 use super::hero::HeroPlugin;

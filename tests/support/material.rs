@@ -4,8 +4,8 @@ use bevy::app::App;
 use bevy::asset::RenderAssetUsages;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-use dolomite::tessellation::TerrainMaterial;
-use dolomite::tessellation::render::ground::texture::{LAYERS, texture_array};
+use dolomite::ground::TerrainMaterial;
+use dolomite::ground::render::texture::{LAYERS, texture_array};
 
 /// A material of the smallest textures.
 pub fn material(app: &mut App) -> TerrainMaterial {

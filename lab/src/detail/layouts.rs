@@ -1,7 +1,7 @@
 //! Layouts of what the passes bind, and groups of buffers.
 
 use crate::gpu::Gpu;
-use dolomite_tessellation::detail::layout::Second;
+use dolomite_ground::detail::layout::Second;
 use wgpu::{
     BindGroup, BindGroupLayout, BindGroupLayoutEntry, BindingType, BufferBindingType, ShaderStages,
 };

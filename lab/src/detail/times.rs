@@ -3,7 +3,7 @@
 use super::{DetailError, DetailRun, DetailStage};
 use crate::gpu::Gpu;
 use bytemuck::pod_collect_to_vec;
-use dolomite_tessellation::detail::layout::DetailParams;
+use dolomite_ground::detail::layout::DetailParams;
 use std::time::Duration;
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePass, ComputePassDescriptor,

@@ -2,8 +2,8 @@
 
 use dolomite_lab::gpu::Gpu;
 use dolomite_lab::stage::{Emitted, StagePasses, StageRun};
-use dolomite_tessellation::stage::tables::Instance;
-use dolomite_tessellation::stage::{PatchMesh, Spacing, Tessellator};
+use dolomite_tessellation::tables::Instance;
+use dolomite_tessellation::{PatchMesh, Spacing, Tessellator};
 use std::sync::Arc;
 
 pub const SPACINGS: [Spacing; 3] = [

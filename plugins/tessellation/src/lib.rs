@@ -1,58 +1,138 @@
-//! Tessellation on the GPU, for Bevy.
+//! The tessellation stage in Rust: any patch of triangles, quads or isolines, as OpenGL 4.6 and
+//! Vulkan 1.3 specify it, in integers from the levels on, so that it gives the same bits on every
+//! machine; the WGSL in `shaders/src/stage/` is its twin, integer for integer.
 //!
-//! The **stage** ([`stage`], `render::stage`) is what WebGPU lacks: patches of triangles, quads or
-//! isolines, refined by control and evaluate functions in WGSL as OpenGL and Vulkan have them. What
-//! comes out is drawn into Bevy's G-buffer, so that Bevy lights it, shadows it and composites
-//! everything else with it.
-//!
-//! The **terrain** ([`ground`], `render::ground`) is one of its kinds of patches, ready to use.
-//!
-//! ```no_run
-//! use bevy::{math::DVec2, prelude::*};
-//! use dolomite_terrain::{Fractal, GroundRect, Layer, Source, Terrain, TerrainData};
-//! use dolomite_tessellation::{TerrainMaterial, TerrainTessellationPlugin, TerrainView};
-//!
-//! fn setup(mut commands: Commands, assets: Res<AssetServer>) -> Result {
-//!     let terrain = Terrain::new(TerrainData {
-//!         extent: GroundRect::square(DVec2::ZERO, 4000.0),
-//!         layers: vec![Layer { source: Source::Fractal(Fractal::default()), mask: None }],
-//!         base: 0.0,
-//!         sea_level: Some(0.0),
-//!     })?;
-//!     let albedo = assets.load("textures/terrain_albedo_height.png");
-//!     let normal = assets.load("textures/terrain_normal_roughness.png");
-//!     commands.spawn((terrain, TerrainMaterial::new(albedo, normal)));
-//!     commands.spawn((Camera3d::default(), Msaa::Off, TerrainView::default()));
-//!     Ok(())
-//! }
-//!
-//! # let mut app = App::new();
-//! app.add_plugins(TerrainTessellationPlugin).add_systems(Startup, setup);
 //! ```
+//! use dolomite_tessellation::{Domain, Levels, Spacing, tessellate};
+//!
+//! let levels = Levels { outer: [4.0; 4], inner: [4.0; 2] };
+//! let mesh = tessellate(Domain::Triangles, Spacing::Equal, levels);
+//! assert_eq!((mesh.coordinates.len(), mesh.primitives.len()), (19, 24));
+//! ```
+//!
+//! Conventions. Coordinates are (u, v, w), multiples of 2⁻²⁴ in [0, 1]; quads and isolines have
+//! w = 0, triangles u + v + w = 1 to the bit. The plane of the domain has u to the right and v up:
+//! a triangle is counter-clockwise there where u₁v₂ − u₂v₁ > 0 for its two edges, as OpenGL has it.
+//! Corners go round counter-clockwise: (0,0), (1,0), (1,1), (0,1) of a quad; w, u, v of a triangle.
+//! Side `s` is the one of `outer[s]` (u = 0, v = 0, then u = 1 and v = 1, or w = 0) and goes round
+//! counter-clockwise too: from corner s − 1 to corner s.
 //!
 //! | part | what it does |
 //! |---|---|
-//! | [`stage`] | the tessellation stage for any patches, in Rust; patch meshes, components |
-//! | [`ground`] | the terrain as patches of the stage: a balanced quadtree around the focus |
-//! | [`classic`] | a scene to compare methods on |
-//! | `render::stage` | the stage on the GPU, programmed by control and evaluate functions in WGSL (feature `render`) |
-//! | `render::ground` | the terrain's functions, textures and look (feature `render`) |
-//! | `render::classic` | the classic scene's kind of patches (feature `render`) |
-//!
-//! Cost: per camera and kind one vertex and one index pool (`PatchKind::pool`,
-//! [`TerrainView`]); seven dispatches in a frame whose view or patches
-//! changed, none else.
+//! | [`level`] | clamps and rounds what the control function wrote |
+//! | [`place`] | where a vertex lies along an edge |
+//! | [`ruler`] | in which order a strip between two rows of vertices is stitched |
+//! | [`shape`] | counts; which vertices a primitive joins |
+//! | [`coordinate`] | where an inner vertex lies |
+//! | [`patches`] | patches with control points; which corners and edges they share |
+//! | [`tables`], [`layout`] | what the passes on the GPU read and write |
+//! | [`vertex`] | the words of a stored vertex |
+//! | [`HostFunctions`] | functions of a kind in Rust: the stage without dispatches |
+//! | [`half_edge`] | whether triangles form a manifold with the border that they should have |
 
-pub mod classic;
-pub mod detail;
-pub mod ground;
+mod components;
+pub mod coordinate;
+pub mod half_edge;
+mod host;
+pub mod layout;
+pub mod level;
+mod mesh;
+pub mod patches;
+pub mod place;
 #[cfg(feature = "render")]
 pub mod render;
-pub mod stage;
+pub mod ruler;
+pub mod shape;
+pub mod shapes;
+pub mod tables;
+mod tessellate;
+mod topology;
+pub mod vertex;
 
-#[cfg(feature = "render")]
-pub use ground::TerrainMaterial;
-pub use ground::{
-    MaterialBands, PatchBounds, TerrainCover, TerrainCoverSystems, TerrainTessellationPlugin,
-    TerrainView,
-};
+pub use components::{Patches, StageCamera};
+pub use host::{HostFunctions, HostPatch, HostTessellation, HostVertex, tessellate_host};
+pub use level::Levels;
+pub use mesh::{MeshTessellation, MeshVertex};
+pub use patches::{PatchLayout, PatchMesh, PatchMeshError};
+pub use tessellate::{Primitives, Tessellation, Tessellator, tessellate};
+
+/// The parameter space of a patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Domain {
+    /// Barycentric (u, v, w): three outer levels, one inner level.
+    #[default]
+    Triangles,
+    /// The unit square: four outer levels, two inner levels (`inner[0]` along u).
+    Quads,
+    /// Horizontal lines in the unit square: `outer[0]` lines of `outer[1]` segments.
+    Isolines,
+}
+
+impl Domain {
+    /// Sides whose levels count: 3, 4 or 2.
+    #[must_use]
+    pub const fn outer_levels(self) -> usize {
+        match self {
+            Self::Triangles => 3,
+            Self::Quads => 4,
+            Self::Isolines => 2,
+        }
+    }
+
+    /// Inner levels that count: 1, 2 or 0.
+    #[must_use]
+    pub const fn inner_levels(self) -> usize {
+        match self {
+            Self::Triangles => 1,
+            Self::Quads => 2,
+            Self::Isolines => 0,
+        }
+    }
+}
+
+/// How levels become segments, and where the vertices between them lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Spacing {
+    /// Segments of one length; levels are rounded up.
+    #[default]
+    Equal,
+    /// An even number of segments, two of which grow out of nothing as the level rises.
+    FractionalEven,
+    /// An odd number of segments, two of which grow out of nothing as the level rises.
+    FractionalOdd,
+}
+
+/// The orientation of triangles in the (u, v) plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Winding {
+    /// Counter-clockwise.
+    #[default]
+    Ccw,
+    /// Clockwise.
+    Cw,
+}
+
+/// Where vertices are evaluated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Drawing {
+    /// Once, in the compute pass; the draws of all views read 20 bytes a vertex. For functions that
+    /// cost more than memory, and for many shadow views.
+    #[default]
+    Stored,
+    /// In the vertex shader of every draw, from patch and coordinate, 12 bytes a vertex. For
+    /// functions that follow the time while the levels rest: nothing is dispatched for those.
+    Evaluated,
+}
+
+/// How exactly coordinates are placed. Both modes make the same primitives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Mode {
+    /// Within 2⁻²⁴ of the rational number that the spacing defines, exactly symmetric.
+    #[default]
+    Exact,
+    /// The bits of the 16.16 fixed-point reference tessellator of Direct3D 11, which software and
+    /// hardware drivers follow. Off by up to 2e-4 along edges and 2.7e-4 inside triangles; at even
+    /// levels just above 6 and 30 its rounding folds the two middle segments over each other by up
+    /// to 7 / 65536, as the reference does.
+    D3d,
+}

@@ -9,7 +9,7 @@ use crate::csv::{ErrorNumbers, Row};
 use crate::plot::{Axes, Chart, Curve};
 use crate::study::{Figure, Options, Report, Study};
 use control::{Control, Ours, PidControl};
-use dolomite_tessellation::detail::budget::Budget;
+use dolomite_ground::detail::budget::Budget;
 use fly::{BAND, START, Trace, Verdict, demands, fly, judge};
 use plant::{MadeUp, NOISE, Plant};
 use serde_json::{Map, Value, json};

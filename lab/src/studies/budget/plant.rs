@@ -5,7 +5,7 @@
 //! demand curve foretells is off by some percent, differently in each place.
 
 use crate::studies::noise::points::Random;
-use dolomite_tessellation::detail::budget::DemandCurve;
+use dolomite_ground::detail::budget::DemandCurve;
 
 /// Frames a second of the flight.
 pub const RATE: f64 = 60.0;

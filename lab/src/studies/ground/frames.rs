@@ -9,8 +9,8 @@ use crate::detail::{DetailError, DetailStage};
 use crate::gpu::Gpu;
 use crate::studies::lod::camera::Camera;
 use dolomite_terrain::Terrain;
-use dolomite_tessellation::detail::ring::Ring;
-use dolomite_tessellation::detail::{DetailCells, Metric};
+use dolomite_ground::detail::ring::Ring;
+use dolomite_ground::detail::{DetailCells, Metric};
 use std::time::{Duration, Instant};
 
 /// Frames of a flight of the study.

@@ -8,8 +8,8 @@ use crate::studies::lod::terrains;
 use crate::studies::noise::points::Random;
 use bevy::math::{DVec2, DVec3};
 use dolomite_terrain::{GroundPoint, Source, Terrain, TerrainData};
-use dolomite_tessellation::detail::layout::DetailParams;
-use dolomite_tessellation::detail::{DetailCells, Metric};
+use dolomite_ground::detail::layout::DetailParams;
+use dolomite_ground::detail::{DetailCells, Metric};
 
 /// Room for vertices and triangles.
 const POOLS: [u32; 2] = [1 << 18, 1 << 19];

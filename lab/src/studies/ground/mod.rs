@@ -16,7 +16,7 @@ use crate::plot::{Axes, Chart, Curve};
 use crate::studies::lod::cameras::{Kind, camera};
 use crate::study::{Figure, Options, Report, Study};
 use bevy::math::DVec2;
-use dolomite_tessellation::detail::{DetailCells, Metric};
+use dolomite_ground::detail::{DetailCells, Metric};
 use frames::{Ages, FRAMES, fly};
 use measure::{Checked, Verdict, check, ground, params, places};
 use serde_json::{Value, json};

@@ -7,7 +7,7 @@ use super::terrains;
 use bevy::math::{DVec2, UVec2};
 use bevy::platform::collections::{HashMap, HashSet};
 use dolomite_terrain::GroundRect;
-use dolomite_tessellation::detail::{DetailMesh, mesh};
+use dolomite_ground::detail::{DetailMesh, mesh};
 
 /// What is found in meshes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

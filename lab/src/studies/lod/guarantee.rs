@@ -20,7 +20,7 @@ use crate::studies::noise::points::Random;
 use crate::studies::tessellation::study::on_all_cores;
 use bevy::math::{DVec2, DVec3, UVec2};
 use dolomite_terrain::Terrain;
-use dolomite_tessellation::detail::{DetailCells, DetailMesh, Selection, mesh};
+use dolomite_ground::detail::{DetailCells, DetailMesh, Selection, mesh};
 use std::sync::atomic::AtomicU64;
 
 /// Tolerances, pixels.

@@ -6,7 +6,7 @@ use super::rival::{Knob, MOST_TRIANGLES, Rival};
 use super::truth::Truth;
 use bevy::math::{DQuat, DVec3, EulerRot};
 use dolomite_terrain::Terrain;
-use dolomite_tessellation::detail::{
+use dolomite_ground::detail::{
     Detail, DetailCells, DetailMesh, DetailView, Lens, Metric, Selection, mesh, select,
 };
 use std::sync::{Arc, Mutex};

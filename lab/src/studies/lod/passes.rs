@@ -6,8 +6,8 @@ use crate::detail::{DetailError, DetailStage};
 use crate::gpu::Gpu;
 use bevy::math::DVec3;
 use dolomite_terrain::Terrain;
-use dolomite_tessellation::detail::DetailCells;
-use dolomite_tessellation::detail::layout::DetailParams;
+use dolomite_ground::detail::DetailCells;
+use dolomite_ground::detail::layout::DetailParams;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 

@@ -13,7 +13,7 @@ use crate::metrics::ErrorStats;
 use crate::studies::tessellation::study::on_all_cores;
 use bevy::math::{DVec2, DVec3};
 use dolomite_terrain::Terrain;
-use dolomite_tessellation::detail::{DetailCells, mesh};
+use dolomite_ground::detail::{DetailCells, mesh};
 
 /// Frames a second.
 pub const RATE: f64 = 60.0;

@@ -17,7 +17,7 @@ use crate::study::{Options, Report, Study};
 use bevy::math::{DVec3, UVec2};
 use clap::ValueEnum;
 use dolomite_terrain::Terrain;
-use dolomite_tessellation::classic::ClassicHeights;
+use dolomite_classic::ClassicHeights;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
@@ -219,7 +219,7 @@ fn times(plan: &Plan, rows: &mut Vec<csv::Row>) -> Value {
     eprintln!("lod: time");
     let mut told = Vec::new();
     // As games have it by default.
-    let finest = dolomite_tessellation::detail::Detail::default().finest;
+    let finest = dolomite_ground::detail::Detail::default().finest;
     for (number, camera) in ordinary(&plan.ground).iter().enumerate() {
         let camera = super::camera::Camera {
             size: plan.picture * 2,
@@ -257,7 +257,7 @@ fn on_the_adapter(plan: &Plan) -> Value {
         Err(error) => return json!({ "not_measured": error.to_string() }),
     };
     let [standing, flying, _] = ordinary(&plan.ground);
-    let finest = dolomite_tessellation::detail::Detail::default().finest;
+    let finest = dolomite_ground::detail::Detail::default().finest;
     let mut views = vec![
         ("standing", plan.ground.clone(), standing, finest),
         ("flying", plan.ground.clone(), flying, finest),

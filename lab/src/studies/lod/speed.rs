@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::ours::{bound, cells_of, choose, detail_view};
 use crate::metrics::median;
 use dolomite_terrain::Terrain;
-use dolomite_tessellation::detail::mesh;
+use dolomite_ground::detail::mesh;
 use std::time::Instant;
 
 /// Times of one camera, milliseconds, medians.

@@ -4,7 +4,7 @@ use super::cases::{Case, CaseError, read};
 use super::check::{Faults, against_capture};
 use super::wgsl::{Adapter, AdapterError};
 use crate::gpu::GpuError;
-use dolomite_tessellation::stage::{Mode, Tessellator};
+use dolomite_tessellation::{Mode, Tessellator};
 use serde_json::{Value, json};
 use std::path::Path;
 use thiserror::Error;

@@ -1,6 +1,6 @@
 //! Captures of a tessellator: one JSON object a line, a patch each.
 
-use dolomite_tessellation::stage::{Domain, Levels, Mode, Spacing, Tessellator, Winding};
+use dolomite_tessellation::{Domain, Levels, Mode, Spacing, Tessellator, Winding};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 use thiserror::Error;

@@ -3,10 +3,10 @@
 
 use super::cases::Case;
 use super::rational::D3D_RING_REACH;
-use dolomite_tessellation::stage::half_edge;
-use dolomite_tessellation::stage::place::UNIT;
-use dolomite_tessellation::stage::shape::Shape;
-use dolomite_tessellation::stage::{Domain, Levels, Mode, Primitives, Tessellator, Winding};
+use dolomite_tessellation::half_edge;
+use dolomite_tessellation::place::UNIT;
+use dolomite_tessellation::shape::Shape;
+use dolomite_tessellation::{Domain, Levels, Mode, Primitives, Tessellator, Winding};
 use serde::Serialize;
 
 /// Coordinates in units of 2⁻²⁴, and what joins them.
@@ -253,7 +253,7 @@ pub fn is_wound(tessellator: &Tessellator, patch: &Patch) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use dolomite_tessellation::stage::Spacing;
+    use dolomite_tessellation::Spacing;
 
     /// A capture as the reference makes it: 16.16 fixed point.
     fn capture(level: f32) -> Case {

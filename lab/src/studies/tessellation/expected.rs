@@ -2,7 +2,7 @@
 //! Vulkan 1.3, "Tessellation", in f64 and with the sums over rings that conformance tests use:
 //! nothing here is shared with the stage.
 
-use dolomite_tessellation::stage::{Domain, Levels, Mode, Spacing, Tessellator};
+use dolomite_tessellation::{Domain, Levels, Mode, Spacing, Tessellator};
 
 /// A level after clamping and rounding, and its number of segments.
 #[derive(Debug, Clone, Copy, PartialEq)]

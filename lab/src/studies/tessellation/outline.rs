@@ -3,7 +3,7 @@
 
 use super::check::Patch;
 use super::expected::{Expected, expected};
-use dolomite_tessellation::stage::{Domain, Levels, Mode, Tessellator};
+use dolomite_tessellation::{Domain, Levels, Mode, Tessellator};
 
 /// A triangle by its coordinates (u and v; rule 8 asks for w), whatever their order.
 pub type Corners = [u64; 3];

@@ -2,7 +2,7 @@
 //! tessellator may go wrong.
 
 use crate::studies::noise::points::Random;
-use dolomite_tessellation::stage::{Domain, Levels, Mode, Spacing, Tessellator, Winding};
+use dolomite_tessellation::{Domain, Levels, Mode, Spacing, Tessellator, Winding};
 
 /// Domains, as they are drawn.
 pub const DOMAINS: [Domain; 3] = [Domain::Triangles, Domain::Quads, Domain::Isolines];

@@ -9,8 +9,8 @@
 
 use super::expected::{Clamped, Expected, expected};
 use super::random::Tuple;
-use dolomite_tessellation::stage::Domain;
-use dolomite_tessellation::stage::place::UNIT;
+use dolomite_tessellation::Domain;
+use dolomite_tessellation::place::UNIT;
 
 /// Largest error that a coordinate may have in mode `Exact`: 2⁻²⁴.
 pub const EXACT_REACH: f64 = 1.0 / UNIT as f64;
@@ -206,7 +206,7 @@ pub fn errors(tuple: &Tuple, coordinates: &[[u32; 3]]) -> Option<Vec<f64>> {
 mod tests {
     use super::super::random::Tuples;
     use super::*;
-    use dolomite_tessellation::stage::{Levels, Mode, Spacing, Tessellator};
+    use dolomite_tessellation::{Levels, Mode, Spacing, Tessellator};
 
     #[test]
     fn the_ruler_halves_the_longest_gap() {

@@ -7,7 +7,7 @@ use super::study::Sweep;
 use crate::csv::{ErrorNumbers, Row};
 use crate::plot::{Axes, Chart, Curve};
 use crate::study::{Figure, Report};
-use dolomite_tessellation::stage::{Domain, Mode, Spacing};
+use dolomite_tessellation::{Domain, Mode, Spacing};
 use serde_json::{Map, Value, json};
 
 /// What was found about one patch.

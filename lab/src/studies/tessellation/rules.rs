@@ -8,8 +8,8 @@ use super::check::Patch;
 use super::expected::expected;
 use super::outline::{Outline, sorted};
 use super::random::Tuple;
-use dolomite_tessellation::stage::place::UNIT;
-use dolomite_tessellation::stage::{Domain, Levels, Primitives, Tessellator, Winding};
+use dolomite_tessellation::place::UNIT;
+use dolomite_tessellation::{Domain, Levels, Primitives, Tessellator, Winding};
 
 /// Number of rules.
 pub const RULES: usize = 8;

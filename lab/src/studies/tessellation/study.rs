@@ -11,8 +11,8 @@ use super::wgsl::Adapter;
 use crate::metrics::ErrorStats;
 use crate::studies::noise::points::Random;
 use crate::study::{Options, Report, Study};
-use dolomite_tessellation::stage::place::UNIT;
-use dolomite_tessellation::stage::{Domain, Levels, Mode, Tessellator};
+use dolomite_tessellation::place::UNIT;
+use dolomite_tessellation::{Domain, Levels, Mode, Tessellator};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -276,7 +276,7 @@ pub(super) fn violations_of(
 mod tests {
     use super::super::rules::RULES;
     use super::*;
-    use dolomite_tessellation::stage::Primitives;
+    use dolomite_tessellation::Primitives;
     use serde_json::Value;
 
     /// A small run of the whole study finds nothing wrong.

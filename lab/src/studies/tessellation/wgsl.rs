@@ -3,8 +3,8 @@
 use super::check::Patch;
 use crate::gpu::{Binding, Gpu, GpuError, Kernel};
 use bytemuck::{Pod, Zeroable, cast_slice, pod_collect_to_vec};
-use dolomite_tessellation::stage::shape::Shape;
-use dolomite_tessellation::stage::{
+use dolomite_tessellation::shape::Shape;
+use dolomite_tessellation::{
     Domain, Levels, Mode, Primitives, Spacing, Tessellator, Winding,
 };
 use thiserror::Error;

@@ -8,8 +8,8 @@ use crate::metrics::median;
 use crate::plot::{Axes, Chart, Curve};
 use crate::stage::{StageError, StagePasses, StageRun};
 use crate::study::{Figure, Options, Report, Study};
-use dolomite_tessellation::stage::tables::Instance;
-use dolomite_tessellation::stage::{
+use dolomite_tessellation::tables::Instance;
+use dolomite_tessellation::{
     Domain, Drawing, PatchLayout, PatchMesh, Spacing, Tessellator, shapes,
 };
 use serde_json::{Map, Value, json};
@@ -211,7 +211,7 @@ fn measure(
 ) -> Result<Measured, StageError> {
     let passes = StagePasses::with_drawing(gpu, tessellator, drawing)?;
     let each = tessellator
-        .tessellate(&dolomite_tessellation::stage::Levels::uniform(level))
+        .tessellate(&dolomite_tessellation::Levels::uniform(level))
         .primitives
         .len();
     let mesh = mesh(tessellator.domain, options.triangles as usize / each.max(1));

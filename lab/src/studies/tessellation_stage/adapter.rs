@@ -8,9 +8,9 @@ use super::twin::Sharing;
 use crate::gpu::Gpu;
 use crate::stage::{Emitted, StageError, StagePasses, StageRun};
 use crate::studies::noise::points::Random;
-use dolomite_tessellation::stage::shape::Shape;
-use dolomite_tessellation::stage::tables::Instance;
-use dolomite_tessellation::stage::{Domain, Drawing, PatchLayout, PatchMesh, Tessellator};
+use dolomite_tessellation::shape::Shape;
+use dolomite_tessellation::tables::Instance;
+use dolomite_tessellation::{Domain, Drawing, PatchLayout, PatchMesh, Tessellator};
 use std::sync::Arc;
 use std::time::Instant;
 use thiserror::Error;
@@ -29,7 +29,7 @@ pub enum AdapterError {
     Stage(#[from] StageError),
     /// Patches that no mesh can have.
     #[error("pairs of patches were refused: {0}")]
-    Mesh(#[from] dolomite_tessellation::stage::PatchMeshError),
+    Mesh(#[from] dolomite_tessellation::PatchMeshError),
     /// The pools of the run were too small, so that levels were lowered.
     #[error("the pools of a run did not hold its patches")]
     Lowered,

@@ -5,9 +5,9 @@ use super::report::{Section, domain_name, figure, row, spacing_name};
 use crate::gpu::Gpu;
 use crate::stage::{StageError, StagePasses, StageRun};
 use crate::studies::tessellation::random::{DOMAINS, SPACINGS};
-use dolomite_tessellation::stage::shape::Shape;
-use dolomite_tessellation::stage::tables::Instance;
-use dolomite_tessellation::stage::{
+use dolomite_tessellation::shape::Shape;
+use dolomite_tessellation::tables::Instance;
+use dolomite_tessellation::{
     Domain, Drawing, Levels, Mode, PatchLayout, PatchMesh, Spacing, Tessellator, shapes,
 };
 use serde_json::{Map, Value, json};

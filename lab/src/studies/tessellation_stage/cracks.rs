@@ -8,7 +8,7 @@ use crate::gpu::Gpu;
 use crate::studies::noise::points::Random;
 use crate::studies::tessellation::study::on_all_cores;
 use crate::study::Options;
-use dolomite_tessellation::stage::Tessellator;
+use dolomite_tessellation::Tessellator;
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 

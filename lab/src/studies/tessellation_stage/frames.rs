@@ -9,9 +9,9 @@ use crate::raster::{Raster, SIDE};
 use crate::stage::{StageError, StagePasses, StageRun};
 use crate::studies::noise::points::Random;
 use crate::study::Options;
-use dolomite_tessellation::stage::shape::Shape;
-use dolomite_tessellation::stage::tables::Instance;
-use dolomite_tessellation::stage::{
+use dolomite_tessellation::shape::Shape;
+use dolomite_tessellation::tables::Instance;
+use dolomite_tessellation::{
     Domain, Drawing, Levels, PatchLayout, PatchMesh, Tessellator, shapes,
 };
 use serde_json::json;

@@ -5,8 +5,8 @@ use crate::gpu::{Gpu, GpuError};
 use crate::stage::{StageError, StagePasses, StageRun, layout};
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use dolomite_shaders::{ShaderFile, compose_with};
-use dolomite_tessellation::stage::Drawing;
-use dolomite_tessellation::stage::layout::{
+use dolomite_tessellation::Drawing;
+use dolomite_tessellation::layout::{
     EVALUATED_BYTES, MATERIAL_ROWS, MaterialRow, StageDraw, VERTEX_BYTES,
 };
 use std::borrow::Cow;

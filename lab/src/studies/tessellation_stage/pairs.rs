@@ -2,7 +2,7 @@
 
 use super::super::tessellation::random::{MODES, SPACINGS, positive};
 use crate::studies::noise::points::Random;
-use dolomite_tessellation::stage::{Domain, Levels, PatchLayout, Tessellator, Winding};
+use dolomite_tessellation::{Domain, Levels, PatchLayout, Tessellator, Winding};
 
 /// Domains whose patches have sides.
 pub const DOMAINS: [Domain; 2] = [Domain::Triangles, Domain::Quads];

@@ -2,8 +2,8 @@
 
 use super::gbuffer::MAIN;
 use super::shadows::MOST;
-use dolomite_tessellation::stage::tables::Instance;
-use dolomite_tessellation::stage::{Levels, PatchMesh, Tessellator};
+use dolomite_tessellation::tables::Instance;
+use dolomite_tessellation::{Levels, PatchMesh, Tessellator};
 
 /// Where the five entities stand, metres; the camera stands at the origin and looks along −z.
 pub const PLACES: [[f32; 3]; 5] = [

@@ -11,7 +11,7 @@ use crate::metrics::median;
 use crate::stage::{StageError, StagePasses, StageRun};
 use crate::study::{Figure, Options};
 use dolomite_shaders::ShaderFile;
-use dolomite_tessellation::stage::{Drawing, Tessellator, shapes};
+use dolomite_tessellation::{Drawing, Tessellator, shapes};
 use serde_json::{Value, json};
 use std::sync::Arc;
 

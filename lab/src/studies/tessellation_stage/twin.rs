@@ -3,11 +3,11 @@
 
 use super::pairs::{Pair, layout};
 use super::seam::{Bits, Seam, Seams};
-use dolomite_tessellation::stage::coordinate::{Coordinate, corner_coordinate, side_coordinate};
-use dolomite_tessellation::stage::patches::REVERSED;
-use dolomite_tessellation::stage::place::UNIT;
-use dolomite_tessellation::stage::shape::Shape;
-use dolomite_tessellation::stage::{Domain, Levels, PatchMesh, Tessellator};
+use dolomite_tessellation::coordinate::{Coordinate, corner_coordinate, side_coordinate};
+use dolomite_tessellation::patches::REVERSED;
+use dolomite_tessellation::place::UNIT;
+use dolomite_tessellation::shape::Shape;
+use dolomite_tessellation::{Domain, Levels, PatchMesh, Tessellator};
 
 /// Whether the patches of a pair share their common side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,7 +104,7 @@ pub fn compare(tessellator: Tessellator, pair: &Pair, sharing: Sharing) -> Optio
                     segments - i
                 };
                 // The owner places the vertex along its own side.
-                let along = dolomite_tessellation::stage::place::Edge::new(
+                let along = dolomite_tessellation::place::Edge::new(
                     shape.outer[side],
                     tessellator.spacing,
                 )

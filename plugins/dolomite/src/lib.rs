@@ -1,0 +1,60 @@
+//! Dolomite: a data-oriented 3D engine layer on Bevy.
+//!
+//! Each part is a Bevy plugin in a crate of its own, which an app can add without the others.
+//! This crate gathers them:
+//!
+//! | plugin | crate | gives | needs a renderer |
+//! |---|---|---|---|
+//! | [`TerrainPlugin`](terrain::TerrainPlugin) | [`terrain`] | heights, slopes and ground answers from noise and height maps, in f64 | no |
+//! | [`CharacterPlugin`](character::CharacterPlugin) | [`character`] | animated figures with feet on the ground, sampled as large as they are seen | no |
+//! | [`CrowdPlugin`](character::render::CrowdPlugin) | [`character`] | crowds drawn from a palette of poses, 16 bytes a figure | yes |
+//! | [`FbxPlugin`](fbx::FbxPlugin) | [`fbx`] | `load("hero.fbx")`, with the sub-assets of Bevy's glTF loader | no |
+//! | [`PatchPlugin`](tessellation::render::PatchPlugin) | [`tessellation`] | patches of your own, tessellated by your control and evaluate functions | yes |
+//! | [`GroundPlugin`](ground::GroundPlugin) | [`ground`] | terrain refined and drawn on the GPU | yes |
+//!
+//! [`DolomitePlugins`] adds all of them; [`DolomiteMinimalPlugins`] those that need neither a renderer nor
+//! assets. A plugin with none of its components in the world adds nothing to the GPU.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use dolomite::DolomiteMinimalPlugins;
+//! use dolomite::terrain::{Ground, GroundProbe};
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, DolomiteMinimalPlugins));
+//! ```
+//!
+//! Coordinates everywhere: metres and radians, right-handed, +Y up, −Z forward (north).
+
+pub use dolomite_character as character;
+pub use dolomite_fbx as fbx;
+pub use dolomite_ground as ground;
+pub use dolomite_terrain as terrain;
+pub use dolomite_tessellation as tessellation;
+
+
+use bevy::app::{PluginGroup, PluginGroupBuilder};
+
+/// Every plugin of Dolomite. Add after Bevy's `DefaultPlugins`.
+pub struct DolomitePlugins;
+
+impl PluginGroup for DolomitePlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>()
+            .add_group(DolomiteMinimalPlugins)
+            .add(fbx::FbxPlugin)
+            .add(character::render::CrowdPlugin)
+            .add(ground::GroundPlugin)
+    }
+}
+
+/// The plugins of Dolomite that need no renderer. Add after Bevy's `MinimalPlugins`.
+pub struct DolomiteMinimalPlugins;
+
+impl PluginGroup for DolomiteMinimalPlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>()
+            .add(terrain::TerrainPlugin)
+            .add(character::CharacterPlugin)
+    }
+}

@@ -1,0 +1,20 @@
+//! The ground as a kind of patches of the [stage](dolomite_tessellation): a quadtree around the focus, whose
+//! leaves are refined where the view asks for it.
+//!
+//! | part | what it does |
+//! |---|---|
+//! | [`lattice`] | the quadtree: stateless, balanced |
+//! | [`patches`] | its leaves as quads, of which a side may be split between two finer neighbours |
+//! | [`functions`] | levels and vertices of a patch, in Rust |
+
+pub mod functions;
+pub mod lattice;
+pub mod patches;
+mod plugin;
+mod settings;
+
+pub use patches::{GROUND_LAYOUT, GroundPatches};
+pub use plugin::{PatchBounds, TerrainCover, TerrainCoverSystems, GroundPlugin};
+#[cfg(feature = "render")]
+pub use settings::TerrainMaterial;
+pub use settings::{MaterialBands, TerrainView};

@@ -1,0 +1,381 @@
+//! What the shaders of the level of detail are told and keep, byte for byte as
+//! `shaders/src/detail/types.wgsl` and `bindings.wgsl` (a test compares them).
+
+use bytemuck::{Pod, Zeroable};
+use dolomite_terrain::{Filter, GpuTerrainUniform, Source, Terrain};
+
+use super::cell::DetailCells;
+use super::cull::Picture;
+use super::horizon::{COLUMNS, HorizonView, LAYERS};
+use super::lattice::DetailLattice;
+use super::view::DetailView;
+use crate::cover::functions::{DEPTH_RANGE, OPAQUE_DEPTH};
+
+/// All that the passes depend on, beside buffers.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[expect(missing_docs, reason = "each field is documented once, in types.wgsl")]
+pub struct DetailParams {
+    pub view: DetailView,
+    pub origin_cell: [i32; 2],
+    pub origin_frac: [u32; 2],
+    pub step_x: [u32; 2],
+    pub step_z: [u32; 2],
+    pub roots: [u32; 2],
+    pub depth: u32,
+    pub capacity: u32,
+    pub stamp: u32,
+    pub max_vertices: u32,
+    pub max_triangles: u32,
+    pub depth_range: f32,
+    pub sea: f32,
+    pub opaque_depth: f32,
+    pub anchor_height: f32,
+    pub flags: u32,
+    pub clip: [[f32; 4]; 4],
+    pub half_size: [f32; 2],
+    pub pad: [f32; 2],
+    pub horizon: HorizonView,
+}
+
+/// Bit of [`DetailParams::flags`]: triangles that the camera does not see are left out.
+pub const CULL: u32 = 1;
+/// Bit of [`DetailParams::flags`]: among them those that face away.
+pub const FACING: u32 = 2;
+/// Bit of [`DetailParams::flags`]: they are kept at the end of the list, for shadows.
+pub const KEEP_OTHERS: u32 = 4;
+/// Bit of [`DetailParams::flags`]: triangles behind nearer ground are left out as well.
+pub const OCCLUDED: u32 = 8;
+
+impl DetailParams {
+    /// For a view of the cells' ground, with room for so many cells, vertices and triangles. Nothing is left
+    /// out of the picture; see [`Self::cull`].
+    #[must_use]
+    pub fn new(cells: &DetailCells, view: DetailView, capacity: u32, pools: [u32; 2]) -> Self {
+        let lattice = &cells.lattice;
+        let words = |step: u64| [(step >> 32) as u32, step as u32];
+        Self {
+            view,
+            origin_cell: lattice.origin.cell.to_array(),
+            origin_frac: lattice.origin.frac.to_array(),
+            step_x: words(lattice.step[0]),
+            step_z: words(lattice.step[1]),
+            roots: lattice.roots.to_array(),
+            depth: lattice.depth,
+            capacity,
+            stamp: 0,
+            max_vertices: pools[0],
+            max_triangles: pools[1],
+            depth_range: DEPTH_RANGE,
+            sea: cells
+                .terrain()
+                .sea_level()
+                .unwrap_or(GpuTerrainUniform::NO_SEA),
+            opaque_depth: OPAQUE_DEPTH,
+            anchor_height: 0.0,
+            flags: 0,
+            clip: [[0.0; 4]; 4],
+            half_size: [0.0; 2],
+            pad: [0.0; 2],
+            horizon: HorizonView::default(),
+        }
+    }
+
+    /// The same with the triangles left out of the list that `picture` shows nothing of; `keep_others` puts
+    /// them at its end, where draws into shadow maps find them.
+    #[must_use]
+    pub fn cull(self, picture: &Picture, keep_others: bool) -> Self {
+        let facing = if picture.one_sided { FACING } else { 0 };
+        let others = if keep_others { KEEP_OTHERS } else { 0 };
+        Self {
+            flags: CULL | facing | others,
+            clip: picture.clip.to_cols_array_2d(),
+            half_size: picture.half_size.to_array(),
+            ..self
+        }
+    }
+
+    /// The same with those left out as well that nearer ground hides from this view.
+    #[must_use]
+    pub fn occlude(self, horizon: HorizonView) -> Self {
+        Self {
+            flags: self.flags | OCCLUDED,
+            horizon,
+            ..self
+        }
+    }
+
+    /// Whether a pass has something to do.
+    #[must_use]
+    pub const fn needs(&self, groups: Groups) -> bool {
+        !matches!(groups, Groups::Horizon) || self.flags & OCCLUDED != 0
+    }
+}
+
+/// Which depth a pass works on.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[expect(missing_docs, reason = "see bindings.wgsl")]
+pub struct DetailPass {
+    pub depth: u32,
+    pub pad: [u32; 3],
+}
+
+/// Where a cell stands among the others.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[expect(missing_docs, reason = "each field is documented once, in types.wgsl")]
+pub struct Link {
+    pub centre: [u32; 2],
+    pub parent: u32,
+    pub children: u32,
+}
+
+/// Bytes of a cell in a view.
+pub const VIEW_CELL_BYTES: u64 = 96;
+/// Bytes of the lists, for each cell that there is room for: of blocks two words for four, of kept cells one.
+pub const LIST_BYTES: u64 = 6;
+/// Bytes of what the height of a vertex depends on, and of the number of one that is arriving.
+pub const RECORD_BYTES: u64 = 20;
+/// Words of the counts that a choice begins with.
+pub const COUNT_WORDS: usize = 352;
+/// Words of the counts in all: behind those the map of the horizon, and whether it is blind.
+pub const ALL_COUNT_WORDS: usize = COUNT_WORDS + COLUMNS * LAYERS + 1;
+/// Word of the counts: blocks to look at, of each depth.
+pub const LOOK: usize = 32;
+/// Word of the counts: blocks to make, of each depth.
+pub const MAKE: usize = 64;
+/// Threads of a workgroup that works on a cell or a vertex a thread.
+pub const GROUP: u32 = 64;
+/// Most workgroups of a dispatch.
+pub const MOST_GROUPS: u32 = 65_535;
+/// Word of the stage's head that holds the coarsening, as f32.
+pub const HEAD_COARSENING: usize = 26;
+/// Word of the stage's head that holds the greatest demand that finest cells leave, as f32.
+pub const HEAD_LEFT: usize = 27;
+/// Word of the stage's head that holds how many cells are kept.
+pub const HEAD_USED: usize = 28;
+
+/// How many workgroups a pass has. All but one are counted on the GPU, from what the passes before found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Groups {
+    /// One for each block that its depth makes.
+    Make,
+    /// One for every 64 cells that its depth looks at.
+    Look,
+    /// One for every 64 cells that are kept, and one at least.
+    Kept,
+    /// The same, where what nearer ground hides is left out; no dispatch elsewhere.
+    Horizon,
+    /// One.
+    One,
+}
+
+/// What a pass binds beside what all share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Second {
+    /// Nothing.
+    Nothing,
+    /// The ground's data.
+    Ground,
+    /// Arguments of the dispatches to come, written: of the next depth, and of the closing passes.
+    Arguments,
+    /// Corners of the roots, read; vertices and what their heights depend on, written.
+    Vertices,
+    /// Vertices, read; indices, written.
+    Triangles,
+    /// Head of the stage's work, written.
+    Head,
+}
+
+/// A pass: file, entry, what it binds, how many workgroups it has.
+pub type Pass = (&'static str, &'static str, Second, Groups);
+
+/// The passes of one depth, in order.
+pub const DEPTH_PASSES: [Pass; 3] = [
+    (
+        "detail/make.wgsl",
+        "make_cells",
+        Second::Ground,
+        Groups::Make,
+    ),
+    (
+        "detail/look.wgsl",
+        "look_at_cells",
+        Second::Nothing,
+        Groups::Look,
+    ),
+    (
+        "detail/keep.wgsl",
+        "keep_cells",
+        Second::Arguments,
+        Groups::Look,
+    ),
+];
+
+/// The passes that close a choice after its last depth, in order.
+pub const LAST_PASSES: [Pass; 9] = [
+    (
+        "detail/middles.wgsl",
+        "find_middles",
+        Second::Nothing,
+        Groups::Kept,
+    ),
+    ("detail/fit.wgsl", "fit", Second::Nothing, Groups::One),
+    (
+        "detail/number.wgsl",
+        "number_vertices",
+        Second::Nothing,
+        Groups::Kept,
+    ),
+    (
+        "detail/place_vertices.wgsl",
+        "place_vertices",
+        Second::Vertices,
+        Groups::Kept,
+    ),
+    (
+        "detail/raise.wgsl",
+        "raise_vertices",
+        Second::Vertices,
+        Groups::Kept,
+    ),
+    (
+        "detail/draw_horizon.wgsl",
+        "draw_horizon",
+        Second::Nothing,
+        Groups::Horizon,
+    ),
+    (
+        "detail/close_horizon.wgsl",
+        "close_horizon",
+        Second::Nothing,
+        Groups::Horizon,
+    ),
+    (
+        "detail/emit_triangles.wgsl",
+        "emit_triangles",
+        Second::Triangles,
+        Groups::Kept,
+    ),
+    ("detail/finish.wgsl", "finish", Second::Head, Groups::One),
+];
+
+/// Definitions for the shader that makes cells: the kinds of layers that a terrain has not. Software Vulkan runs
+/// all sides of a branch.
+#[must_use]
+pub fn without(terrain: &Terrain) -> Vec<&'static str> {
+    let layers = &terrain.data().layers;
+    let kinds: [(&str, fn(&Source) -> bool); 6] = [
+        ("TERRAIN_WITHOUT_FRACTALS", |source| {
+            matches!(source, Source::Fractal(_))
+        }),
+        ("TERRAIN_WITHOUT_CLASSIC", |source| {
+            matches!(source, Source::Classic(_))
+        }),
+        ("TERRAIN_WITHOUT_MAPS", |source| {
+            matches!(source, Source::Map(_))
+        }),
+        (
+            "TERRAIN_WITHOUT_BILINEAR",
+            |source| matches!(source, Source::Map(map) if map.filter() == Filter::Bilinear),
+        ),
+        (
+            "TERRAIN_WITHOUT_BICUBIC",
+            |source| matches!(source, Source::Map(map) if map.filter() == Filter::Bicubic),
+        ),
+        ("TERRAIN_WITHOUT_HILLS", |source| {
+            matches!(source, Source::Hill(_))
+        }),
+    ];
+    kinds
+        .into_iter()
+        .filter(|(_, is)| !layers.iter().any(|layer| is(&layer.source)))
+        .map(|(name, _)| name)
+        .collect()
+}
+
+/// Depths that arguments are kept for: all, and the one after the last.
+const ARGUMENT_DEPTHS: u32 = super::lattice::MAX_DEPTH + 2;
+/// Bytes of the arguments of the dispatches of all depths.
+pub const ARGUMENT_BYTES: u64 = ARGUMENT_DEPTHS as u64 * 24;
+/// Bytes of the arguments of the closing passes.
+pub const CLOSING_BYTES: u64 = 12;
+
+/// Where the arguments of a depth's dispatches lie, bytes: of those that make, of those that look and keep.
+#[must_use]
+pub const fn arguments_at(depth: u32, groups: Groups) -> u64 {
+    let first = depth as u64 * 24;
+    match groups {
+        Groups::Make => first,
+        _ => first + 12,
+    }
+}
+
+/// Cells that there is room for at least: beside the roots, some.
+pub const LEAST_CAPACITY: u32 = 1 << 12;
+
+/// What the lists and links hold before anything is made: the roots, in blocks of four.
+#[derive(Clone, Debug)]
+pub struct Beginning {
+    /// Of the roots' blocks.
+    pub links: Vec<Link>,
+    /// First cells of the blocks.
+    pub blocks: Vec<u32>,
+    /// Heights and gradients of the roots' corners.
+    pub corners: Vec<[f32; 4]>,
+}
+
+impl Beginning {
+    /// The roots of a ground.
+    #[must_use]
+    pub fn new(cells: &DetailCells) -> Self {
+        let lattice: &DetailLattice = &cells.lattice;
+        let mut links: Vec<Link> = lattice
+            .root_cells()
+            .map(|root| Link {
+                centre: root.centre.to_array(),
+                ..Link::default()
+            })
+            .collect();
+        links.resize(links.len().next_multiple_of(4), Link::default());
+        let step = 2 * lattice.root_half();
+        let rows = (0..=lattice.roots.y).flat_map(|z| (0..=lattice.roots.x).map(move |x| [x, z]));
+        let corners = rows
+            .map(|at| {
+                let height = cells.root_corner(bevy::math::UVec2::from(at) * step);
+                [height.value, height.gradient.x, height.gradient.y, 0.0]
+            })
+            .collect();
+        Self {
+            blocks: (0..links.len() as u32).step_by(4).collect(),
+            links,
+            corners,
+        }
+    }
+
+    /// The counts before a choice; `fresh` where nothing has been made. The first word is how many cells
+    /// are in use, and kept between choices.
+    #[must_use]
+    pub fn counts(&self, fresh: bool) -> [u32; COUNT_WORDS] {
+        let mut counts = [0; COUNT_WORDS];
+        counts[0] = self.links.len() as u32;
+        counts[LOOK] = self.blocks.len() as u32;
+        counts[MAKE] = if fresh { self.blocks.len() as u32 } else { 0 };
+        counts
+    }
+
+    /// Arguments of the dispatches before a choice: those of the first depth, no workgroup of all others,
+    /// which the first depth and those after it count. Both buffers between which depths take turns begin so.
+    #[must_use]
+    pub fn arguments(&self, fresh: bool) -> [[[u32; 3]; 2]; ARGUMENT_DEPTHS as usize] {
+        let mut arguments = [[[0, 1, 1]; 2]; ARGUMENT_DEPTHS as usize];
+        let blocks = self.blocks.len() as u32;
+        arguments[0][0][0] = if fresh { blocks } else { 0 };
+        arguments[0][1][0] = (4 * blocks).div_ceil(GROUP);
+        arguments
+    }
+
+    /// Arguments of the closing passes before a choice: roots are drawn even where no cell is kept.
+    pub const CLOSING: [u32; 3] = [1; 3];
+}

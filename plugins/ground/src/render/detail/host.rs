@@ -1,0 +1,101 @@
+//! The same on the CPU: the twin chooses and places, and what it made is uploaded.
+
+use bevy::math::{UVec2, Vec2, Vec3};
+use bevy::render::renderer::RenderQueue;
+use bytemuck::{Zeroable, bytes_of, cast_slice};
+use dolomite_terrain::GroundPoint;
+
+use super::prepare::DetailState;
+use crate::detail::mesh::mesh;
+use crate::detail::select::select;
+use crate::detail::{DetailVertex, DetailView, Horizon};
+use crate::cover::functions::DEPTH_RANGE;
+use dolomite_tessellation::render::prepare::ViewKind;
+use dolomite_tessellation::render::stats::StageShared;
+use dolomite_tessellation::layout::WorkHead;
+use dolomite_tessellation::vertex::pack;
+
+/// Fills the pools of a view that changed.
+pub(super) fn choose(
+    own: &mut DetailState,
+    view: DetailView,
+    state: &mut ViewKind,
+    queue: &RenderQueue,
+    shared: &StageShared,
+) {
+    let params = state.params();
+    let most = params
+        .max_vertices
+        .min(params.max_primitives / 2)
+        .min(own.detail.max_vertices);
+    let anchor_height = params.view.anchor[1];
+    let selection = select(&mut own.ground, &view, most);
+    let made = mesh(&own.ground, &selection);
+    // Corners of the roots are not among the vertices that the selection counts.
+    let room = params.max_vertices as usize;
+    let stored: Vec<[u32; 5]> = made
+        .vertices
+        .iter()
+        .take(room)
+        .map(|vertex| stored(vertex, &view, own.ground.sea(), anchor_height))
+        .collect();
+    let mut triangles: Vec<[u32; 3]> = made
+        .triangles
+        .iter()
+        .filter(|triangle| triangle.iter().all(|&corner| (corner as usize) < room))
+        .take(params.max_primitives as usize)
+        .copied()
+        .collect();
+    let mut seen = triangles.len();
+    if let Some((picture, shadowed)) = &own.culled {
+        let place = |vertex: &[u32; 5]| Vec3::from([0, 1, 2].map(|k| f32::from_bits(vertex[k])));
+        let places: Vec<Vec3> = stored.iter().map(place).collect();
+        let horizon = own
+            .horizon(&view, anchor_height)
+            .map(|horizon| Horizon::of(horizon, &own.ground, &selection, &view, anchor_height));
+        seen = picture.sort(horizon.as_ref(), &mut triangles, &places);
+        if !shadowed {
+            triangles.truncate(seen);
+        }
+    }
+    let count = 3 * seen as u32;
+    let others = 3 * triangles.len() as u32 - count;
+    let head = WorkHead {
+        indexed: [count, 1, 0, 0, 0],
+        plain: [count, 1, 0, 0],
+        vertices: stored.len() as u32,
+        primitives: count / 3,
+        wanted_vertices: made.vertices.len() as u32,
+        wanted_primitives: made.triangles.len() as u32,
+        coarsening: selection.coarsening.to_bits(),
+        left: selection.held.to_bits(),
+        kept_cells: own.ground.len() as u32,
+        others: [others, 1, count, 0, 0],
+        ..WorkHead::zeroed()
+    };
+    let (vertices, indices): (&[u8], &[u8]) = (cast_slice(&stored), cast_slice(&triangles));
+    queue.write_buffer(&state.vertices, 0, vertices);
+    queue.write_buffer(&state.indices, 0, indices);
+    queue.write_buffer(&state.work, 0, bytes_of(&head));
+    shared.count_upload((vertices.len() + indices.len()) as u64);
+    state.counters.set(head);
+    state.settled = true;
+    state.filled = true;
+}
+
+/// A vertex as the stage stores it: `store` in `emit_vertices.wgsl`.
+fn stored(vertex: &DetailVertex, view: &DetailView, sea: f32, anchor_height: f32) -> [u32; 5] {
+    let anchor = GroundPoint {
+        cell: view.anchor(),
+        frac: UVec2::ZERO,
+    };
+    let place = vertex.point.relative_to(anchor);
+    let slope = Vec3::new(-vertex.gradient.x, 1.0, -vertex.gradient.y);
+    let depth = ((sea - vertex.bed) / DEPTH_RANGE).clamp(-1.0, 1.0);
+    pack(
+        Vec3::new(place.x, vertex.height - anchor_height, place.y),
+        slope.normalize(),
+        Vec2::new(depth, 0.0),
+        0,
+    )
+}

@@ -1,0 +1,65 @@
+//! What is recorded in a frame that asks.
+
+use bevy::prelude::*;
+use bevy::render::diagnostic::RecordDiagnostics;
+use bevy::render::render_resource::{ComputePassDescriptor, PipelineCache};
+use bevy::render::renderer::{RenderContext, ViewQuery};
+
+use super::GroundAnswers;
+use super::prepare::drawn;
+use crate::detail::probe::ANSWER_GROUP;
+use crate::render::GroundKind;
+use crate::render::detail::prepare::DetailViews;
+use dolomite_tessellation::render::extract::ExtractedStageCamera;
+use dolomite_tessellation::render::prepare::StageKinds;
+
+/// Answers what was asked, if the view is the one that answers and its triangles are there.
+pub(super) fn answer(
+    view: ViewQuery<Entity, With<ExtractedStageCamera>>,
+    mut answers: ResMut<GroundAnswers>,
+    kinds: Res<StageKinds>,
+    details: Res<DetailViews<GroundKind>>,
+    cache: Res<PipelineCache>,
+    mut ctx: RenderContext,
+) {
+    let entity = view.into_inner();
+    let answers = &mut *answers;
+    if answers.view != Some(entity) {
+        return;
+    }
+    let Some((detail, state)) = drawn(&kinds, &details, entity) else {
+        return;
+    };
+    if detail.fresh || !state.settled || !state.filled {
+        return;
+    }
+    let pipeline = answers
+        .pipeline
+        .as_ref()
+        .and_then(|pipeline| cache.get_compute_pipeline(pipeline.id));
+    let (Some(pipeline), Some(buffers), Some((staging, bytes, ticket))) =
+        (pipeline, &answers.buffers, answers.ring.begun())
+    else {
+        return;
+    };
+    let Some([shared, own]) = &buffers.groups else {
+        return;
+    };
+    let recorder = ctx.diagnostic_recorder();
+    let recorder = recorder.as_deref();
+    let encoder = ctx.command_encoder();
+    let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+        label: Some("ground_answers"),
+        ..default()
+    });
+    let span = recorder.pass_span(&mut pass, "ground_answers");
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, shared, &[]);
+    pass.set_bind_group(1, own, &[]);
+    pass.dispatch_workgroups(ticket.count.div_ceil(ANSWER_GROUP), 1, 1);
+    span.end(&mut pass);
+    drop(pass);
+    encoder.copy_buffer_to_buffer(&buffers.answers, 0, staging.buffer(), 0, Some(bytes));
+    answers.ring.copied();
+    answers.dispatches += 1;
+}

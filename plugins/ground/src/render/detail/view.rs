@@ -1,0 +1,60 @@
+//! A view of Bevy's as the choice sees it, and what it draws.
+
+use bevy::math::{DVec3, Vec2, Vec3};
+use bevy::prelude::*;
+use bevy::render::view::ExtractedView;
+use bytemuck::Zeroable;
+
+use crate::detail::{Detail, DetailView, Picture};
+use dolomite_tessellation::render::prepare::{KindTraits, ViewKind};
+use dolomite_tessellation::layout::StageView;
+
+/// What the view draws.
+pub(super) fn picture(view: &ExtractedView, state: &ViewKind, traits: KindTraits) -> Picture {
+    Picture {
+        clip: state.steady_clip,
+        half_size: view.viewport.zw().as_vec2().max(Vec2::ONE) * 0.5,
+        one_sided: !traits.double_sided,
+    }
+}
+
+/// The view as the choice sees it: heights are absolute, x and z relative to the stage's anchor.
+pub(super) fn detail_view(
+    view: &ExtractedView,
+    stage: &StageView,
+    relief: f32,
+    detail: &Detail,
+) -> DetailView {
+    let anchor = Vec3::from(stage.anchor).as_dvec3();
+    let mut out = DetailView::zeroed();
+    out.planes = stage.planes.map(|[x, y, z, d]| {
+        let raised = f64::from(d) - f64::from(y) * anchor.y;
+        [x, y, z, raised as f32]
+    });
+    let turn = view.world_from_view.affine().matrix3;
+    let eye = view.world_from_view.translation().as_dvec3() - DVec3::new(anchor.x, 0.0, anchor.z);
+    out.eye = eye.as_vec3().to_array();
+    let axis = |axis: Vec3| axis.normalize_or_zero().to_array();
+    out.right = axis(turn.x_axis.into());
+    out.up = axis(turn.y_axis.into());
+    out.forward = axis(-Vec3::from(turn.z_axis));
+    let clip = &view.clip_from_view;
+    out.scale = 0.5 * view.viewport.w as f32 * clip.y_axis.y;
+    out.orthographic = stage.orthographic;
+    // Of Bevy's perspective, infinite and reversed: z of clip space is the near distance.
+    out.near = if clip.w_axis.z > 0.0 {
+        clip.w_axis.z
+    } else {
+        0.1
+    };
+    let (x, y) = (1.0 / clip.x_axis.x, 1.0 / clip.y_axis.y);
+    out.cos_corner = 1.0 / (1.0 + x * x + y * y).sqrt();
+    let sweep = Vec3::new(stage.sweep[0], stage.sweep[1], stage.sweep[2]);
+    if let Some(along) = sweep.try_normalize() {
+        // 0.05: below 3 degrees of sun the shadows of everything reach everywhere.
+        out.sweep = (along * (relief / (-along.y).max(0.05))).to_array();
+    }
+    out.anchor = [anchor.x as i32, anchor.z as i32];
+    out.set_metric(detail);
+    out
+}

@@ -1,0 +1,254 @@
+//! Texture arrays with mip levels, from the stacked images that the ground materials come as.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
+use bevy::platform::collections::HashSet;
+use bevy::prelude::*;
+use bevy::render::render_resource::{
+    Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
+};
+use bevy::render::renderer::RenderAdapterInfo;
+use thiserror::Error;
+
+use crate::cover::TerrainMaterial;
+
+/// Materials of the ground, hence layers of its texture arrays.
+pub const LAYERS: u32 = 5;
+
+/// Why an image cannot become a texture array.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum TextureArrayError {
+    /// The layers do not divide the height, or a layer is not square with a power-of-two side.
+    #[error(
+        "an image of {width} × {height} texels is not {layers} square layers with a power-of-two side stacked from top to bottom; make it {width} × {wanted}"
+    )]
+    Shape {
+        /// Width, texels.
+        width: u32,
+        /// Height, texels.
+        height: u32,
+        /// Layers asked for.
+        layers: u32,
+        /// The height that it should have.
+        wanted: u32,
+    },
+    /// Not 8-bit RGBA.
+    #[error("texture format {0:?} cannot become a texture array; save the image as 8-bit RGBA")]
+    Format(TextureFormat),
+    /// The texels are no longer in memory.
+    #[error("the image's texels are on the GPU only; load it with RenderAssetUsages::all()")]
+    NoData,
+}
+
+/// Cuts a vertical stack of `layers` square images into a 2D array with all mip levels.
+///
+/// Each level is the mean of 2 × 2 texels of the one below: in linear light where `srgb` (alpha
+/// always linear). The sampler repeats and filters trilinearly.
+///
+/// # Errors
+/// See [`TextureArrayError`].
+pub fn texture_array(stacked: &Image, layers: u32, srgb: bool) -> Result<Image, TextureArrayError> {
+    let descriptor = &stacked.texture_descriptor;
+    let (width, height) = (descriptor.size.width, descriptor.size.height);
+    if layers == 0 || !width.is_power_of_two() || height != width * layers {
+        return Err(TextureArrayError::Shape {
+            width,
+            height,
+            layers,
+            wanted: width * layers,
+        });
+    }
+    if !matches!(
+        descriptor.format,
+        TextureFormat::Rgba8Unorm | TextureFormat::Rgba8UnormSrgb
+    ) {
+        return Err(TextureArrayError::Format(descriptor.format));
+    }
+    let texels = stacked.data.as_deref().ok_or(TextureArrayError::NoData)?;
+    let layer_bytes = (width * width * 4) as usize;
+    let mut data = Vec::with_capacity(texels.len() * 4 / 3 + 64);
+    for layer in texels.chunks_exact(layer_bytes) {
+        let mut level = layer.to_vec();
+        let mut side = width as usize;
+        data.extend_from_slice(&level);
+        while side > 1 {
+            level = halve(&level, side, srgb);
+            side /= 2;
+            data.extend_from_slice(&level);
+        }
+    }
+    let size = Extent3d {
+        width,
+        height: width,
+        depth_or_array_layers: layers,
+    };
+    let format = if srgb {
+        TextureFormat::Rgba8UnormSrgb
+    } else {
+        TextureFormat::Rgba8Unorm
+    };
+    let mut image = Image::new_uninit(
+        size,
+        TextureDimension::D2,
+        format,
+        RenderAssetUsages::RENDER_WORLD,
+    );
+    image.data = Some(data);
+    image.texture_descriptor.mip_level_count = width.ilog2() + 1;
+    image.texture_view_descriptor = Some(TextureViewDescriptor {
+        dimension: Some(TextureViewDimension::D2Array),
+        ..default()
+    });
+    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
+        label: Some("terrain_textures".into()),
+        address_mode_u: ImageAddressMode::Repeat,
+        address_mode_v: ImageAddressMode::Repeat,
+        mag_filter: ImageFilterMode::Linear,
+        min_filter: ImageFilterMode::Linear,
+        mipmap_filter: ImageFilterMode::Linear,
+        ..default()
+    });
+    Ok(image)
+}
+
+/// The next mip level of a square RGBA8 image.
+fn halve(level: &[u8], side: usize, srgb: bool) -> Vec<u8> {
+    let half = side / 2;
+    let mut out = Vec::with_capacity(half * half * 4);
+    for y in 0..half {
+        for x in 0..half {
+            for channel in 0..4 {
+                let at =
+                    |dx: usize, dy: usize| level[((2 * y + dy) * side + 2 * x + dx) * 4 + channel];
+                let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+                let byte = if srgb && channel < 3 {
+                    let linear = four.map(|byte| Srgba::gamma_function(f32::from(byte) / 255.0));
+                    let mean = linear.iter().sum::<f32>() / 4.0;
+                    (Srgba::gamma_function_inverse(mean) * 255.0 + 0.5) as u8
+                } else {
+                    // Rounded to nearest: + 2 of 4.
+                    ((four.iter().map(|&byte| u16::from(byte)).sum::<u16>() + 2) / 4) as u8
+                };
+                out.push(byte);
+            }
+        }
+    }
+    out
+}
+
+/// Texture arrays that are what a [`TerrainMaterial`] needs.
+#[derive(Resource, Default)]
+pub struct ReadyArrays(HashSet<AssetId<Image>>);
+
+impl ReadyArrays {
+    /// Whether both images of a material are.
+    pub fn has(&self, material: &TerrainMaterial) -> bool {
+        [&material.albedo_height, &material.normal_roughness]
+            .iter()
+            .all(|handle| self.0.contains(&handle.id()))
+    }
+}
+
+/// Turns the stacked images that a [`TerrainMaterial`] names into texture arrays, in place, as
+/// soon as they are loaded. A wrong image is reported once and left as it is.
+pub fn make_arrays(
+    materials: Query<&TerrainMaterial>,
+    mut images: ResMut<Assets<Image>>,
+    mut ready: ResMut<ReadyArrays>,
+    mut refused: Local<Vec<AssetId<Image>>>,
+    adapter: Option<Res<RenderAdapterInfo>>,
+) {
+    // A processor that draws pays for every tap in full.
+    let software = adapter.is_some_and(|adapter| adapter.device_type == wgpu::DeviceType::Cpu);
+    for material in &materials {
+        for (handle, srgb) in [
+            (&material.albedo_height, true),
+            (&material.normal_roughness, false),
+        ] {
+            let id = handle.id();
+            if ready.0.contains(&id) || refused.contains(&id) {
+                continue;
+            }
+            let Some(image) = images.get(id) else {
+                // One that was made, not loaded, and lives on the GPU alone: an array, as it should be.
+                if handle.path().is_none() && id != AssetId::default() {
+                    ready.0.insert(id);
+                }
+                continue;
+            };
+            if image.texture_descriptor.size.depth_or_array_layers > 1 {
+                ready.0.insert(id);
+                continue;
+            }
+            let made = texture_array(image, LAYERS, srgb).map(|mut array| {
+                if let ImageSampler::Descriptor(sampler) = &mut array.sampler {
+                    sampler.anisotropy_clamp = if software { 1 } else { 8 };
+                }
+                array
+            });
+            match made {
+                Ok(array) => match images.insert(id, array) {
+                    Ok(()) => {
+                        ready.0.insert(id);
+                    }
+                    Err(error) => {
+                        error!("terrain texture: {error}");
+                        refused.push(id);
+                    }
+                },
+                Err(error) => {
+                    error!("terrain texture {:?}: {error}", handle.path());
+                    refused.push(id);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stack(width: u32, height: u32, texel: [u8; 4]) -> Image {
+        Image::new_fill(
+            Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
+            TextureDimension::D2,
+            &texel,
+            TextureFormat::Rgba8UnormSrgb,
+            RenderAssetUsages::all(),
+        )
+    }
+
+    #[test]
+    fn an_even_colour_stays_the_same_in_every_level() {
+        let array = texture_array(&stack(8, 16, [200, 100, 50, 25]), 2, true).expect("well-formed");
+        assert_eq!(array.texture_descriptor.mip_level_count, 4);
+        let data = array.data.expect("texels are kept");
+        assert_eq!(data.len(), 2 * (64 + 16 + 4 + 1) * 4);
+        assert!(
+            data.chunks_exact(4)
+                .all(|texel| texel == [200, 100, 50, 25])
+        );
+    }
+
+    #[test]
+    fn black_and_white_average_in_linear_light() {
+        let mut checks = stack(2, 2, [0, 0, 0, 0]);
+        let data = checks.data.as_mut().expect("just made");
+        data[..8].fill(255);
+        let array = texture_array(&checks, 1, true).expect("well-formed");
+        let data = array.data.expect("texels are kept");
+        // sRGB of a linear half is 188; alpha is linear: (255 + 255 + 0 + 0) / 4, rounded.
+        assert_eq!(data[16..], [188, 188, 188, 128]);
+    }
+
+    #[test]
+    fn a_wrong_shape_is_refused_with_the_way_out() {
+        let error = texture_array(&stack(8, 20, [0; 4]), 2, true).expect_err("20 is not 2 × 8");
+        assert!(error.to_string().contains("8 × 16"), "{error}");
+    }
+}

@@ -1,0 +1,310 @@
+//! Every tessellation shader is valid WGSL, and its structs lie in memory as Rust's do.
+
+use std::mem::offset_of;
+
+use naga::{Module, TypeInner};
+
+fn composed(path: &str) -> Module {
+    dolomite_shaders::compose(path, &[]).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// Size, and (name, offset) of the members, of the struct whose name ends in `name`.
+fn wgsl_struct(module: &Module, name: &str) -> (u32, Vec<(String, u32)>) {
+    let found = module.types.iter().find_map(|(_, ty)| {
+        // Composition decorates the names of imported types.
+        let matches = ty
+            .name
+            .as_deref()
+            .is_some_and(|full| full.starts_with(name));
+        match &ty.inner {
+            TypeInner::Struct { members, span } if matches => Some((
+                *span,
+                members
+                    .iter()
+                    .map(|m| (m.name.clone().unwrap_or_default(), m.offset))
+                    .collect(),
+            )),
+            _ => None,
+        }
+    });
+    found.unwrap_or_else(|| panic!("no struct {name}"))
+}
+
+/// Asserts that size and offsets of a Rust struct are those of its WGSL twin.
+macro_rules! same_layout {
+    ($module:expr, $rust:ident { $($field:ident),* $(,)? }) => {{
+        let (size, members) = wgsl_struct($module, stringify!($rust));
+        assert_eq!(size as usize, size_of::<$rust>(), "size of {}", stringify!($rust));
+        let ours = [$((stringify!($field), offset_of!($rust, $field) as u32)),*];
+        for (name, offset) in ours {
+            let theirs = members.iter().find(|(theirs, _)| theirs == name || theirs.starts_with(&format!("{name}_a")));
+            assert_eq!(theirs.map(|m| m.1), Some(offset), "{}.{name}", stringify!($rust));
+        }
+    }};
+}
+
+#[test]
+#[should_panic(expected = "size of StageView")]
+fn a_changed_struct_is_seen() {
+    struct StageView {
+        planes: [[f32; 4]; 6],
+    }
+    same_layout!(&composed("stage/control.wgsl"), StageView { planes });
+}
+
+#[test]
+fn the_stages_records_lie_as_in_rust() {
+    use dolomite_tessellation::layout::{MaterialRow, StageDraw, StageParams, StageView};
+    let control = composed("stage/control.wgsl");
+    same_layout!(
+        &control,
+        StageView {
+            planes,
+            sweep,
+            eye,
+            pixels_per_radian,
+            anchor,
+            pixels_per_edge,
+            time,
+            previous_time,
+            orthographic,
+            camera,
+        }
+    );
+    same_layout!(
+        &control,
+        StageParams {
+            view,
+            corners,
+            edges,
+            patches,
+            max_vertices,
+            max_primitives,
+            corner_table,
+            edge_table,
+            patch_table,
+            points,
+            point_size,
+            uv_range,
+            amplified,
+            split,
+        }
+    );
+    let draw = composed("stage/user_material.wgsl");
+    same_layout!(
+        &draw,
+        MaterialRow {
+            base_color,
+            emissive,
+            surface,
+        }
+    );
+    let draw = composed("stage/draw.wgsl");
+    same_layout!(
+        &draw,
+        StageDraw {
+            clip_from_stage,
+            previous_clip_from_stage,
+            camera,
+            time,
+            anchor,
+            uv_range,
+            viewport,
+            flags,
+            pad,
+            numbers,
+        }
+    );
+}
+
+#[test]
+fn the_stages_passes_keep_to_webgpus_limits() {
+    for (path, defs) in [
+        ("stage/control.wgsl", [].as_slice()),
+        ("stage/measure.wgsl", &[]),
+        ("stage/plan.wgsl", &[]),
+        ("stage/place_items.wgsl", &[]),
+        ("stage/emit_vertices.wgsl", &["STAGE_READ", "STAGE_MOVES"]),
+        ("stage/shadow_ranges.wgsl", &["STAGE_READ"]),
+        ("stage/emit_grid.wgsl", &["STAGE_READ"]),
+        ("stage/emit_strips.wgsl", &["STAGE_READ"]),
+        (
+            "stage/emit_strips.wgsl",
+            &["STAGE_READ", "STAGE_QUADS", "STAGE_SPLIT"],
+        ),
+    ] {
+        let module = dolomite_shaders::compose(path, defs).expect(path);
+        let storage = module
+            .global_variables
+            .iter()
+            .filter(|(_, v)| matches!(v.space, naga::AddressSpace::Storage { .. }))
+            .count();
+        // Eight in all: two are left for the data of a kind.
+        assert!(storage <= 6, "{path} binds {storage} storage buffers");
+        let size = module.entry_points[0].workgroup_size;
+        assert!(size.iter().product::<u32>() <= 256, "{path}");
+    }
+}
+
+#[cfg(feature = "render")]
+#[test]
+fn the_grounds_look_lies_as_in_rust() {
+    use bevy::render::render_resource::ShaderType;
+    use dolomite_ground::render::GroundLook;
+    // `#[derive(ShaderType)]` lays the Rust struct out by WGSL's own rules: order and size are left.
+    let (size, members) = wgsl_struct(&composed("ground/material.wgsl"), "GroundLook");
+    assert_eq!(u64::from(size), GroundLook::min_size().get());
+    let names: Vec<&str> = members
+        .iter()
+        .map(|(name, _)| name.trim_end_matches('_'))
+        .collect();
+    let debug = format!("{:?}", GroundLook::default());
+    let ours: Vec<&str> = debug
+        .trim_start_matches("GroundLook { ")
+        .split(", ")
+        .filter_map(|field| field.split(':').next())
+        .collect();
+    assert_eq!(names, ours);
+}
+
+#[test]
+fn the_records_of_the_level_of_detail_lie_as_in_rust() {
+    use dolomite_tessellation::detail::layout::{DetailParams, DetailPass, Link, VIEW_CELL_BYTES};
+    use dolomite_tessellation::detail::{Cell, DetailView, HorizonView};
+    let look = composed("detail/look.wgsl");
+    same_layout!(
+        &look,
+        DetailView {
+            planes,
+            eye,
+            scale,
+            right,
+            near,
+            up,
+            cos_corner,
+            forward,
+            orthographic,
+            sweep,
+            shadow_share,
+            anchor,
+            metric,
+            inverse_tolerance,
+            classic,
+        }
+    );
+    same_layout!(
+        &look,
+        DetailParams {
+            view,
+            origin_cell,
+            origin_frac,
+            step_x,
+            step_z,
+            roots,
+            depth,
+            capacity,
+            stamp,
+            max_vertices,
+            max_triangles,
+            depth_range,
+            sea,
+            opaque_depth,
+            anchor_height,
+            flags,
+            clip,
+            half_size,
+            horizon,
+        }
+    );
+    same_layout!(
+        &look,
+        HorizonView {
+            eye,
+            nearest,
+            ahead,
+            reach,
+            pixel,
+            near_reach,
+        }
+    );
+    same_layout!(&look, DetailPass { depth });
+    same_layout!(
+        &look,
+        Link {
+            centre,
+            parent,
+            children
+        }
+    );
+    // The shader names the words of `mids` and `quarters` one by one.
+    same_layout!(
+        &look,
+        Cell {
+            centre,
+            error,
+            high,
+            finer
+        }
+    );
+    let (size, members) = wgsl_struct(&look, "ViewCell");
+    assert_eq!(u64::from(size), VIEW_CELL_BYTES, "{members:?}");
+    let (_, members) = wgsl_struct(&look, "Cell");
+    let at = |name: &str| {
+        let found = members.iter().find(|(theirs, _)| theirs == name);
+        found.map(|(_, offset)| *offset as usize)
+    };
+    assert_eq!(at("west"), Some(offset_of!(Cell, mids)));
+    assert_eq!(at("south_x"), Some(offset_of!(Cell, mids) + 36));
+    assert_eq!(at("quarters_ab"), Some(offset_of!(Cell, quarters)));
+}
+
+#[test]
+fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
+    use dolomite_tessellation::detail::layout::{DEPTH_PASSES, LAST_PASSES};
+    use dolomite_tessellation::detail::probe::ANSWER_PASS;
+    let files = DEPTH_PASSES
+        .iter()
+        .map(|(file, ..)| file)
+        .chain(LAST_PASSES.iter().map(|(file, ..)| file))
+        .chain([&ANSWER_PASS.0]);
+    for file in files {
+        let module = composed(file);
+        let storage = module
+            .global_variables
+            .iter()
+            .filter(|(_, global)| matches!(global.space, naga::AddressSpace::Storage { .. }));
+        // WebGPU promises eight.
+        assert!(storage.count() <= 8, "{file}");
+    }
+}
+
+#[test]
+fn the_records_of_ground_answers_lie_as_in_rust() {
+    use dolomite_terrain::ProbeAnswer;
+    use dolomite_tessellation::detail::probe::{ANSWER_GROUP, ANSWER_PASS, AnswerHead, Asked};
+    let module = composed(ANSWER_PASS.0);
+    same_layout!(&module, Asked { frame, count });
+    // A list without end lies behind the head.
+    let (_, members) = wgsl_struct(&module, "Answers");
+    let ours = [
+        ("frame", offset_of!(AnswerHead, frame)),
+        ("count", offset_of!(AnswerHead, count)),
+        ("stamp", offset_of!(AnswerHead, stamp)),
+        ("anchor_height", offset_of!(AnswerHead, anchor_height)),
+        ("list", size_of::<AnswerHead>()),
+    ];
+    for (name, offset) in ours {
+        let theirs = members.iter().find(|(theirs, _)| theirs == name);
+        assert_eq!(theirs.map(|m| m.1), Some(offset as u32), "{name}");
+    }
+    same_layout!(
+        &module,
+        ProbeAnswer {
+            height,
+            rise,
+            gradient,
+            bound
+        }
+    );
+    assert_eq!(module.entry_points[0].workgroup_size, [ANSWER_GROUP, 1, 1]);
+}
