@@ -11,6 +11,7 @@
 
 pub mod functions;
 pub mod heights;
+pub mod render;
 
 pub use functions::{CLASSIC_LAYOUT, CLASSIC_SPACING, ClassicLevels, ClassicScene, STATIC_LEVEL};
 pub use heights::{ClassicHeights, ClassicHeightsError};
