@@ -4,7 +4,7 @@
 //! Nothing exists on the GPU until the world has a terrain with its material, its textures have
 //! arrived, and a camera has a [`TerrainView`].
 
-pub(crate) mod detail;
+pub mod detail;
 mod kind;
 pub mod relief;
 pub mod texture;

@@ -14,20 +14,20 @@
 //! tessellated. Nothing exists on the GPU until a [`StageCamera`](crate::StageCamera) and
 //! [`Patches`](crate::Patches) of a kind are in the world.
 
-pub(crate) mod camera;
+pub mod camera;
 mod direct;
-pub(crate) mod extract;
+pub mod extract;
 mod host;
-mod kind;
-pub(crate) mod library;
-pub(crate) mod pass;
-mod pipeline;
-pub(crate) mod prepare;
-mod ranges;
-mod readback;
-pub(crate) mod stats;
-mod view;
-mod view_buffers;
+pub mod kind;
+pub mod library;
+pub mod pass;
+pub mod pipeline;
+pub mod prepare;
+pub mod ranges;
+pub mod readback;
+pub mod stats;
+pub mod view;
+pub mod view_buffers;
 
 use std::any::TypeId;
 use std::marker::PhantomData;

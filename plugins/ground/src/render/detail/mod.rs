@@ -28,7 +28,7 @@ use dolomite_tessellation::render::pass as stage_pass;
 
 /// A kind of the stage whose triangles the level of detail makes, as long as [`PatchKind::given`] says so.
 /// Its data begin with what `terrain_height` reads: layers at binding 0, their data at 1, the uniform at 2.
-pub(crate) trait DetailKind: PatchKind {
+pub trait DetailKind: PatchKind {
     /// The ground.
     fn ground(&self) -> Option<&Terrain>;
 
@@ -74,7 +74,7 @@ struct DetailShaders {
 }
 
 /// Adds the systems of a kind to an app that renders.
-pub(crate) fn build<K: DetailKind>(app: &mut App) {
+pub fn build<K: DetailKind>(app: &mut App) {
     let Some(render_app) = app.get_sub_app(RenderApp) else {
         return;
     };
