@@ -16,12 +16,12 @@ use bevy::render::RenderApp;
 use bevy::render::render_resource::{PipelineCache, PollType, TextureFormat};
 use bevy::render::renderer::RenderDevice;
 use dolomite::DolomitePlugins;
-use dolomite::terrain::{
-    Fractal, GroundProbe, GroundRect, Layer, ProbeBatch, Source, Terrain, TerrainData,
-};
 use dolomite::ground::TerrainView;
 use dolomite::ground::detail::{Detail, DrawnProbes};
 use dolomite::ground::render::{AnswerCensus, DrawnProbeStats, answer_census};
+use dolomite::terrain::{
+    Fractal, GroundProbe, GroundRect, Layer, ProbeBatch, Source, Terrain, TerrainData,
+};
 use dolomite::tessellation::render::{StageCensus, StageStats, census};
 
 /// Frames of 16 ms.

@@ -17,11 +17,11 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 use dolomite::DolomitePlugins;
-use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
 use dolomite::ground::TerrainView;
 use dolomite::ground::detail::{Detail, Metric};
-use dolomite::tessellation::render::StageStats;
+use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
 use dolomite::tessellation::StageCamera;
+use dolomite::tessellation::render::StageStats;
 
 /// Steep ground, as many slopes away from the eye as towards it.
 fn ground() -> Terrain {

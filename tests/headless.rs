@@ -11,16 +11,16 @@ use bevy::time::TimeUpdateStrategy;
 use dolomite::DolomiteMinimalPlugins;
 use dolomite::character::CharacterMotion;
 use dolomite::character::gait::Motion;
-use dolomite_game::game::camera::{CLEARANCE, FreeCamera, PITCH_LIMIT};
-use dolomite_game::game::hot_reload::{AssetsDir, SceneFault, reload_changed};
-use dolomite_game::game::input::PlayerInput;
-use dolomite_game::game::jump::Jump;
-use dolomite_game::game::methods::{Metric, Mode};
-use dolomite_game::game::player::{EDGE, Figure, WADING_DEPTH, depth};
-use dolomite_game::game::scenes::{self, CurrentScene, MapOptions, SceneRequest};
-use dolomite_game::game::settings::Settings;
-use dolomite_game::game::simulation::{DetailFocus, Landscape, SimulationPlugin, Switches};
 use dolomite::terrain::{Ground, ProbeAnswer, ProbeBatch, Terrain};
+use dolomite_game::input::PlayerInput;
+use dolomite_game::play::camera::FreeCamera;
+use dolomite_game::play::figure::{EDGE, Figure, WADING_DEPTH, depth};
+use dolomite_game::play::jump::Jump;
+use dolomite_game::play::{DetailFocus, Landscape, SimulationPlugin, Switches};
+use dolomite_game::scene::reload::{SceneFault, reload_changed};
+use dolomite_game::scene::{self, CLEARANCE, CurrentScene, PITCH_LIMIT, SceneRequest};
+use dolomite_game::settings::Settings;
+use dolomite_game::settings::paths::AssetsDir;
 
 /// Greatest distance of the drawn feet from the f64 ground, metres.
 const FEET: f64 = 1e-3;
@@ -29,14 +29,9 @@ fn assets() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
 }
 
-fn game(scene: &str) -> App {
-    let request = SceneRequest {
-        scene: scene.to_owned(),
-        map: MapOptions::default(),
-        detail: None,
-        data: None,
-    };
-    let loaded = scenes::load(&request, &assets()).expect("the scene is good");
+fn game(name: &str) -> App {
+    let request = SceneRequest::new(name);
+    let loaded = scene::load(&request, &assets()).expect("the scene is good");
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, DolomiteMinimalPlugins))
         .insert_resource(AssetsDir(assets()))
@@ -363,14 +358,6 @@ fn the_rule_of_detail_goes_round() {
         bounds.push(app.world().resource::<Settings>().max_error);
     }
     assert_eq!(bounds, [None, Some(1.0), None]);
-    let mut mode = Mode::default();
-    let mut metric = Metric::default();
-    for expected in Mode::ALL {
-        assert_eq!(mode, expected);
-        mode = mode.next();
-        metric = metric.next();
-    }
-    assert_eq!((mode, metric), (Mode::default(), Metric::default().next()));
 }
 
 #[test]

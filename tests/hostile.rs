@@ -16,10 +16,10 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 use dolomite::DolomitePlugins;
-use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
 use dolomite::ground::TerrainView;
 use dolomite::ground::detail::budget::{Budget, BudgetError, BudgetReport};
 use dolomite::ground::detail::{Detail, Metric};
+use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
 use dolomite::tessellation::render::StageStats;
 
 /// Few vertices, so that the finest tolerances are met by the pool's end and not by the machine's.

@@ -19,9 +19,7 @@ use bevy::render::render_resource::{AsBindGroup, TextureFormat};
 use dolomite::tessellation::render::{
     PatchKind, PatchPlugin, PatchPool, PatchShader, StageCensus, StageStats, census,
 };
-use dolomite::tessellation::{
-    Drawing, PatchLayout, PatchMesh, Patches, StageCamera, shapes,
-};
+use dolomite::tessellation::{Drawing, PatchLayout, PatchMesh, Patches, StageCamera, shapes};
 
 #[derive(Resource, AsBindGroup, Clone)]
 struct Globe {

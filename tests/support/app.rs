@@ -13,7 +13,7 @@ use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
-use dolomite_game::game::device;
+use dolomite_game::run::device;
 
 /// Bevy's plugins without a window, pipelines compiled in the frame that first needs them, every frame `step`
 /// after the last; and what `add` adds. `None`, after a line that says so, without Vulkan; in CI that fails.
