@@ -26,6 +26,9 @@ use crate::view::passes::{Clock, pass_of};
 use classic::methods::{MethodError, Methods};
 use path::Path;
 
+/// How often a flight says where it is.
+const SAID: Duration = Duration::from_secs(1);
+
 /// Why the bench failed.
 #[derive(Debug, Error)]
 pub enum BenchError {
@@ -195,6 +198,7 @@ fn fly(
     let mut rows = Vec::with_capacity(frames as usize);
     let mut seen = BTreeMap::new();
     new_times(&offscreen.app, &mut seen);
+    let mut said = Instant::now();
     for index in 0..frames {
         put_camera(
             &mut offscreen.app,
@@ -206,7 +210,8 @@ fn fly(
         offscreen.step(STEP)?;
         let time = start.elapsed();
         rows.push(frame(index, time, &offscreen.app, &mut seen));
-        if (index + 1) % 30 == 0 || index + 1 == frames {
+        if said.elapsed() > SAID || index + 1 == frames {
+            said = Instant::now();
             eprintln!(
                 "dolomite: {} {}: frame {} of {frames}, {:.1} ms",
                 scene.name,

@@ -24,8 +24,10 @@ use crate::scene::{self, CurrentScene, Pose, SceneError, SceneRequest};
 use crate::settings::paths::{self, AssetsDir, AssetsError};
 use crate::settings::{Settings, SettingsError};
 use crate::view::panel::PanelPlugin;
-use crate::view::textures::{self, Content, TextureError};
-use crate::view::{GroundTextures, ViewPlugin};
+use crate::view::progress::{self, ProgressPlugin};
+use crate::view::start::StartPlugin;
+use crate::view::textures::{self, TextureError};
+use crate::view::{DressPlugin, GroundTextures, ViewPlugin};
 use device::DeviceError;
 use dolomite::{DolomiteMinimalPlugins, DolomitePlugins};
 use offscreen::OffscreenError;
@@ -114,34 +116,45 @@ impl Setup {
     /// # Errors
     /// [`GameError::Texture`] when the ground's textures are missing or wrong.
     pub fn add_to(self, app: &mut App) -> Result<(), GameError> {
+        if self.scene.own.is_none() {
+            let read = textures::read_ground(&self.assets.join("textures"))?;
+            let mut images = app.world_mut().resource_mut::<Assets<Image>>();
+            let textures = GroundTextures::new(read, &mut images);
+            app.insert_resource(textures);
+        }
+        self.add(app);
+        app.add_plugins(DressPlugin);
+        app.add_systems(Startup, progress::textures_are_there);
+        Ok(())
+    }
+
+    /// The same, with a screen that says what is being done until there is a picture. Textures are read
+    /// meanwhile; where they are missing or wrong the app says so and ends.
+    pub fn add_behind_start_screen(self, app: &mut App) {
+        self.add(app);
+        app.add_plugins(StartPlugin);
+    }
+
+    fn add(self, app: &mut App) {
         let own = self.scene.own.clone();
         app.insert_resource(self.settings)
+            .insert_resource(AssetsDir(self.assets))
             .insert_resource(self.request)
             .insert_resource(self.scene)
-            .insert_resource(self.switches);
-        if let Some(own) = own {
-            app.insert_resource(AssetsDir(self.assets))
-                .add_plugins((DolomiteMinimalPlugins, SimulationPlugin));
-            own.build(app);
-        } else {
-            let folder = self.assets.join("textures");
-            let read = |name, content| textures::read_array(&folder.join(name), content);
-            let albedo_height = read("terrain_albedo_height.png", Content::Colour)?;
-            let normal_roughness = read("terrain_normal_roughness.png", Content::Data)?;
-            let mut images = app.world_mut().resource_mut::<Assets<Image>>();
-            let textures = GroundTextures {
-                albedo_height: images.add(albedo_height),
-                normal_roughness: images.add(normal_roughness),
-            };
-            app.insert_resource(AssetsDir(self.assets))
-                .insert_resource(textures)
-                .add_plugins((DolomitePlugins, SimulationPlugin, ViewPlugin));
+            .insert_resource(self.switches)
+            .add_plugins((RenderDiagnosticsPlugin, ProgressPlugin));
+        match own {
+            Some(own) => {
+                app.add_plugins((DolomiteMinimalPlugins, SimulationPlugin));
+                own.build(app);
+            }
+            None => {
+                app.add_plugins((DolomitePlugins, SimulationPlugin, ViewPlugin));
+            }
         }
-        app.add_plugins(RenderDiagnosticsPlugin);
         if self.panels {
             app.add_plugins(PanelPlugin);
         }
-        Ok(())
     }
 }
 

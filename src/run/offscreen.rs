@@ -24,6 +24,7 @@ use super::{GameError, Setup, log_plugin};
 use crate::play::Landscape;
 use crate::scene::CurrentScene;
 use crate::settings::MAX_SIDE;
+use crate::view::progress::Progress;
 use crate::view::{OffscreenTarget, hero};
 
 /// One step of virtual time: a sixtieth of a second.
@@ -181,11 +182,13 @@ impl Offscreen {
         }
     }
 
-    /// Steps without virtual time until every pipeline is there and the ground no longer changes.
+    /// Steps without virtual time until every pipeline is there and the ground no longer changes. Where that
+    /// takes longer than a second, lines on standard error say what is being done.
     ///
     /// # Errors
     /// [`OffscreenError`] when a pipeline fails or nothing comes to rest.
     pub fn settle(&mut self) -> Result<(), OffscreenError> {
+        let _told = self.app.world().resource::<Progress>().told();
         let mut calm = 0;
         let mut last = None;
         let mut waiting = String::new();

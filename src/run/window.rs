@@ -12,7 +12,7 @@ use crate::input::devices::InputPlugin;
 /// Opens the window and plays until the player leaves.
 ///
 /// # Errors
-/// [`GameError`] when there is no display, no device, or an asset is missing.
+/// [`GameError`] when there is no display or no device.
 pub fn play(setup: Setup) -> Result<AppExit, GameError> {
     device::display()?;
     let device = device::probe()?;
@@ -51,7 +51,7 @@ pub fn play(setup: Setup) -> Result<AppExit, GameError> {
             })
             .set(log_plugin()),
     );
-    setup.add_to(&mut app)?;
+    setup.add_behind_start_screen(&mut app);
     app.add_plugins(InputPlugin);
     Ok(app.run())
 }

@@ -5,16 +5,22 @@
 //! | [`textures`] | the ground's texture arrays |
 //! | [`hero`] | what the figure looks like |
 //! | [`panel`], [`passes`] | figures over the picture; times of render passes |
+//! | [`start`], [`progress`] | the start screen; what has been made of the first picture |
+//! | [`bloom`] | bloom in views of any shape |
 
+pub mod bloom;
 pub mod hero;
 pub mod panel;
 pub mod passes;
+pub mod progress;
+pub mod start;
 pub mod textures;
 
 use bevy::anti_alias::smaa::Smaa;
 use bevy::camera::{Exposure, Hdr, RenderTarget};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::ecs::schedule::ScheduleLabel;
 use bevy::pbr::DefaultOpaqueRendererMethod;
 use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
@@ -32,6 +38,7 @@ use crate::play::{DetailFocus, Landscape, Switches};
 use crate::scene::CurrentScene;
 use crate::scene::file::BandsFile;
 use crate::settings::Settings;
+use bloom::BloomFitPlugin;
 use hero::HeroPlugin;
 use panel::UiCamera;
 
@@ -50,7 +57,36 @@ const FAR: f32 = 100_000.0;
 #[derive(Resource, Clone)]
 pub struct OffscreenTarget(pub Handle<Image>);
 
-/// The two texture arrays of the ground, read before the app starts.
+/// Makes the scene visible: gives cameras and ground what they are drawn with, and spawns panels. Runs
+/// once: at the start, or after the first frames of the [`start`] screen.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Dress;
+
+/// The order of [`Dress`].
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum DressSystems {
+    /// Cameras and ground.
+    Scene,
+    /// What is drawn over a camera's picture.
+    Panels,
+}
+
+/// Runs [`Dress`] at the start.
+pub struct DressPlugin;
+
+impl Plugin for DressPlugin {
+    fn build(&self, app: &mut App) {
+        init_dress(app);
+        app.add_systems(Startup, |world: &mut World| world.run_schedule(Dress));
+    }
+}
+
+fn init_dress(app: &mut App) {
+    app.init_schedule(Dress)
+        .configure_sets(Dress, (DressSystems::Scene, DressSystems::Panels).chain());
+}
+
+/// The two texture arrays of the ground.
 #[derive(Resource, Clone)]
 pub struct GroundTextures {
     /// Colour and height.
@@ -59,20 +95,35 @@ pub struct GroundTextures {
     pub normal_roughness: Handle<Image>,
 }
 
-/// Draws what the simulation holds. Expects the resource [`GroundTextures`], and
+impl GroundTextures {
+    /// Takes what [`textures::read_ground`] read.
+    pub fn new([albedo_height, normal_roughness]: [Image; 2], images: &mut Assets<Image>) -> Self {
+        Self {
+            albedo_height: images.add(albedo_height),
+            normal_roughness: images.add(normal_roughness),
+        }
+    }
+}
+
+/// Draws what the simulation holds. Expects, when [`Dress`] runs, the resource [`GroundTextures`], and
 /// [`OffscreenTarget`] where there is no window.
 pub struct ViewPlugin;
 
 impl Plugin for ViewPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(DefaultOpaqueRendererMethod::deferred())
-            .add_plugins((SkyPlugin, HeroPlugin))
-            .add_systems(Startup, (dress_camera, dress_landscape))
+            .add_plugins((SkyPlugin, HeroPlugin, BloomFitPlugin))
+            .add_systems(
+                Dress,
+                (dress_camera, dress_landscape).in_set(DressSystems::Scene),
+            )
             .add_systems(
                 Update,
                 (
                     follow_switches.after(CameraSystems),
-                    dress_landscape.run_if(resource_changed::<CurrentScene>),
+                    dress_landscape
+                        .run_if(resource_exists::<GroundTextures>)
+                        .run_if(resource_changed::<CurrentScene>),
                 ),
             );
     }

@@ -11,6 +11,7 @@ use dolomite::ground::detail::{Detail, Metric};
 use dolomite::tessellation::render::StageStats;
 
 use super::passes::{self, Clock};
+use super::{Dress, DressSystems};
 use crate::input::keys;
 use crate::play::{DetailFocus, Switches};
 use crate::scene::CurrentScene;
@@ -52,7 +53,7 @@ struct FaultPanel;
 impl Plugin for PanelPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins(FrameTimeDiagnosticsPlugin::default())
-            .add_systems(PostStartup, spawn)
+            .add_systems(Dress, spawn.in_set(DressSystems::Panels))
             .add_systems(
                 Update,
                 (

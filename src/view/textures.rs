@@ -1,5 +1,4 @@
-//! Reads the ground's texture arrays before the app starts, so that a wrong file is an error and
-//! not a grey mountain.
+//! Reads the ground's texture arrays, so that a wrong file is an error and not a grey mountain.
 
 use std::path::{Path, PathBuf};
 
@@ -41,6 +40,18 @@ pub enum Content {
     Colour,
     /// Four plain channels.
     Data,
+}
+
+/// Reads both texture arrays of the ground from their folder: colour and height; normal, roughness and
+/// occlusion.
+///
+/// # Errors
+/// [`TextureError`], naming the file.
+pub fn read_ground(folder: &Path) -> Result<[Image; 2], TextureError> {
+    Ok([
+        read_array(&folder.join("terrain_albedo_height.png"), Content::Colour)?,
+        read_array(&folder.join("terrain_normal_roughness.png"), Content::Data)?,
+    ])
 }
 
 /// Reads a stack of [`LAYERS`] squares (sand, grass, rock, snow, scree) as a 2D array with all

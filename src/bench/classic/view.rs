@@ -16,8 +16,8 @@ use crate::input::PlayerInput;
 use crate::play::Switches;
 use crate::play::camera::{CameraSystems, FreeCamera};
 use crate::settings::Settings;
-use crate::view::OffscreenTarget;
 use crate::view::panel::{PanelRows, UiCamera};
+use crate::view::{Dress, DressSystems, OffscreenTarget};
 
 /// Vertical field of view of the scene's definition, degrees.
 pub const FIELD_OF_VIEW: f32 = 60.0;
@@ -43,7 +43,7 @@ impl Plugin for ClassicViewPlugin {
                 settings,
             })
             .init_resource::<PanelRows>()
-            .add_systems(Startup, dress_camera)
+            .add_systems(Dress, dress_camera.in_set(DressSystems::Scene))
             .add_systems(
                 Update,
                 (
