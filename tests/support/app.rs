@@ -23,10 +23,21 @@ pub fn app(step: Duration, add: impl FnOnce(&mut App)) -> Option<App> {
 
 /// The same; `pipelined` renders a frame while the next is prepared.
 pub fn pipelined_app(step: Duration, pipelined: bool, add: impl FnOnce(&mut App)) -> Option<App> {
+    app_around(step, pipelined, |_| (), add)
+}
+
+/// The same, with what `before` adds before Bevy's plugins.
+pub fn app_around(
+    step: Duration,
+    pipelined: bool,
+    before: impl FnOnce(&mut App),
+    add: impl FnOnce(&mut App),
+) -> Option<App> {
     if !adapter::is_there() {
         return None;
     }
     let mut app = App::new();
+    before(&mut app);
     let plugins = DefaultPlugins
         .build()
         .set(WindowPlugin {
