@@ -450,6 +450,48 @@ fn a_broken_scene_keeps_the_last_good_one_and_a_mended_one_is_taken_over() {
 }
 
 #[test]
+fn a_map_that_is_missing_is_waited_for() {
+    let folder = std::env::temp_dir().join(format!("dolomite-map-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("the temporary folder can be written");
+    let file = folder.join("scene.ron");
+    let hill = "(source: Hill(centre: (0.0, 0.0), radius: 90.0, height: 20.0))";
+    let map = "(source: Map(path: \"late.f32\", format: Raw(format: F32, width: 2, height: 2), \
+               scale: 1.0, offset: 0.0, spacing: (200.0, 200.0)))";
+    let save = |layers: &str| {
+        let text = format!("(extent: ((-99.0, -99.0), (99.0, 99.0)), layers: [{layers}])");
+        std::fs::write(&file, text).expect("the scene can be written");
+    };
+    let wait = || std::thread::sleep(Duration::from_millis(30));
+    save(hill);
+    let mut app = game(&file.to_string_lossy());
+    let reload = |app: &mut App| {
+        app.world_mut()
+            .run_system_cached(reload_changed)
+            .expect("the system runs");
+        app.update();
+        app.world().resource::<SceneFault>().0.clone()
+    };
+    assert_eq!(reload(&mut app), None);
+
+    wait();
+    save(&format!("{hill}, {map}"));
+    let fault = reload(&mut app).expect("the map is missing");
+    assert!(fault.contains("late.f32"), "{fault}");
+    assert_eq!(reload(&mut app), Some(fault), "nothing has changed");
+
+    // The map appears; the scene is not touched.
+    let samples: Vec<u8> = [7.0_f32; 4].iter().flat_map(|s| s.to_le_bytes()).collect();
+    std::fs::write(folder.join("late.f32"), samples).expect("the map can be written");
+    assert_eq!(reload(&mut app), None);
+    assert_eq!(terrain(&mut app).height(DVec2::ZERO), 27.0);
+
+    // Away for a moment, as a file is that is being written: what is there stays.
+    std::fs::remove_file(folder.join("late.f32")).expect("it is there");
+    assert_eq!(reload(&mut app), None);
+    std::fs::remove_dir_all(&folder).expect("the temporary folder can be removed");
+}
+
+#[test]
 fn settings_shape_the_speed() {
     let mut app = game("jacksboro");
     let distance = |app: &mut App| {
