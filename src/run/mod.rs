@@ -3,11 +3,12 @@
 //! | file | concern |
 //! |---|---|
 //! | [`device`] | is there a device that can draw this |
-//! | [`window`] | play in a window |
+//! | [`window`], [`patient`] | play in a window, which answers from the first second on |
 //! | [`offscreen`], [`mod@shot`] | an app without a window; one picture from it |
 
 pub mod device;
 pub mod offscreen;
+pub mod patient;
 pub mod shot;
 pub mod window;
 

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::window::{PresentMode, Window, WindowPlugin, WindowResolution};
 
+use super::patient::PatientRenderingPlugin;
 use super::{GameError, Setup, device, log_plugin};
 use crate::input::devices::InputPlugin;
 
@@ -51,6 +52,7 @@ pub fn play(setup: Setup) -> Result<AppExit, GameError> {
             })
             .set(log_plugin()),
     );
+    app.add_plugins(PatientRenderingPlugin);
     setup.add_behind_start_screen(&mut app);
     app.add_plugins(InputPlugin);
     Ok(app.run())

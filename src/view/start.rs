@@ -22,7 +22,8 @@ pub struct StartPlugin;
 impl Plugin for StartPlugin {
     fn build(&self, app: &mut App) {
         super::init_dress(app);
-        app.add_systems(Startup, (spawn, read_textures))
+        app.insert_resource(Starting)
+            .add_systems(Startup, (spawn, read_textures))
             .add_systems(
                 Update,
                 (
@@ -34,6 +35,10 @@ impl Plugin for StartPlugin {
             );
     }
 }
+
+/// In the world while the screen is shown.
+#[derive(Resource)]
+pub struct Starting;
 
 /// The screen, and its camera.
 #[derive(Component)]
@@ -163,6 +168,7 @@ fn write(
     screens: Query<Entity, With<Screen>>,
     mut words: Query<&mut Text, With<Words>>,
     mut bars: Query<&mut Node, With<Bar>>,
+    time: Res<Time<Real>>,
     mut said: Local<Option<Made>>,
 ) {
     let made = progress.made();
@@ -170,6 +176,9 @@ fn write(
         for screen in &screens {
             commands.entity(screen).despawn();
         }
+        commands.remove_resource::<Starting>();
+        let seconds = time.elapsed_secs();
+        eprintln!("dolomite: the first picture is there ({seconds:.0} s)");
         return;
     }
     if *said == Some(made) {
