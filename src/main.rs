@@ -1,14 +1,15 @@
 //! The command `dolomite`: play, shot, bench, settings, fbx2gltf.
 
 mod command;
-mod fbx2gltf;
-mod values;
 
 use std::process::ExitCode;
 
 use bevy::app::AppExit;
 use clap::Parser;
-use dolomite_game::game::{bench, matrix, play, settings, setup::GameError, shot};
+use dolomite_game::bench::classic::matrix;
+use dolomite_game::bench::{self, BenchError};
+use dolomite_game::run::{shot, window};
+use dolomite_game::settings;
 
 use command::{Command, Line};
 
@@ -40,9 +41,9 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(line: Line) -> Result<AppExit, GameError> {
+fn run(line: Line) -> Result<AppExit, BenchError> {
     match line.command.unwrap_or(Command::Play(line.play)) {
-        Command::Play(play) => play::play(play.setup()?),
+        Command::Play(play) => Ok(window::play(play.setup()?)?),
         Command::Shot(shot) => {
             let device = shot::shot(
                 shot.setup()?,

@@ -3,25 +3,24 @@
 
 #[path = "support/app.rs"]
 mod app;
-#[path = "support/material.rs"]
-mod material;
+#[path = "support/camera.rs"]
+mod camera;
+#[path = "support/hills.rs"]
+mod hills;
 
 use std::time::Duration;
 
-use bevy::camera::RenderTarget;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
-use bevy::render::render_resource::{PipelineCache, PollType, TextureFormat};
+use bevy::render::render_resource::{PipelineCache, PollType};
 use bevy::render::renderer::RenderDevice;
 use dolomite::DolomitePlugins;
-use dolomite::terrain::{
-    Fractal, GroundProbe, GroundRect, Layer, ProbeBatch, Source, Terrain, TerrainData,
-};
 use dolomite::ground::TerrainView;
 use dolomite::ground::detail::{Detail, DrawnProbes};
 use dolomite::ground::render::{AnswerCensus, DrawnProbeStats, answer_census};
+use dolomite::terrain::{Fractal, GroundProbe, ProbeBatch, Terrain};
 use dolomite::tessellation::render::{StageCensus, StageStats, census};
 
 /// Frames of 16 ms.
@@ -37,31 +36,20 @@ fn app(with_plugins: bool) -> Option<App> {
 }
 
 fn camera(app: &mut App, components: impl Bundle) {
-    let target = Image::new_target_texture(64, 64, TextureFormat::Rgba8UnormSrgb, None);
-    let target = app.world_mut().resource_mut::<Assets<Image>>().add(target);
-    app.world_mut().spawn((
-        Camera3d::default(),
-        Msaa::Off,
-        (DepthPrepass, DeferredPrepass),
-        RenderTarget::Image(target.into()),
-        Transform::from_xyz(0.0, 50.0, 0.0),
-        components,
-    ));
+    let prepasses = (DepthPrepass, DeferredPrepass);
+    let place = Transform::from_xyz(0.0, 50.0, 0.0);
+    camera::camera(app, UVec2::splat(64), (prepasses, place, components));
 }
 
 fn terrain(app: &mut App) {
-    let terrain = Terrain::new(TerrainData {
-        extent: GroundRect::square(DVec2::ZERO, 512.0),
-        layers: vec![Layer {
-            source: Source::Fractal(Fractal::default()),
-            mask: None,
-        }],
+    let hills = hills::Hills {
+        centre: DVec2::ZERO,
+        side: 512.0,
+        noise: Fractal::default(),
         base: 0.0,
-        sea_level: None,
-    });
-    let material = material::material(app);
-    app.world_mut()
-        .spawn((terrain.expect("the defaults are valid"), material));
+        sea: None,
+    };
+    hills.spawn(app);
 }
 
 /// (what the stage holds, pipelines of the whole app) after some frames.

@@ -11,7 +11,7 @@ use serde_json::Value;
 
 /// The folder of shared data; `None`, after a line that says so, without it or without Vulkan.
 fn shared() -> Option<PathBuf> {
-    let folder = dolomite_game::game::paths::shared_dir(None);
+    let folder = dolomite_game::settings::paths::shared_dir(None);
     let file = folder.join(dolomite_classic::heights::FILE);
     if !file.is_file() {
         let line = format!("{} is missing; set DOLOMITE_SHARED", file.display());
@@ -22,7 +22,7 @@ fn shared() -> Option<PathBuf> {
         eprintln!("skipped: {line}");
         return None;
     }
-    if let Err(error) = dolomite_game::game::device::probe() {
+    if let Err(error) = dolomite_game::run::device::probe() {
         assert!(
             std::env::var_os("CI").is_none(),
             "CI must not skip: {error}"

@@ -7,6 +7,8 @@ mod person;
 
 #[path = "support/app.rs"]
 mod app;
+#[path = "support/camera.rs"]
+mod camera;
 #[path = "support/picture.rs"]
 mod picture;
 
@@ -14,13 +16,11 @@ use std::time::Duration;
 
 use bevy::app::App;
 use bevy::asset::RenderAssetUsages;
-use bevy::camera::RenderTarget;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::render::RenderApp;
-use bevy::render::render_resource::TextureFormat;
 use bevy::render::storage::ShaderBuffer;
 use dolomite::character::SkinnedMesh;
 use dolomite::character::crowd::{CrowdFigure, Palette, skin};
@@ -96,15 +96,8 @@ fn gpu_a_crowd_looks_as_the_twin_has_it() {
     let palette = Palette::bake(&rig, 0, &clips, 30.0).unwrap();
     let mesh = &rig.meshes[0];
     let anchor = Vec3::new(0.5, -1.0, -6.0);
-    let target = Image::new_target_texture(SIZE, SIZE, TextureFormat::Rgba8UnormSrgb, None);
-    let target = app.world_mut().resource_mut::<Assets<Image>>().add(target);
-    app.world_mut().spawn((
-        Camera3d::default(),
-        Msaa::Off,
-        Tonemapping::None,
-        (DepthPrepass, DeferredPrepass, MotionVectorPrepass),
-        RenderTarget::Image(target.clone().into()),
-    ));
+    let prepasses = (DepthPrepass, DeferredPrepass, MotionVectorPrepass);
+    let (_, target) = camera::camera(&mut app, UVec2::splat(SIZE), (Tonemapping::None, prepasses));
     let light = DirectionalLight {
         shadow_maps_enabled: true,
         ..default()

@@ -3,44 +3,42 @@
 
 #[path = "support/app.rs"]
 mod app;
-#[path = "support/material.rs"]
-mod material;
+#[path = "support/camera.rs"]
+mod camera;
+#[path = "support/hills.rs"]
+mod hills;
 #[path = "support/picture.rs"]
 mod picture;
 
 use std::time::Duration;
 
-use bevy::camera::{OrthographicProjection, RenderTarget, ScalingMode};
+use bevy::camera::{OrthographicProjection, ScalingMode};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::light::CascadeShadowConfigBuilder;
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use bevy::render::render_resource::TextureFormat;
 use dolomite::DolomitePlugins;
-use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
 use dolomite::ground::TerrainView;
 use dolomite::ground::detail::{Detail, Metric};
-use dolomite::tessellation::render::StageStats;
+use dolomite::terrain::{Fractal, Ground, Terrain};
 use dolomite::tessellation::StageCamera;
+use dolomite::tessellation::render::StageStats;
 
 /// Steep ground, as many slopes away from the eye as towards it.
-fn ground() -> Terrain {
-    let hills = Fractal {
-        octaves: 8,
-        amplitude: 120.0,
-        wavelength: 160.0,
-        ..Fractal::default()
-    };
-    Terrain::new(TerrainData {
-        extent: GroundRect::square(DVec2::ZERO, 1024.0),
-        layers: vec![Layer {
-            source: Source::Fractal(hills),
-            mask: None,
-        }],
+fn steep(app: &mut App) -> Terrain {
+    let hills = hills::Hills {
+        centre: DVec2::ZERO,
+        side: 1024.0,
+        noise: Fractal {
+            octaves: 8,
+            amplitude: 120.0,
+            wavelength: 160.0,
+            ..Fractal::default()
+        },
         base: 0.0,
-        sea_level: None,
-    })
-    .expect("valid")
+        sea: None,
+    };
+    hills.spawn(app)
 }
 
 /// The picture once it rests, and triangles of the camera.
@@ -61,10 +59,8 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
     }) else {
         return;
     };
-    let ground = ground();
+    let ground = steep(&mut app);
     let height = |x: f32, z: f32| ground.height(DVec2::new(x.into(), z.into())) as f32;
-    let material = material::material(&mut app);
-    app.world_mut().spawn((ground.clone(), material));
     let light = DirectionalLight {
         shadow_maps_enabled: true,
         ..default()
@@ -79,16 +75,9 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
         .build(),
         Transform::default().looking_to(Vec3::new(-2.0, -1.0, -1.0), Vec3::Y),
     ));
-    let target = Image::new_target_texture(160, 90, TextureFormat::Rgba8UnormSrgb, None);
-    let target = app.world_mut().resource_mut::<Assets<Image>>().add(target);
-    let camera = app.world_mut().spawn((
-        Camera3d::default(),
-        Msaa::Off,
-        (DepthPrepass, DeferredPrepass),
-        RenderTarget::Image(target.clone().into()),
-        TerrainView::default(),
-    ));
-    let camera = camera.id();
+    let prepasses = (DepthPrepass, DeferredPrepass);
+    let view = (prepasses, TerrainView::default());
+    let (camera, target) = camera::camera(&mut app, UVec2::new(160, 90), view);
     let eye = Vec3::new(20.0, height(20.0, 30.0) + 6.0, 30.0);
     let level = Transform::from_translation(eye).looking_to(Vec3::new(0.3, -0.05, -1.0), Vec3::Y);
     let down = Transform::from_xyz(0.0, 400.0, 0.0).looking_to(Vec3::NEG_Y, Vec3::X);
@@ -172,4 +161,49 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
         found.push(at_rest(&mut app, &target));
     }
     assert!(found[0] == found[1], "edges behind ridges were lost");
+
+    // The comparison can fail: with a culling that takes the smallest triangles that face the eye for such
+    // as face away, few are missing, and it is seen.
+    let filled = StageCamera::default();
+    too_much_is_culled(&mut app);
+    let mut found = Vec::new();
+    for culled in [false, true] {
+        let detail = Detail {
+            metric: Metric::ErrorBound { pixels: 2.0 },
+            finest: 0.5,
+            culled,
+            occluded: false,
+            ..Detail::default()
+        };
+        app.world_mut()
+            .entity_mut(camera)
+            .insert((level, wide(60.0), detail, filled.clone()));
+        found.push(at_rest(&mut app, &target));
+    }
+    let [(all, _), (wrong, _)] = &found[..] else {
+        unreachable!("two pictures");
+    };
+    let others = all.iter().zip(wrong).filter(|(a, b)| a != b).count();
+    eprintln!("culled too much: {others} of {} bytes differ", all.len());
+    assert!(others > 0, "triangles are missing, and nobody sees it");
+}
+
+/// Changes the culling of a running app: triangles that face the eye with less than half a pixel are left
+/// out.
+fn too_much_is_culled(app: &mut App) {
+    let mut shaders = app.world_mut().resource_mut::<Assets<Shader>>();
+    let right = "< -off * (around + 4.0 * off)";
+    let found = shaders.iter().find_map(|(id, shader)| {
+        let source = shader.source.as_str();
+        let culls = source.contains("#define_import_path dolomite::detail::cull");
+        culls.then(|| (id, source.replace(right, "< 1.0"), shader.path.clone()))
+    });
+    let (id, source, path) = found.expect("the culling is a shader of the app");
+    assert!(!source.contains(right) && source.contains("< 1.0"));
+    shaders
+        .insert(id, Shader::from_wgsl(source, path))
+        .expect("it was there");
+    for _ in 0..4 {
+        app.update();
+    }
 }

@@ -6,26 +6,21 @@ mod adapter;
 use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore};
 use bevy::math::{DVec2, UVec2};
 use bevy::prelude::*;
-use dolomite_game::game::input::PlayerInput;
-use dolomite_game::game::offscreen::{Offscreen, STEP};
-use dolomite_game::game::player::Figure;
-use dolomite_game::game::scenes::{MapOptions, SceneRequest};
-use dolomite_game::game::settings::Settings;
-use dolomite_game::game::setup::Setup;
-use dolomite::terrain::{GroundProbe, ProbeBatch, Terrain};
 use dolomite::ground::render::DrawnProbeStats;
+use dolomite::terrain::{GroundProbe, ProbeBatch, Terrain};
+use dolomite_game::input::PlayerInput;
+use dolomite_game::play::figure::Figure;
+use dolomite_game::run::Setup;
+use dolomite_game::run::offscreen::{Offscreen, STEP};
+use dolomite_game::scene::SceneRequest;
+use dolomite_game::settings::Settings;
 
 /// The mountain, small, as `--max-error` plays it; `None`, after a line that says so, without Vulkan.
 fn game(max_error: f32) -> Option<Offscreen> {
     if !adapter::is_there() {
         return None;
     }
-    let request = SceneRequest {
-        scene: "mountain".to_owned(),
-        map: MapOptions::default(),
-        detail: None,
-        data: None,
-    };
+    let request = SceneRequest::new("mountain");
     let settings = Settings {
         max_error: Some(max_error),
         ..Settings::default()

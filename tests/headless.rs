@@ -11,16 +11,16 @@ use bevy::time::TimeUpdateStrategy;
 use dolomite::DolomiteMinimalPlugins;
 use dolomite::character::CharacterMotion;
 use dolomite::character::gait::Motion;
-use dolomite_game::game::camera::{CLEARANCE, FreeCamera, PITCH_LIMIT};
-use dolomite_game::game::hot_reload::{AssetsDir, SceneFault, reload_changed};
-use dolomite_game::game::input::PlayerInput;
-use dolomite_game::game::jump::Jump;
-use dolomite_game::game::methods::{Metric, Mode};
-use dolomite_game::game::player::{EDGE, Figure, WADING_DEPTH, depth};
-use dolomite_game::game::scenes::{self, CurrentScene, MapOptions, SceneRequest};
-use dolomite_game::game::settings::Settings;
-use dolomite_game::game::simulation::{DetailFocus, Landscape, SimulationPlugin, Switches};
 use dolomite::terrain::{Ground, ProbeAnswer, ProbeBatch, Terrain};
+use dolomite_game::input::PlayerInput;
+use dolomite_game::play::camera::FreeCamera;
+use dolomite_game::play::figure::{EDGE, Figure, WADING_DEPTH, depth};
+use dolomite_game::play::jump::Jump;
+use dolomite_game::play::{DetailFocus, Landscape, SimulationPlugin, Switches};
+use dolomite_game::scene::reload::{SceneFault, reload_changed};
+use dolomite_game::scene::{self, CLEARANCE, CurrentScene, PITCH_LIMIT, SceneRequest};
+use dolomite_game::settings::Settings;
+use dolomite_game::settings::paths::AssetsDir;
 
 /// Greatest distance of the drawn feet from the f64 ground, metres.
 const FEET: f64 = 1e-3;
@@ -29,14 +29,9 @@ fn assets() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
 }
 
-fn game(scene: &str) -> App {
-    let request = SceneRequest {
-        scene: scene.to_owned(),
-        map: MapOptions::default(),
-        detail: None,
-        data: None,
-    };
-    let loaded = scenes::load(&request, &assets()).expect("the scene is good");
+fn game(name: &str) -> App {
+    let request = SceneRequest::new(name);
+    let loaded = scene::load(&request, &assets()).expect("the scene is good");
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, DolomiteMinimalPlugins))
         .insert_resource(AssetsDir(assets()))
@@ -363,14 +358,6 @@ fn the_rule_of_detail_goes_round() {
         bounds.push(app.world().resource::<Settings>().max_error);
     }
     assert_eq!(bounds, [None, Some(1.0), None]);
-    let mut mode = Mode::default();
-    let mut metric = Metric::default();
-    for expected in Mode::ALL {
-        assert_eq!(mode, expected);
-        mode = mode.next();
-        metric = metric.next();
-    }
-    assert_eq!((mode, metric), (Mode::default(), Metric::default().next()));
 }
 
 #[test]
@@ -459,6 +446,48 @@ fn a_broken_scene_keeps_the_last_good_one_and_a_mended_one_is_taken_over() {
     let feet = figure(&mut app).1.translation.as_dvec3();
     let ground = terrain(&mut app).height(feet.xz());
     assert!((ground - feet.y).abs() <= FEET);
+    std::fs::remove_dir_all(&folder).expect("the temporary folder can be removed");
+}
+
+#[test]
+fn a_map_that_is_missing_is_waited_for() {
+    let folder = std::env::temp_dir().join(format!("dolomite-map-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("the temporary folder can be written");
+    let file = folder.join("scene.ron");
+    let hill = "(source: Hill(centre: (0.0, 0.0), radius: 90.0, height: 20.0))";
+    let map = "(source: Map(path: \"late.f32\", format: Raw(format: F32, width: 2, height: 2), \
+               scale: 1.0, offset: 0.0, spacing: (200.0, 200.0)))";
+    let save = |layers: &str| {
+        let text = format!("(extent: ((-99.0, -99.0), (99.0, 99.0)), layers: [{layers}])");
+        std::fs::write(&file, text).expect("the scene can be written");
+    };
+    let wait = || std::thread::sleep(Duration::from_millis(30));
+    save(hill);
+    let mut app = game(&file.to_string_lossy());
+    let reload = |app: &mut App| {
+        app.world_mut()
+            .run_system_cached(reload_changed)
+            .expect("the system runs");
+        app.update();
+        app.world().resource::<SceneFault>().0.clone()
+    };
+    assert_eq!(reload(&mut app), None);
+
+    wait();
+    save(&format!("{hill}, {map}"));
+    let fault = reload(&mut app).expect("the map is missing");
+    assert!(fault.contains("late.f32"), "{fault}");
+    assert_eq!(reload(&mut app), Some(fault), "nothing has changed");
+
+    // The map appears; the scene is not touched.
+    let samples: Vec<u8> = [7.0_f32; 4].iter().flat_map(|s| s.to_le_bytes()).collect();
+    std::fs::write(folder.join("late.f32"), samples).expect("the map can be written");
+    assert_eq!(reload(&mut app), None);
+    assert_eq!(terrain(&mut app).height(DVec2::ZERO), 27.0);
+
+    // Away for a moment, as a file is that is being written: what is there stays.
+    std::fs::remove_file(folder.join("late.f32")).expect("it is there");
+    assert_eq!(reload(&mut app), None);
     std::fs::remove_dir_all(&folder).expect("the temporary folder can be removed");
 }
 

@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 use dolomite::character::gait::{ClipMotion, GaitData};
 use dolomite::character::{Figure, Rig};
 use dolomite::fbx::{Conversion, Options, Origin, convert};
-use dolomite_game::game::hero::{GAITS, MODEL};
+use dolomite_game::view::hero::{GAITS, MODEL};
 use serde::Deserialize;
 use walk::{Seen, Walk, plane};
 

@@ -3,23 +3,24 @@
 
 #[path = "support/app.rs"]
 mod app;
-#[path = "support/material.rs"]
-mod material;
+#[path = "support/camera.rs"]
+mod camera;
+#[path = "support/hills.rs"]
+mod hills;
 #[path = "support/picture.rs"]
 mod picture;
 
 use std::time::{Duration, Instant};
 
-use bevy::camera::{OrthographicProjection, RenderTarget, ScalingMode};
+use bevy::camera::{OrthographicProjection, ScalingMode};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use bevy::render::render_resource::TextureFormat;
 use dolomite::DolomitePlugins;
-use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
 use dolomite::ground::TerrainView;
 use dolomite::ground::detail::budget::{Budget, BudgetError, BudgetReport};
 use dolomite::ground::detail::{Detail, Metric};
+use dolomite::terrain::{Fractal, Ground, Terrain};
 use dolomite::tessellation::render::StageStats;
 
 /// Few vertices, so that the finest tolerances are met by the pool's end and not by the machine's.
@@ -29,23 +30,20 @@ const POOL: u32 = 1 << 13;
 /// seconds.
 const LONGEST: Duration = Duration::from_secs(30);
 
-fn ground() -> Terrain {
-    let hills = Fractal {
-        octaves: 8,
-        amplitude: 60.0,
-        wavelength: 200.0,
-        ..Fractal::default()
-    };
-    Terrain::new(TerrainData {
-        extent: GroundRect::square(DVec2::new(3e5, -2e5), 2048.0),
-        layers: vec![Layer {
-            source: Source::Fractal(hills),
-            mask: None,
-        }],
+fn ground(app: &mut App) -> Terrain {
+    let hills = hills::Hills {
+        centre: DVec2::new(3e5, -2e5),
+        side: 2048.0,
+        noise: Fractal {
+            octaves: 8,
+            amplitude: 60.0,
+            wavelength: 200.0,
+            ..Fractal::default()
+        },
         base: 40.0,
-        sea_level: Some(0.0),
-    })
-    .expect("valid")
+        sea: Some(0.0),
+    };
+    hills.spawn(app)
 }
 
 fn detail(metric: Metric) -> Detail {
@@ -70,15 +68,11 @@ impl Scene {
         let mut app = app::app(Duration::ZERO, |app| {
             app.add_plugins(DolomitePlugins);
         })?;
-        let ground = ground();
-        let material = material::material(&mut app);
-        app.world_mut().spawn((ground.clone(), material));
+        let ground = ground(&mut app);
         app.world_mut().spawn((
             DirectionalLight::default(),
             Transform::default().looking_to(Vec3::new(-2.0, -1.0, -1.0), Vec3::Y),
         ));
-        let image = Image::new_target_texture(96, 54, TextureFormat::Rgba8UnormSrgb, None);
-        let target = app.world_mut().resource_mut::<Assets<Image>>().add(image);
         let xz = DVec2::new(3e5 + 20.0, -2e5 + 30.0);
         let eye = Vec3::new(xz.x as f32, ground.height(xz) as f32 + 6.0, xz.y as f32);
         let sane = (
@@ -86,15 +80,9 @@ impl Scene {
             Projection::Perspective(PerspectiveProjection::default()),
             detail(Metric::ErrorBound { pixels: 4.0 }),
         );
-        let camera = app.world_mut().spawn((
-            Camera3d::default(),
-            Msaa::Off,
-            (DepthPrepass, DeferredPrepass),
-            RenderTarget::Image(target.clone().into()),
-            TerrainView::default(),
-            sane.clone(),
-        ));
-        let camera = camera.id();
+        let prepasses = (DepthPrepass, DeferredPrepass);
+        let view = (prepasses, TerrainView::default(), sane.clone());
+        let (camera, target) = camera::camera(&mut app, UVec2::new(96, 54), view);
         Some(Self {
             app,
             camera,
@@ -299,6 +287,36 @@ fn gpu_hostile_cameras_see_what_there_is() {
         ("parallel", level, parallel(100.0)),
         ("parallel, a millimetre", level, parallel(1e-3)),
         ("parallel, a thousand kilometres", down, parallel(1e6)),
+        ("nowhere", at(Vec3::splat(f32::NAN)), lens.clone()),
+        ("at no height", at(Vec3::Y * f32::NAN), lens.clone()),
+        ("infinitely far", at(Vec3::X * f32::INFINITY), lens.clone()),
+        (
+            "infinitely deep",
+            at(Vec3::Y * f32::NEG_INFINITY),
+            lens.clone(),
+        ),
+        (
+            "looking nowhere",
+            level.with_rotation(Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0)),
+            lens.clone(),
+        ),
+        ("of no size", level.with_scale(Vec3::ZERO), lens.clone()),
+        (
+            "of NaN size",
+            level.with_scale(Vec3::splat(f32::NAN)),
+            lens.clone(),
+        ),
+        ("an angle of NaN", level, perspective(f32::NAN, 0.1)),
+        ("an angle of 0", level, perspective(0.0, 0.1)),
+        ("an infinite angle", level, perspective(f32::INFINITY, 0.1)),
+        ("near plane at NaN", level, perspective(1.0, f32::NAN)),
+        (
+            "near plane at infinity",
+            level,
+            perspective(1.0, f32::INFINITY),
+        ),
+        ("near plane at 0", level, perspective(1.0, 0.0)),
+        ("parallel, NaN", level, parallel(f32::NAN)),
     ];
     for (name, place, projection) in cameras {
         let stats = scene.frames(name, (place, projection));

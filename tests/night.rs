@@ -6,13 +6,13 @@ mod adapter;
 use bevy::math::UVec2;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
-use dolomite_game::game::offscreen::Offscreen;
-use dolomite_game::game::scenes::{MapOptions, SceneRequest};
-use dolomite_game::game::settings::Settings;
-use dolomite_game::game::setup::Setup;
-use dolomite_game::game::stars::Star;
-use dolomite::tessellation::render::{StageCensus, StageStats, census};
 use dolomite::tessellation::Patches;
+use dolomite::tessellation::render::{StageCensus, StageStats, census};
+use dolomite_game::game::stars::Star;
+use dolomite_game::run::Setup;
+use dolomite_game::run::offscreen::Offscreen;
+use dolomite_game::scene::SceneRequest;
+use dolomite_game::settings::Settings;
 use std::time::Duration;
 
 /// The mountain, small; `None`, after a line that says so, without Vulkan.
@@ -20,12 +20,7 @@ fn game() -> Option<Offscreen> {
     if !adapter::is_there() {
         return None;
     }
-    let request = SceneRequest {
-        scene: "mountain".to_owned(),
-        map: MapOptions::default(),
-        detail: None,
-        data: None,
-    };
+    let request = SceneRequest::new("mountain");
     let setup = Setup::load(Settings::default(), request, None).expect("the scene is good");
     Some(Offscreen::new(setup, UVec2::new(128, 72)).expect("a device that was found"))
 }

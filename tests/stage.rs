@@ -3,6 +3,8 @@
 
 #[path = "support/app.rs"]
 mod app;
+#[path = "support/camera.rs"]
+mod camera;
 #[path = "support/picture.rs"]
 mod picture;
 
@@ -11,17 +13,14 @@ use std::time::Duration;
 
 use bevy::app::App;
 use bevy::asset::io::embedded::EmbeddedAssetRegistry;
-use bevy::camera::RenderTarget;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
-use bevy::render::render_resource::{AsBindGroup, TextureFormat};
+use bevy::render::render_resource::AsBindGroup;
 use dolomite::tessellation::render::{
     PatchKind, PatchPlugin, PatchPool, PatchShader, StageCensus, StageStats, census,
 };
-use dolomite::tessellation::{
-    Drawing, PatchLayout, PatchMesh, Patches, StageCamera, shapes,
-};
+use dolomite::tessellation::{Drawing, PatchLayout, PatchMesh, Patches, StageCamera, shapes};
 
 #[derive(Resource, AsBindGroup, Clone)]
 struct Globe {
@@ -150,17 +149,8 @@ fn camera(app: &mut App, components: impl Bundle) -> Entity {
 }
 
 fn camera_into(app: &mut App, components: impl Bundle) -> (Entity, Handle<Image>) {
-    let target = Image::new_target_texture(64, 64, TextureFormat::Rgba8UnormSrgb, None);
-    let target = app.world_mut().resource_mut::<Assets<Image>>().add(target);
-    let image = target.clone();
-    let bundle = (
-        Camera3d::default(),
-        Msaa::Off,
-        RenderTarget::Image(target.into()),
-        Transform::from_xyz(0.0, 0.0, 4.0),
-        components,
-    );
-    (app.world_mut().spawn(bundle).id(), image)
+    let place = Transform::from_xyz(0.0, 0.0, 4.0);
+    camera::camera(app, UVec2::splat(64), (place, components))
 }
 
 fn line() -> PatchMesh {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use bevy::math::{Vec4, ops};
 use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, ShaderType};
-use dolomite_tessellation::render::{PatchKind, PatchPlugin, PatchPool, PatchShader};
-use dolomite_tessellation::{PatchLayout, Patches, shapes};
+use dolomite::tessellation::render::{PatchKind, PatchPlugin, PatchPool, PatchShader};
+use dolomite::tessellation::{PatchLayout, Patches, shapes};
 
 use super::camera::FreeCamera;
 use super::sky::{SeenSky, SkySystems};

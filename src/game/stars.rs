@@ -6,8 +6,8 @@ use std::sync::Arc;
 use bevy::math::Vec4;
 use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, ShaderType};
-use dolomite_tessellation::render::{PatchKind, PatchPlugin, PatchPool, PatchShader};
-use dolomite_tessellation::{PatchLayout, PatchMesh, Patches};
+use dolomite::tessellation::render::{PatchKind, PatchPlugin, PatchPool, PatchShader};
+use dolomite::tessellation::{PatchLayout, PatchMesh, Patches};
 
 use super::camera::{CameraSystems, FreeCamera};
 use super::scattering::zenith_depth;
@@ -225,7 +225,7 @@ mod tests {
         app.add_plugins((MinimalPlugins, StarPlugin, MoonPlugin));
         app.insert_resource(sky(-30.0));
         let eye = FreeCamera {
-            pose: crate::game::camera::Pose {
+            pose: crate::scene::Pose {
                 position: bevy::math::DVec3::ZERO,
                 yaw: 0.0,
                 pitch: 0.0,

@@ -1,6 +1,6 @@
 //! Whether there is something to render with.
 
-use dolomite_game::game::device;
+use dolomite_game::run::device;
 
 /// False, after a line that says so, without Vulkan; in CI that fails.
 pub fn is_there() -> bool {

@@ -13,7 +13,7 @@ use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
-use dolomite_game::game::device;
+use dolomite_game::run::device;
 
 /// Bevy's plugins without a window, pipelines compiled in the frame that first needs them, every frame `step`
 /// after the last; and what `add` adds. `None`, after a line that says so, without Vulkan; in CI that fails.
@@ -23,10 +23,21 @@ pub fn app(step: Duration, add: impl FnOnce(&mut App)) -> Option<App> {
 
 /// The same; `pipelined` renders a frame while the next is prepared.
 pub fn pipelined_app(step: Duration, pipelined: bool, add: impl FnOnce(&mut App)) -> Option<App> {
+    app_around(step, pipelined, |_| (), add)
+}
+
+/// The same, with what `before` adds before Bevy's plugins.
+pub fn app_around(
+    step: Duration,
+    pipelined: bool,
+    before: impl FnOnce(&mut App),
+    add: impl FnOnce(&mut App),
+) -> Option<App> {
     if !adapter::is_there() {
         return None;
     }
     let mut app = App::new();
+    before(&mut app);
     let plugins = DefaultPlugins
         .build()
         .set(WindowPlugin {

@@ -16,29 +16,53 @@ use std::sync::Arc;
 
 /// Lets `load("hero.fbx")` give what `load("hero.glb")` gives: a [`Gltf`] with the same sub-assets
 /// under the same labels (`GltfAssetLabel::Scene(0).from_asset("hero.fbx")`, ...), and one more:
-/// `hero.fbx#Conversion` is an [`FbxConversion`]. Add after Bevy's `DefaultPlugins`.
+/// `hero.fbx#Conversion` is an [`FbxConversion`].
 ///
 /// A file is converted in memory, on the tasks that load assets, and handed to Bevy's glTF loader as it
 /// was set up by [`GltfPlugin`]. Without an .fbx nothing is done.
+///
+/// May be added before or after Bevy's plugins, and more than once. An app without [`GltfPlugin`] is told
+/// so in a warning, and loads no .fbx.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct FbxPlugin;
+
+/// The loader has been announced: whoever asks for a file from now on waits for it.
+#[derive(Resource)]
+struct Announced;
+
+/// The loader is there, or it has been said why it is not.
+#[derive(Resource)]
+struct Settled;
 
 impl Plugin for FbxPlugin {
     fn build(&self, app: &mut App) {
-        // Without assets there is no server to tell; `finish` says so.
-        if app.world().contains_resource::<AssetServer>() {
-            app.init_asset::<FbxConversion>();
-            app.preregister_asset_loader::<FbxLoader>(&["fbx"]);
-        }
+        announce(app);
     }
 
+    // Bevy's plugins may have been added after this one.
     fn finish(&self, app: &mut App) {
+        announce(app);
+    }
+
+    // What Bevy's loader was set up with is known when all plugins have finished.
+    fn cleanup(&self, app: &mut App) {
+        if app.world().contains_resource::<Settled>() {
+            return;
+        }
+        app.insert_resource(Settled);
         let set_up = app.get_added_plugins::<GltfPlugin>();
         let world = app.world();
         let sampler = world.get_resource::<DefaultGltfImageSampler>();
         let extensions = world.get_resource::<GltfExtensionHandlers>();
-        let (Some(set_up), Some(sampler), Some(extensions)) = (set_up.first(), sampler, extensions)
-        else {
-            warn!("FbxPlugin does nothing: add Bevy's GltfPlugin before it");
+        let (Some(set_up), Some(sampler), Some(extensions), true) = (
+            set_up.first(),
+            sampler,
+            extensions,
+            world.contains_resource::<Announced>(),
+        ) else {
+            warn!(
+                "FbxPlugin loads nothing: the app has no GltfPlugin (part of Bevy's DefaultPlugins)"
+            );
             return;
         };
         let formats = world.get_resource::<CompressedImageFormatSupport>();
@@ -52,6 +76,20 @@ impl Plugin for FbxPlugin {
             default_skinned_mesh_bounds_policy: set_up.skinned_mesh_bounds_policy,
         };
         app.register_asset_loader(FbxLoader { gltf });
+    }
+
+    fn is_unique(&self) -> bool {
+        false
+    }
+}
+
+/// Tells the asset server, once it is there, that .fbx files will be loaded.
+fn announce(app: &mut App) {
+    let world = app.world();
+    if world.contains_resource::<AssetServer>() && !world.contains_resource::<Announced>() {
+        app.init_asset::<FbxConversion>()
+            .preregister_asset_loader::<FbxLoader>(&["fbx"])
+            .insert_resource(Announced);
     }
 }
 

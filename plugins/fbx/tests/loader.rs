@@ -14,7 +14,19 @@ use bevy::world_serialization::WorldSerializationPlugin;
 use dolomite_fbx::{FbxConversion, FbxPlugin, Options, Origin, convert};
 use std::path::Path;
 
+/// When our plugin is added, as seen from Bevy's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Added {
+    Before,
+    After,
+    Twice,
+}
+
 fn app(files: &[(&str, Vec<u8>)]) -> App {
+    app_with(files, Added::After)
+}
+
+fn app_with(files: &[(&str, Vec<u8>)], added: Added) -> App {
     let folder = Dir::default();
     for (name, bytes) in files {
         folder.insert_asset(Path::new(name), bytes.clone());
@@ -25,6 +37,9 @@ fn app(files: &[(&str, Vec<u8>)]) -> App {
         AssetSourceId::Default,
         AssetSourceBuilder::new(move || Box::new(reader.clone())),
     );
+    if added != Added::After {
+        app.add_plugins(FbxPlugin);
+    }
     app.add_plugins((
         MinimalPlugins,
         AssetPlugin::default(),
@@ -32,7 +47,10 @@ fn app(files: &[(&str, Vec<u8>)]) -> App {
         MeshPlugin,
     ));
     app.init_asset::<Image>().init_asset::<AnimationClip>();
-    app.add_plugins((GltfPlugin::default(), FbxPlugin));
+    app.add_plugins(GltfPlugin::default());
+    if added != Added::Before {
+        app.add_plugins(FbxPlugin);
+    }
     app.finish();
     app.cleanup();
     app
@@ -95,6 +113,37 @@ fn the_conversion_is_a_sub_asset() {
     let found = conversions.get(&asked).unwrap();
     assert_eq!(found.report.vertices, wanted.report.vertices);
     assert_eq!(&found.glb[..4], b"glTF");
+}
+
+#[test]
+fn the_order_of_plugins_does_not_matter() {
+    let text = ascii::strip(90.0).into_bytes();
+    for added in [Added::Before, Added::After, Added::Twice] {
+        let mut app = app_with(&[("strip.fbx", text.clone())], added);
+        let server = app.world().resource::<AssetServer>();
+        let made: Handle<FbxConversion> = server.load("strip.fbx#Conversion");
+        let fbx = load(&mut app, "strip.fbx").unwrap_or_else(|error| panic!("{added:?}: {error}"));
+        let gltfs = app.world().resource::<Assets<Gltf>>();
+        assert_eq!(gltfs.get(&fbx).unwrap().skins.len(), 1, "{added:?}");
+        let conversions = app.world().resource::<Assets<FbxConversion>>();
+        assert!(conversions.get(&made).is_some(), "{added:?}");
+    }
+}
+
+/// Nothing to load with: the app runs all the same.
+#[test]
+fn without_bevys_loader_nothing_is_loaded_and_nothing_ends() {
+    for plugins in [false, true] {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, FbxPlugin));
+        if plugins {
+            app.add_plugins(AssetPlugin::default());
+        }
+        app.finish();
+        app.cleanup();
+        app.update();
+        assert_eq!(app.should_exit(), None);
+    }
 }
 
 #[test]

@@ -7,9 +7,10 @@ use crate::blend::Fade;
 use crate::clip::Clip;
 use crate::feet::Step;
 use bevy::math::Vec2;
+use bevy::reflect::prelude::*;
 
 /// What a figure does, as gameplay says it: the input.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Metres a second over the ground plane, along the way it looks; backwards is negative.
     pub speed: f32,

@@ -3,11 +3,13 @@
 use super::Character;
 use bevy::ecs::prelude::*;
 use bevy::math::Vec3;
+use bevy::reflect::prelude::*;
 use bevy::transform::components::Transform;
 use bevy::transform::helper::TransformHelper;
 
 /// Sees figures: on a camera, or on whatever figures are to be animated for. It looks along its -z.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, PartialEq)]
 #[require(Transform)]
 pub struct CharacterEye {
     /// Height of the picture in pixels over twice the tangent of half its angle: pixels of something one
@@ -37,7 +39,7 @@ impl Default for CharacterEye {
 }
 
 /// How often a figure is sampled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Sampling {
     /// Not: it keeps its last pose. Its gait goes on.
     Off,
@@ -49,7 +51,8 @@ pub enum Sampling {
 }
 
 /// How often a figure is sampled, and what has become of that.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, PartialEq)]
 pub struct CharacterLod {
     /// As the eyes see it.
     pub sampling: Sampling,

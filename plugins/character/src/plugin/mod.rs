@@ -30,6 +30,7 @@ use crate::pose::Pose;
 use bevy::app::{App, Plugin, PostUpdate};
 use bevy::ecs::prelude::*;
 use bevy::math::Affine3A;
+use bevy::reflect::prelude::*;
 use bevy::transform::TransformSystems;
 use bevy::transform::components::Transform;
 use std::sync::Arc;
@@ -50,7 +51,8 @@ pub struct Character {
 
 /// What a figure does: written by gameplay, or by [`MotionFromTransform`]. Where there is ground under it,
 /// its `slope` is found by the plugin.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, PartialEq)]
 pub struct CharacterMotion(pub Motion);
 
 /// What a figure remembers.
@@ -101,6 +103,8 @@ pub enum CharacterSystems {
 
 /// Animates every [`Character`]. Runs under `MinimalPlugins`, with or without the transform plugin.
 ///
+/// May be added before or after Bevy's plugins, and more than once.
+///
 /// Feet stand on the world's [`CharacterGround`], or else on its first
 /// [`Terrain`](dolomite_terrain::Terrain); a figure with a
 /// [`GroundProbe`](dolomite_terrain::GroundProbe) stands on the drawn surface where that is known.
@@ -109,7 +113,14 @@ pub struct CharacterPlugin;
 
 impl Plugin for CharacterPlugin {
     fn build(&self, app: &mut App) {
+        if app.world().contains_resource::<CharacterCounters>() {
+            return;
+        }
         diagnostics::build(app);
+        app.register_type::<CharacterEye>()
+            .register_type::<CharacterLod>()
+            .register_type::<CharacterMotion>()
+            .register_type::<MotionFromTransform>();
         app.configure_sets(
             PostUpdate,
             (
@@ -131,5 +142,9 @@ impl Plugin for CharacterPlugin {
             )
                 .run_if(any_with_component::<Character>),
         );
+    }
+
+    fn is_unique(&self) -> bool {
+        false
     }
 }

@@ -4,12 +4,14 @@ use super::CharacterMotion;
 use crate::gait::{wrapped, yaw_of};
 use bevy::ecs::prelude::*;
 use bevy::math::Vec3;
+use bevy::reflect::prelude::*;
 use bevy::time::Time;
 use bevy::transform::components::Transform;
 
 /// Fills the speed and the turning of a figure's [`CharacterMotion`] from the changes of its `Transform`:
 /// for figures whom something else moves. Whether it is in the air stays for gameplay to say.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, PartialEq)]
 #[require(CharacterMotion)]
 pub struct MotionFromTransform {
     last: Option<(Vec3, f32)>,

@@ -1,0 +1,161 @@
+//! What is shown, as the command line says it; the same for every command.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use dolomite::terrain::RawFormat;
+use dolomite_game::bench::BenchError;
+use dolomite_game::bench::classic::args::ClassicArgs;
+use dolomite_game::bench::classic::{self, view::FIELD_OF_VIEW};
+use dolomite_game::run::{GameError, Setup};
+use dolomite_game::scene::{MapOptions, SceneRequest};
+use dolomite_game::settings::Settings;
+
+use super::values::{Camera, Degrees2, RawType, Size};
+
+/// What is shown; the same for every command.
+#[derive(Args)]
+pub struct SceneArgs {
+    /// `mountain`, `jacksboro`, `classic` (to compare methods; needs the shared data), a scene file
+    /// (.ron), or a height map (.png, .raw, .r16, .f32).
+    #[arg(long, default_value = "mountain")]
+    pub scene: String,
+    #[command(flatten)]
+    pub classic: ClassicArgs,
+    /// Height map: metres between samples.
+    #[arg(
+        long,
+        value_name = "METRES",
+        default_value_t = 30.0,
+        help_heading = "Height map"
+    )]
+    spacing: f64,
+    /// Height map: columns and rows, needed for all but PNG.
+    #[arg(long, value_name = "COLUMNSxROWS", help_heading = "Height map")]
+    size_of_raw: Option<Size>,
+    /// Height map: the little-endian numbers of a raw file, where the ending does not tell (.raw is
+    /// i16, .r16 is u16, .f32 is f32).
+    #[arg(long, value_enum, help_heading = "Height map")]
+    raw_type: Option<RawType>,
+    /// Height map: metres for one unit of a sample [default: 1; 0.1 for PNG].
+    #[arg(
+        long,
+        value_name = "METRES",
+        allow_negative_numbers = true,
+        help_heading = "Height map"
+    )]
+    height_scale: Option<f32>,
+    /// Height map: metres added to the scaled sample.
+    #[arg(
+        long,
+        value_name = "METRES",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        help_heading = "Height map"
+    )]
+    height_offset: f32,
+    /// Settings file [default: ~/.config/dolomite/settings.ron, where there is one].
+    #[arg(long, value_name = "FILE", help_heading = "Settings")]
+    settings: Option<PathBuf>,
+    /// Amplitude of the detail below the sample spacing, for scenes that have some (jacksboro).
+    #[arg(long, value_name = "METRES", help_heading = "Settings")]
+    detail: Option<f32>,
+    /// Sun: azimuth clockwise from north, elevation above the horizon.
+    #[arg(
+        long,
+        value_name = "AZIMUTH,ELEVATION",
+        allow_hyphen_values = true,
+        help_heading = "Settings"
+    )]
+    sun: Option<Degrees2>,
+    /// Vertical field of view.
+    #[arg(long, value_name = "DEGREES", help_heading = "Settings")]
+    fov: Option<f32>,
+    /// Ground of patches with triangle edges of this length on the screen, in place of a bounded error.
+    #[arg(
+        long,
+        value_name = "PIXELS",
+        help_heading = "Settings",
+        conflicts_with_all = ["max_error", "budget"]
+    )]
+    pixels_per_edge: Option<f32>,
+    /// Ground of patches, the smallest with this side, in place of a bounded error.
+    #[arg(
+        long,
+        value_name = "METRES",
+        help_heading = "Settings",
+        conflicts_with_all = ["max_error", "budget"]
+    )]
+    finest_patch: Option<f32>,
+    /// How far the drawn ground may be from the true one in the picture [default: 1].
+    #[arg(long, value_name = "PIXELS", help_heading = "Settings")]
+    max_error: Option<f32>,
+    /// Hold the GPU's time for the ground's detail by the error in the picture, in place of --max-error.
+    #[arg(
+        long,
+        value_name = "MILLISECONDS",
+        help_heading = "Settings",
+        conflicts_with = "max_error"
+    )]
+    budget: Option<f32>,
+    /// Start at this camera: metres, and degrees. Yaw 0 looks north and grows to the left, pitch
+    /// grows upwards. [default: that of the scene; for play, behind the figure]
+    #[arg(long, value_name = "X,Y,Z,YAW,PITCH", allow_hyphen_values = true)]
+    pub camera: Option<Camera>,
+    /// Draw triangle edges.
+    #[arg(long)]
+    pub lines: bool,
+    /// Do not fill triangles.
+    #[arg(long)]
+    no_fill: bool,
+}
+
+impl SceneArgs {
+    /// Whether it is the scene to compare methods on, whose definition says more than where the ground is.
+    pub fn is_classic(&self) -> bool {
+        self.scene == classic::NAME
+    }
+
+    /// By what rule the ground is refined, where the command line says it.
+    pub fn rule(&self, settings: &mut Settings) {
+        if self.pixels_per_edge.or(self.finest_patch).is_some() {
+            (settings.max_error, settings.budget) = (None, None);
+        } else if self.max_error.is_some() {
+            (settings.max_error, settings.budget) = (self.max_error, None);
+        } else {
+            settings.budget = self.budget.or(settings.budget);
+        }
+    }
+
+    pub fn setup(&self, change: impl FnOnce(&mut Settings)) -> Result<Setup, BenchError> {
+        let mut settings = Settings::load(self.settings.as_deref()).map_err(GameError::from)?;
+        settings.detail = self.detail.or(settings.detail);
+        settings.sun = self.sun.map(|Degrees2(a, b)| (a, b)).or(settings.sun);
+        let fov = self.is_classic().then_some(FIELD_OF_VIEW);
+        settings.fov = self.fov.or(fov).unwrap_or(settings.fov);
+        settings.pixels_per_edge = self.pixels_per_edge.unwrap_or(settings.pixels_per_edge);
+        settings.finest_patch = self.finest_patch.unwrap_or(settings.finest_patch);
+        self.rule(&mut settings);
+        change(&mut settings);
+        settings
+            .check(Path::new("command line"))
+            .map_err(GameError::from)?;
+        let request = SceneRequest {
+            scene: self.scene.clone(),
+            map: MapOptions {
+                spacing: self.spacing,
+                size: self.size_of_raw.map(|Size(size)| (size.x, size.y)),
+                raw: self.raw_type.map(RawFormat::from),
+                scale: self.height_scale,
+                offset: self.height_offset,
+            },
+            detail: settings.detail,
+            named: vec![self.classic.scene()],
+        };
+        let mut setup = Setup::load(settings, request, self.camera.map(|Camera(pose)| pose))?;
+        self.classic.check(&setup.scene)?;
+        setup.switches.lines = self.lines;
+        setup.switches.fill = !self.no_fill;
+        Ok(setup)
+    }
+}

@@ -1,0 +1,46 @@
+//! What the player wants this frame ([`PlayerInput`]), how it is read from devices ([`devices`]), and the
+//! table of keys ([`keys`]).
+//!
+//! The simulation reads only this resource, so tests, the bench and recordings can write it in
+//! place of a player.
+
+pub mod devices;
+pub mod keys;
+
+use bevy::prelude::*;
+
+/// What the player wants. Levels (`fly`, `walk`, `fast`) hold while a key is held; steps (`look`,
+/// `zoom`, the switches) are of one frame.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlayerInput {
+    /// Camera motion, −1 to 1 each: x right, y up, z forward.
+    pub fly: Vec3,
+    /// Figure motion as the camera sees it, −1 to 1 each: x right, y away from the camera.
+    pub walk: Vec2,
+    /// Moves faster.
+    pub fast: bool,
+    /// The figure leaps, in this frame.
+    pub jump: bool,
+    /// The figure waves a hand, in this frame.
+    pub wave: bool,
+    /// Turn of the view in this frame, radians: x to the right, y upwards.
+    pub look: Vec2,
+    /// Zoom in this frame, in wheel steps; positive zooms in.
+    pub zoom: f32,
+    /// Switches lines on or off.
+    pub switch_lines: bool,
+    /// Switches fill on or off.
+    pub switch_fill: bool,
+    /// Switches the point that detail follows.
+    pub switch_focus: bool,
+    /// Switches who makes the triangles, in scenes where several can.
+    pub switch_mode: bool,
+    /// Switches the rule by which the ground is refined.
+    pub switch_metric: bool,
+    /// Switches between a camera that follows the figure and one that flies free.
+    pub switch_follow: bool,
+    /// Switches the panel of keys.
+    pub switch_keys: bool,
+    /// Leaves the game.
+    pub leave: bool,
+}

@@ -1,0 +1,168 @@
+//! What every way to run the game needs: settings, assets, a scene; and every way it can fail.
+//!
+//! | file | concern |
+//! |---|---|
+//! | [`device`] | is there a device that can draw this |
+//! | [`window`], [`patient`] | play in a window, which answers from the first second on |
+//! | [`offscreen`], [`mod@shot`] | an app without a window; one picture from it |
+
+pub mod device;
+pub mod offscreen;
+pub mod patient;
+pub mod shot;
+pub mod window;
+
+use std::path::PathBuf;
+
+use bevy::log::{Level, LogPlugin};
+use bevy::prelude::*;
+use bevy::render::diagnostic::RenderDiagnosticsPlugin;
+use thiserror::Error;
+
+use crate::play::figure::Figure;
+use crate::play::{SimulationPlugin, Switches};
+use crate::scene::{self, CurrentScene, Pose, SceneError, SceneRequest};
+use crate::settings::paths::{self, AssetsDir, AssetsError};
+use crate::settings::{Settings, SettingsError};
+use crate::view::panel::PanelPlugin;
+use crate::view::progress::{self, ProgressPlugin};
+use crate::view::start::StartPlugin;
+use crate::view::textures::{self, TextureError};
+use crate::view::{DressPlugin, GroundTextures, ViewPlugin};
+use device::DeviceError;
+use dolomite::{DolomiteMinimalPlugins, DolomitePlugins};
+use offscreen::OffscreenError;
+
+/// Everything that can go wrong in the game, with file, reason, and what to do.
+#[derive(Debug, Error)]
+pub enum GameError {
+    /// No assets folder.
+    #[error(transparent)]
+    Assets(#[from] AssetsError),
+    /// Settings were refused.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The scene was refused.
+    #[error(transparent)]
+    Scene(#[from] Box<SceneError>),
+    /// No device to draw with.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// A texture was refused.
+    #[error(transparent)]
+    Texture(#[from] TextureError),
+    /// Rendering without a window failed.
+    #[error(transparent)]
+    Offscreen(#[from] OffscreenError),
+}
+
+impl From<SceneError> for GameError {
+    fn from(error: SceneError) -> Self {
+        // Boxed: scene errors are large, and all other errors would carry their size.
+        Self::Scene(Box::new(error))
+    }
+}
+
+/// What the game starts from.
+pub struct Setup {
+    /// What the player may set.
+    pub settings: Settings,
+    /// The assets folder.
+    pub assets: PathBuf,
+    /// What was asked for.
+    pub request: SceneRequest,
+    /// The scene that it names.
+    pub scene: CurrentScene,
+    /// Lines and fill at the start.
+    pub switches: Switches,
+    /// Shows panels.
+    pub panels: bool,
+}
+
+impl Setup {
+    /// Finds the assets and loads the scene that `request` names. `camera` replaces the scene's
+    /// start.
+    ///
+    /// # Errors
+    /// [`GameError::Assets`] or [`GameError::Scene`].
+    pub fn load(
+        settings: Settings,
+        request: SceneRequest,
+        camera: Option<Pose>,
+    ) -> Result<Self, GameError> {
+        let assets = paths::assets_dir()?;
+        let mut scene = CurrentScene(scene::load(&request, &assets)?);
+        if let Some(pose) = camera {
+            scene.0.camera = pose;
+        }
+        Ok(Self {
+            settings,
+            assets,
+            request,
+            scene,
+            switches: Switches::default(),
+            panels: true,
+        })
+    }
+
+    /// Starts the camera behind the figure, looking where it faces.
+    pub fn start_behind_figure(&mut self) {
+        let scene = &mut self.scene.0;
+        let place = Figure::at(scene.figure, &scene.terrain).now.place;
+        scene.camera = Pose::behind(place, scene.facing, &scene.terrain);
+    }
+
+    /// Adds simulation, view and panels to an app that has Bevy's own plugins.
+    ///
+    /// # Errors
+    /// [`GameError::Texture`] when the ground's textures are missing or wrong.
+    pub fn add_to(self, app: &mut App) -> Result<(), GameError> {
+        if self.scene.own.is_none() {
+            let read = textures::read_ground(&self.assets.join("textures"))?;
+            let mut images = app.world_mut().resource_mut::<Assets<Image>>();
+            let textures = GroundTextures::new(read, &mut images);
+            app.insert_resource(textures);
+        }
+        self.add(app);
+        app.add_plugins(DressPlugin);
+        app.add_systems(Startup, progress::textures_are_there);
+        Ok(())
+    }
+
+    /// The same, with a screen that says what is being done until there is a picture. Textures are read
+    /// meanwhile; where they are missing or wrong the app says so and ends.
+    pub fn add_behind_start_screen(self, app: &mut App) {
+        self.add(app);
+        app.add_plugins(StartPlugin);
+    }
+
+    fn add(self, app: &mut App) {
+        let own = self.scene.own.clone();
+        app.insert_resource(self.settings)
+            .insert_resource(AssetsDir(self.assets))
+            .insert_resource(self.request)
+            .insert_resource(self.scene)
+            .insert_resource(self.switches)
+            .add_plugins((RenderDiagnosticsPlugin, ProgressPlugin));
+        match own {
+            Some(own) => {
+                app.add_plugins((DolomiteMinimalPlugins, SimulationPlugin));
+                own.build(app);
+            }
+            None => {
+                app.add_plugins((DolomitePlugins, SimulationPlugin, ViewPlugin));
+            }
+        }
+        if self.panels {
+            app.add_plugins(PanelPlugin);
+        }
+    }
+}
+
+/// Warnings and errors only; `RUST_LOG` shows more.
+pub fn log_plugin() -> LogPlugin {
+    LogPlugin {
+        level: Level::WARN,
+        ..default()
+    }
+}

@@ -1,0 +1,59 @@
+//! The game in a window.
+
+use bevy::app::AppExit;
+use bevy::asset::AssetPlugin;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::window::{PresentMode, Window, WindowPlugin, WindowResolution};
+
+use super::patient::PatientRenderingPlugin;
+use super::{GameError, Setup, device, log_plugin};
+use crate::input::devices::InputPlugin;
+
+/// Opens the window and plays until the player leaves.
+///
+/// # Errors
+/// [`GameError`] when there is no display or no device.
+pub fn play(setup: Setup) -> Result<AppExit, GameError> {
+    device::display()?;
+    let device = device::probe()?;
+    if device.software {
+        eprintln!(
+            "dolomite: `{}` draws on the CPU; expect a few frames a second",
+            device.name
+        );
+    }
+    let (width, height) = setup.settings.window;
+    let present_mode = if setup.settings.vsync {
+        PresentMode::AutoVsync
+    } else {
+        PresentMode::AutoNoVsync
+    };
+    let mut app = App::new();
+    app.add_plugins(
+        DefaultPlugins
+            .set(WindowPlugin {
+                primary_window: Some(Window {
+                    title: format!("Dolomite - {}", setup.scene.name),
+                    name: Some("dolomite".to_owned()),
+                    resolution: WindowResolution::new(width, height),
+                    present_mode,
+                    ..default()
+                }),
+                ..default()
+            })
+            .set(RenderPlugin {
+                render_creation: device::wgpu_settings().into(),
+                ..default()
+            })
+            .set(AssetPlugin {
+                file_path: setup.assets.to_string_lossy().into_owned(),
+                ..default()
+            })
+            .set(log_plugin()),
+    );
+    app.add_plugins(PatientRenderingPlugin);
+    setup.add_behind_start_screen(&mut app);
+    app.add_plugins(InputPlugin);
+    Ok(app.run())
+}

@@ -1,0 +1,75 @@
+//! Why a scene could not be loaded.
+
+use std::path::PathBuf;
+
+use dolomite::terrain::{HeightMapError, TerrainError};
+use thiserror::Error;
+
+/// Why a scene could not be loaded.
+#[derive(Debug, Error)]
+pub enum SceneError {
+    /// Neither a name nor a file.
+    #[error(
+        "scene `{scene}`: neither a scene ({}), nor a scene file (.ron), nor a height map \
+         (.png, .raw, .r16, .f32)",
+        .names.join(", ")
+    )]
+    Unknown {
+        /// What was asked for.
+        scene: String,
+        /// The scenes that have a name.
+        names: Vec<&'static str>,
+    },
+    /// The scene file cannot be read.
+    #[error("scene file {}: {source}; check the name", .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The scene file is not RON, or has a field that is none of ours.
+    #[error(
+        "scene file {}, {source}; assets/scenes/mountain.ron explains every field",
+        .path.display()
+    )]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// Line, column and reason.
+        source: Box<ron::error::SpannedError>,
+    },
+    /// A value of the scene file makes no sense.
+    #[error("scene file {}: {reason}", .path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// The value, why it was refused, what to write.
+        reason: String,
+    },
+    /// A raw height map without a size.
+    #[error(
+        "height map {}: raw files do not tell their size; add `--size-of-raw COLUMNSxROWS`",
+        .0.display()
+    )]
+    NoSize(PathBuf),
+    /// A height map was refused.
+    #[error("{}{source}", .scene.as_ref().map_or(String::new(), |path| format!("scene file {}: ", path.display())))]
+    Map {
+        /// The scene file that names the map, if one does.
+        scene: Option<PathBuf>,
+        /// The map's file, the reason, and what to do.
+        source: HeightMapError,
+    },
+    /// A [`NamedScene`](super::NamedScene) was refused.
+    #[error(transparent)]
+    Named(#[from] Box<dyn std::error::Error + Send + Sync>),
+    /// The layers make no ground.
+    #[error("scene file {}: {source}", .path.display())]
+    Terrain {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: Box<TerrainError>,
+    },
+}

@@ -1,0 +1,169 @@
+//! What a scene file holds: the ground as layers, the bands of its materials, sun and start.
+//!
+//! The format is RON; unknown fields are errors. `assets/scenes/mountain.ron` is the annotated
+//! example, and the scene of that name is nothing else than that file. Lengths are metres, angles
+//! degrees, ground points `(x, z)` with +x east and −z north, heights +y up.
+
+use dolomite::terrain::{Classic, Fractal, HeightMapFile, Hill, Mask};
+use serde::Deserialize;
+
+/// A scene, as it stands in its file.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// One line on what the scene shows.
+    #[serde(default)]
+    pub about: String,
+    /// The ground: least and greatest corner `((x, z), (x, z))`. Left out: that of the first
+    /// height map.
+    #[serde(default)]
+    pub extent: Option<((f64, f64), (f64, f64))>,
+    /// Height below the layers. Default 0.
+    #[serde(default)]
+    pub base: f32,
+    /// Height of the sea. Left out: no sea.
+    #[serde(default)]
+    pub sea_level: Option<f32>,
+    /// What is added to the base, in this order. At least one.
+    pub layers: Vec<LayerFile>,
+    /// Fractal detail below the sample spacing of the height maps, added last; the setting
+    /// `detail` replaces its amplitude.
+    #[serde(default)]
+    pub detail: Option<Fractal>,
+    /// Where sand, grass, rock and snow lie.
+    #[serde(default)]
+    pub bands: BandsFile,
+    /// Where the sun stands.
+    #[serde(default)]
+    pub sun: SunFile,
+    /// Where camera and figure start. Left out: looking over the middle from the south.
+    #[serde(default)]
+    pub start: Option<StartFile>,
+}
+
+/// One layer: a source, and where it counts.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LayerFile {
+    /// What is added.
+    pub source: SourceFile,
+    /// By which part, depending on the height of the layers before. Left out: fully.
+    #[serde(default)]
+    pub mask: Option<Mask>,
+}
+
+/// Where heights come from.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum SourceFile {
+    /// A sum of octaves of gradient noise.
+    Fractal(Fractal),
+    /// The method of the literature: a shuffled table of 256, four gradients.
+    Classic(Classic),
+    /// A smooth round hill, `height (1 − r²/radius²)³`.
+    Hill(Hill),
+    /// Measured heights. The path is relative to the folder of the scene file.
+    Map(HeightMapFile),
+}
+
+/// Where each ground material lies. Heights are metres, slopes rise over run.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BandsFile {
+    /// Sand reaches this height above the sea.
+    pub sand_top: f32,
+    /// Grass gives way to scree around this height.
+    pub tree_line: f32,
+    /// Snow lies above this height.
+    pub snow_line: f32,
+    /// Width of the transitions at the tree and snow lines.
+    pub blend: f32,
+    /// Slope at which grass gives way to bare rock.
+    pub rock_slope: f32,
+    /// Slope at which snow no longer holds.
+    pub snow_slope: f32,
+}
+
+impl Default for BandsFile {
+    fn default() -> Self {
+        Self {
+            sand_top: 4.0,
+            tree_line: 700.0,
+            snow_line: 1250.0,
+            blend: 160.0,
+            rock_slope: 0.75,
+            snow_slope: 1.1,
+        }
+    }
+}
+
+/// Where the sun stands, degrees.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SunFile {
+    /// Clockwise from north: 90 is east, 180 south.
+    pub azimuth: f32,
+    /// Above the horizon.
+    pub elevation: f32,
+}
+
+impl Default for SunFile {
+    fn default() -> Self {
+        Self {
+            azimuth: 130.0,
+            elevation: 30.0,
+        }
+    }
+}
+
+/// Where camera and figure start.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StartFile {
+    /// The camera as `(x, y, z, yaw, pitch)`: metres and degrees. Yaw 0 looks north (−z) and
+    /// grows to the left; pitch grows upwards.
+    pub camera: (f64, f64, f64, f32, f32),
+    /// The figure as `(x, z, yaw)`; it faces along the yaw.
+    pub figure: (f64, f64, f32),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::ron_options;
+
+    fn parse(text: &str) -> Result<SceneFile, ron::error::SpannedError> {
+        ron_options().from_str(text)
+    }
+
+    const HILL: &str = "(source: Hill(centre: (0.0, 0.0), radius: 100.0, height: 10.0))";
+
+    #[test]
+    fn the_least_scene_is_one_layer() {
+        let scene = parse(&format!("(layers: [{HILL}])")).unwrap();
+        assert_eq!(scene.layers.len(), 1);
+        assert_eq!(scene.sea_level, None);
+        assert_eq!(scene.bands, BandsFile::default());
+    }
+
+    #[test]
+    fn unknown_fields_are_refused_on_every_level() {
+        for text in [
+            format!("(layers: [{HILL}], colour: 3)"),
+            "(layers: [(source: Hill(centre: (0.0, 0.0), radius: 1.0, height: 1.0, w: 2.0))])"
+                .to_owned(),
+            format!("(layers: [{HILL}], bands: (sand: 3.0))"),
+            format!("(layers: [{HILL}], sun: (azimuth: 1.0, elevation: 2.0, colour: 3.0))"),
+            "(layers: [(source: Hole(radius: 3.0))])".to_owned(),
+        ] {
+            assert!(parse(&text).is_err(), "{text} was accepted");
+        }
+        // The same text without the unknown field is accepted, so the field is what was refused.
+        assert!(
+            parse(&format!(
+                "(layers: [{HILL}], sun: (azimuth: 1.0, elevation: 2.0))"
+            ))
+            .is_ok()
+        );
+    }
+}

@@ -1,0 +1,348 @@
+//! From what the player asked for to a scene that can be drawn: names, scene files, height maps.
+//!
+//! | file | concern |
+//! |---|---|
+//! | [`request`] | what was asked for |
+//! | [`mod@file`], [`build`] | what a scene file holds, and how it becomes a [`LoadedScene`] |
+//! | [`kind`] | scenes that draw themselves |
+//! | [`pose`] | where a camera stands and looks |
+//! | [`reload`] | taking over changes while the game runs |
+
+mod build;
+mod error;
+pub mod file;
+mod kind;
+mod pose;
+pub mod reload;
+mod request;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+
+use bevy::math::{DVec2, DVec3};
+use bevy::prelude::*;
+use dolomite::terrain::{Ground, RawFormat, Terrain};
+
+pub use error::SceneError;
+use file::{BandsFile, SceneFile, SunFile};
+pub use kind::{NamedScene, OwnView};
+pub use pose::{CLEARANCE, PITCH_LIMIT, Pose};
+pub use request::{MapOptions, SceneRequest};
+
+use crate::settings::ron_options;
+
+/// The scenes that can be named, with the text of their files as built in.
+pub const BUILT_IN: &[(&str, &str)] = &[
+    ("mountain", include_str!("../../assets/scenes/mountain.ron")),
+    (
+        "jacksboro",
+        include_str!("../../assets/scenes/jacksboro.ron"),
+    ),
+];
+
+/// A scene, ready to be drawn and walked on. Cheap to clone.
+#[derive(Clone)]
+pub struct LoadedScene {
+    /// Name for window title, panel and reports.
+    pub name: String,
+    /// One line on what it shows.
+    pub about: String,
+    /// The ground.
+    pub terrain: Terrain,
+    /// Where its materials lie.
+    pub bands: BandsFile,
+    /// Where the sun stands.
+    pub sun: SunFile,
+    /// Where the camera starts.
+    pub camera: Pose,
+    /// Where the figure starts, (x, z), metres.
+    pub figure: DVec2,
+    /// Where the figure faces at the start, radians about +y; 0 is north.
+    pub facing: f32,
+    /// The files it was read from, for hot reload.
+    pub files: Files,
+    /// What draws it, where that is not the game's own view.
+    pub own: Option<Arc<dyn OwnView>>,
+}
+
+impl LoadedScene {
+    /// `pose` where a camera may be: above ground and sea, unless the scene is no landscape.
+    pub fn lifted(&self, pose: Pose) -> Pose {
+        match self.own {
+            None => pose.above(&self.terrain, self.terrain.sea_level()),
+            Some(_) => pose,
+        }
+    }
+}
+
+/// The scene that is being played. Simulation and view read it; hot reload replaces it.
+#[derive(Resource, Clone, Deref)]
+pub struct CurrentScene(pub LoadedScene);
+
+/// Files that a scene is made of, each with its time of change; `None`: it is not there.
+pub type Files = Vec<(PathBuf, Option<SystemTime>)>;
+
+/// Loads what was asked for. `assets` is the assets folder.
+///
+/// A built-in scene is read from its file in the assets folder where there is one, so that
+/// changes to it count, and from the text in the program otherwise.
+///
+/// # Errors
+/// [`SceneError`], naming the file, the reason, and what to do.
+pub fn load(request: &SceneRequest, assets: &Path) -> Result<LoadedScene, SceneError> {
+    load_watched(request, assets, &mut Files::new())
+}
+
+/// As [`load`]. `files` receives every file that was looked for, before it is read: where the scene is
+/// refused, a change of one of them may mend it.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_watched(
+    request: &SceneRequest,
+    assets: &Path,
+    files: &mut Files,
+) -> Result<LoadedScene, SceneError> {
+    if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == request.scene) {
+        let path = assets.join("scenes").join(format!("{name}.ron"));
+        return if path.is_file() {
+            load_file(&path, name, request, files)
+        } else {
+            load_text(text, &path, name, request, files)
+        };
+    }
+    let named = |named: &&NamedScene| named.name == request.scene;
+    if let Some(named) = request.named.iter().find(named) {
+        return Ok((named.load)()?);
+    }
+    let path = Path::new(&request.scene);
+    let ending = ending(path);
+    if ending == "ron" {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        load_file(path, &name, request, files)
+    } else if ending == "png" || request.map.raw.is_some() || raw_format_of(path).is_some() {
+        watch(files, path);
+        build::from_map(path, &request.map, files)
+    } else {
+        Err(SceneError::Unknown {
+            scene: request.scene.clone(),
+            names: names(request),
+        })
+    }
+}
+
+fn load_file(
+    path: &Path,
+    name: &str,
+    request: &SceneRequest,
+    files: &mut Files,
+) -> Result<LoadedScene, SceneError> {
+    watch(files, path);
+    let text = std::fs::read_to_string(path).map_err(|source| SceneError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    load_text(&text, path, name, request, files)
+}
+
+fn load_text(
+    text: &str,
+    path: &Path,
+    name: &str,
+    request: &SceneRequest,
+    files: &mut Files,
+) -> Result<LoadedScene, SceneError> {
+    let file: SceneFile = ron_options()
+        .from_str(text)
+        .map_err(|source| SceneError::Parse {
+            path: path.to_owned(),
+            source: Box::new(source),
+        })?;
+    build::from_file(&file, path, name, request.detail, files)
+}
+
+/// Notes a file before it is read: a change while it is read is then seen later.
+fn watch(files: &mut Files, path: &Path) {
+    files.push((path.to_owned(), changed(path)));
+}
+
+/// The scenes that have names, for messages.
+fn names(request: &SceneRequest) -> Vec<&'static str> {
+    let built_in = BUILT_IN.iter().map(|(name, _)| *name);
+    built_in
+        .chain(request.named.iter().map(|named| named.name))
+        .collect()
+}
+
+/// The ending of a file name, in lower case.
+fn ending(path: &Path) -> String {
+    path.extension()
+        .map(|ending| ending.to_string_lossy().to_lowercase())
+        .unwrap_or_default()
+}
+
+/// The numbers of a raw height map, by the ending of its name; `None` for other files.
+fn raw_format_of(path: &Path) -> Option<RawFormat> {
+    match ending(path).as_str() {
+        "raw" => Some(RawFormat::I16),
+        "r16" => Some(RawFormat::U16),
+        "f32" => Some(RawFormat::F32),
+        _ => None,
+    }
+}
+
+/// When a file was changed last; `None` where that cannot be told.
+pub fn changed(path: &Path) -> Option<SystemTime> {
+    std::fs::metadata(path)
+        .and_then(|data| data.modified())
+        .ok()
+}
+
+/// Where camera and figure start when a scene does not say: a fifth of the extent south of the
+/// middle, an eighth of the extent above the ground there, looking over the middle; the figure in
+/// the middle, facing the same way.
+fn default_start(terrain: &Terrain) -> (Pose, DVec2, f32) {
+    let extent = terrain.extent();
+    let size = extent.max - extent.min;
+    let middle = (extent.min + extent.max) * 0.5;
+    let south = middle + DVec2::new(0.0, size.y * 0.2);
+    let height = |place: DVec2| {
+        terrain
+            .height(place)
+            .max(terrain.sea_level().map_or(f64::NEG_INFINITY, f64::from))
+    };
+    let eye = DVec3::new(south.x, height(south) + size.y * 0.125, south.y);
+    let target = DVec3::new(middle.x, height(middle), middle.y);
+    let camera = Pose::looking_at(eye, target);
+    (camera, middle, camera.yaw)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn request(scene: &str) -> SceneRequest {
+        SceneRequest::new(scene)
+    }
+
+    fn assets() -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
+    }
+
+    #[test]
+    fn the_mountain_reaches_from_the_sea_to_the_snow() {
+        let scene = load(&request("mountain"), &assets()).unwrap();
+        let extent = scene.terrain.extent();
+        let size = extent.max - extent.min;
+        assert!(size.x >= 4000.0 && size.y >= 4000.0);
+        let sea = f64::from(scene.terrain.sea_level().unwrap());
+        let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
+        // 64 m apart: finer than the ridges, which are hundreds of metres wide.
+        for x in 0..=128 {
+            for z in 0..=128 {
+                let share = DVec2::new(f64::from(x), f64::from(z)) / 128.0;
+                let height = scene.terrain.height(extent.min + size * share);
+                lowest = lowest.min(height);
+                highest = highest.max(height);
+                // An island: the sea reaches all around.
+                if x % 128 == 0 || z % 128 == 0 {
+                    assert!(height < sea, "{share} is at {height}");
+                }
+            }
+        }
+        assert!(lowest < sea - 10.0, "{lowest}");
+        let snow = f64::from(scene.bands.snow_line + scene.bands.blend);
+        assert!((snow..2200.0).contains(&highest), "{highest}");
+    }
+
+    #[test]
+    fn jacksboro_has_its_true_size_and_heights() {
+        let mut request = request("jacksboro");
+        request.detail = Some(0.0);
+        let scene = load(&request, &assets()).unwrap();
+        let size = scene.terrain.extent().max - scene.terrain.extent().min;
+        // 402 and 343 steps of the spacings that assets/dem/README.md derives.
+        assert!(
+            size.distance(DVec2::new(402.0 * 74.574, 343.0 * 92.475)) < 1.0,
+            "{size}"
+        );
+        // The north-west corner is the first sample of the file, the south-east one the last.
+        let bytes = std::fs::read(assets().join("dem/jacksboro.raw")).unwrap();
+        let sample = |k: usize| f64::from(i16::from_le_bytes([bytes[2 * k], bytes[2 * k + 1]]));
+        let extent = scene.terrain.extent();
+        // The map's origin is fixed point, 2^-32 m; slopes here are far below 1000.
+        let close = |place, wanted: f64| (scene.terrain.height(place) - wanted).abs() < 1e-6;
+        assert!(close(extent.min, sample(0)));
+        assert!(close(extent.max, sample(403 * 344 - 1)));
+    }
+
+    #[test]
+    fn detail_changes_the_ground_by_its_amplitude() {
+        let mut with = request("jacksboro");
+        let mut without = request("jacksboro");
+        (with.detail, without.detail) = (Some(20.0), Some(0.0));
+        let with = load(&with, &assets()).unwrap();
+        let without = load(&without, &assets()).unwrap();
+        let mut most: f64 = 0.0;
+        for k in 0..1000 {
+            let place = DVec2::new(f64::from(k) * 7.3, f64::from(k) * -3.1);
+            let difference = with.terrain.height(place) - without.terrain.height(place);
+            most = most.max(difference.abs());
+        }
+        assert!((2.0..60.0).contains(&most), "{most}");
+    }
+
+    #[test]
+    fn a_wrong_scene_is_an_error_that_names_it() {
+        for (scene, words) in [
+            ("nowhere", ["nowhere", "mountain"]),
+            ("mountains", ["mountains", "jacksboro)"]),
+            ("no/such.ron", ["no/such.ron", "scene file"]),
+            ("no/such.png", ["no/such.png", "check"]),
+            ("no/such.raw", ["no/such.raw", "--size-of-raw"]),
+        ] {
+            let error = load(&request(scene), &assets()).err().unwrap().to_string();
+            for word in words {
+                assert!(error.contains(word), "{error} does not say {word}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_scene_can_be_registered_under_a_name() {
+        let flat = load(&request("mountain"), &assets()).unwrap();
+        let named = |load: Result<LoadedScene, &'static str>| SceneRequest {
+            named: vec![NamedScene {
+                name: "flat",
+                load: Arc::new(move || load.clone().map_err(Into::into)),
+            }],
+            ..request("flat")
+        };
+        assert_eq!(load(&named(Ok(flat)), &assets()).unwrap().name, "mountain");
+        let error = load(&named(Err("it is away")), &assets()).err().unwrap();
+        assert_eq!(error.to_string(), "it is away");
+        let unknown = SceneRequest {
+            scene: "nowhere".to_owned(),
+            ..named(Err("it is away"))
+        };
+        let error = load(&unknown, &assets()).err().unwrap().to_string();
+        assert!(error.contains("jacksboro, flat"), "{error}");
+    }
+
+    #[test]
+    fn an_unknown_field_is_named_with_file_line_and_column() {
+        let folder = std::env::temp_dir().join(format!("dolomite-scene-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("typo.ron");
+        std::fs::write(&path, "(\n    layers: [],\n    see_level: 0.0,\n)").unwrap();
+        let error = load(&request(&path.to_string_lossy()), &assets())
+            .err()
+            .unwrap()
+            .to_string();
+        std::fs::remove_dir_all(&folder).unwrap();
+        for word in ["typo.ron", "3:", "see_level"] {
+            assert!(error.contains(word), "{error} does not say {word}");
+        }
+    }
+}

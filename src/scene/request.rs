@@ -1,0 +1,59 @@
+//! What the player asked for.
+
+use bevy::prelude::*;
+use dolomite::terrain::RawFormat;
+
+use super::{BUILT_IN, NamedScene};
+
+/// What the player asked for.
+#[derive(Resource, Clone)]
+pub struct SceneRequest {
+    /// A name of [`BUILT_IN`] or of `named`, a scene file (`.ron`), or a height map.
+    pub scene: String,
+    /// How to read it where it is a height map.
+    pub map: MapOptions,
+    /// Amplitude of the detail below the sample spacing, metres; `None`: the scene's own.
+    pub detail: Option<f32>,
+    /// Scenes that have names besides those of [`BUILT_IN`].
+    pub named: Vec<NamedScene>,
+}
+
+impl SceneRequest {
+    /// Asks for a scene by its name or file, with everything else as it is by itself.
+    pub fn new(scene: impl Into<String>) -> Self {
+        Self {
+            scene: scene.into(),
+            map: MapOptions::default(),
+            detail: None,
+            named: Vec::new(),
+        }
+    }
+}
+
+/// How a height map that is named on the command line is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapOptions {
+    /// Metres between samples.
+    pub spacing: f64,
+    /// Columns and rows; needed for all but PNG.
+    pub size: Option<(u32, u32)>,
+    /// The numbers of a raw file; `None`: by the ending.
+    pub raw: Option<RawFormat>,
+    /// Metres for one unit of a sample; `None`: 1, and 0.1 for PNG, so that the 65 535 steps of
+    /// a sample span the heights of the Earth.
+    pub scale: Option<f32>,
+    /// Metres added to the scaled sample.
+    pub offset: f32,
+}
+
+impl Default for MapOptions {
+    fn default() -> Self {
+        Self {
+            spacing: 30.0,
+            size: None,
+            raw: None,
+            scale: None,
+            offset: 0.0,
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! What the scene looks like: the camera's pipeline, the ground's material.
+//!
+//! | file | concern |
+//! |---|---|
+//! | [`textures`] | the ground's texture arrays |
+//! | [`hero`] | what the figure looks like |
+//! | [`panel`], [`passes`] | figures over the picture; times of render passes |
+//! | [`start`], [`progress`] | the start screen; what has been made of the first picture |
+//! | [`bloom`] | bloom in views of any shape |
+
+pub mod bloom;
+pub mod hero;
+pub mod panel;
+pub mod passes;
+pub mod progress;
+pub mod start;
+pub mod textures;
+
+use bevy::anti_alias::smaa::Smaa;
+use bevy::camera::{Exposure, Hdr, RenderTarget};
+use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::ecs::schedule::ScheduleLabel;
+use bevy::pbr::DefaultOpaqueRendererMethod;
+use bevy::post_process::bloom::Bloom;
+use bevy::prelude::*;
+use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
+use dolomite::ground::detail::budget::{Budget, FrameTime};
+use dolomite::ground::detail::{Detail, Metric};
+use dolomite::ground::{MaterialBands, TerrainMaterial, TerrainView};
+use dolomite::terrain::Ground;
+use dolomite::tessellation::StageCamera;
+
+use crate::game::sky::SkyPlugin;
+use crate::play::camera::{CameraSystems, FreeCamera};
+use crate::play::figure::Figure;
+use crate::play::{DetailFocus, Landscape, Switches};
+use crate::scene::CurrentScene;
+use crate::scene::file::BandsFile;
+use crate::settings::Settings;
+use bloom::BloomFitPlugin;
+use hero::HeroPlugin;
+use panel::UiCamera;
+
+/// Exposure of the camera, EV at ISO 100. Sunlit ground is metered at 15; a stop and a half more
+/// light opens the shadows and lets snow come near white without burning out under AgX.
+pub const EV100: f32 = 12.9;
+
+/// AgX trades saturation for highlights; by day this gives grass and sky theirs back.
+pub const SATURATION: f32 = 1.3;
+
+/// Distances that the camera sees, metres. Depth is infinite; `far` bounds culling only.
+const NEAR: f32 = 0.15;
+const FAR: f32 = 100_000.0;
+
+/// Where the camera draws to when there is no window.
+#[derive(Resource, Clone)]
+pub struct OffscreenTarget(pub Handle<Image>);
+
+/// Makes the scene visible: gives cameras and ground what they are drawn with, and spawns panels. Runs
+/// once: at the start, or after the first frames of the [`start`] screen.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Dress;
+
+/// The order of [`Dress`].
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum DressSystems {
+    /// Cameras and ground.
+    Scene,
+    /// What is drawn over a camera's picture.
+    Panels,
+}
+
+/// Runs [`Dress`] at the start.
+pub struct DressPlugin;
+
+impl Plugin for DressPlugin {
+    fn build(&self, app: &mut App) {
+        init_dress(app);
+        app.add_systems(Startup, |world: &mut World| world.run_schedule(Dress));
+    }
+}
+
+fn init_dress(app: &mut App) {
+    app.init_schedule(Dress)
+        .configure_sets(Dress, (DressSystems::Scene, DressSystems::Panels).chain());
+}
+
+/// The two texture arrays of the ground.
+#[derive(Resource, Clone)]
+pub struct GroundTextures {
+    /// Colour and height.
+    pub albedo_height: Handle<Image>,
+    /// Normal, roughness and occlusion.
+    pub normal_roughness: Handle<Image>,
+}
+
+impl GroundTextures {
+    /// Takes what [`textures::read_ground`] read.
+    pub fn new([albedo_height, normal_roughness]: [Image; 2], images: &mut Assets<Image>) -> Self {
+        Self {
+            albedo_height: images.add(albedo_height),
+            normal_roughness: images.add(normal_roughness),
+        }
+    }
+}
+
+/// Draws what the simulation holds. Expects, when [`Dress`] runs, the resource [`GroundTextures`], and
+/// [`OffscreenTarget`] where there is no window.
+pub struct ViewPlugin;
+
+impl Plugin for ViewPlugin {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(DefaultOpaqueRendererMethod::deferred())
+            .add_plugins((SkyPlugin, HeroPlugin, BloomFitPlugin))
+            .add_systems(
+                Dress,
+                (dress_camera, dress_landscape).in_set(DressSystems::Scene),
+            )
+            .add_systems(
+                Update,
+                (
+                    follow_switches.after(CameraSystems),
+                    dress_landscape
+                        .run_if(resource_exists::<GroundTextures>)
+                        .run_if(resource_changed::<CurrentScene>),
+                ),
+            );
+    }
+}
+
+fn dress_camera(
+    mut commands: Commands,
+    target: Option<Res<OffscreenTarget>>,
+    settings: Res<Settings>,
+    cameras: Query<(Entity, &FreeCamera)>,
+) {
+    for (entity, camera) in &cameras {
+        let mut entity = commands.entity(entity);
+        entity.insert((
+            Camera3d::default(),
+            Projection::Perspective(PerspectiveProjection {
+                fov: camera.fov.to_radians(),
+                near: NEAR,
+                far: FAR,
+                ..default()
+            }),
+            Hdr,
+            // The G-buffer has one sample; edges are smoothed afterwards.
+            Msaa::Off,
+            (DepthPrepass, DeferredPrepass),
+            Exposure { ev100: EV100 },
+            Tonemapping::AgX,
+            ColorGrading {
+                global: ColorGradingGlobal {
+                    post_saturation: SATURATION,
+                    ..default()
+                },
+                midtones: ColorGradingSection {
+                    contrast: 1.12,
+                    ..default()
+                },
+                ..default()
+            },
+            Bloom::NATURAL,
+            Smaa::default(),
+            TerrainView {
+                finest_patch: settings.finest_patch,
+                ..default()
+            },
+            StageCamera {
+                pixels_per_edge: settings.pixels_per_edge,
+                ..default()
+            },
+            UiCamera,
+        ));
+        if let Some(target) = &target {
+            entity.insert(RenderTarget::Image(target.0.clone().into()));
+        }
+    }
+}
+
+/// Gives the landscape its material, and again when the scene was loaded anew.
+fn dress_landscape(
+    mut commands: Commands,
+    textures: Res<GroundTextures>,
+    scene: Res<CurrentScene>,
+    landscapes: Query<Entity, With<Landscape>>,
+) {
+    for entity in &landscapes {
+        commands.entity(entity).insert(TerrainMaterial {
+            bands: bands(scene.bands),
+            ..TerrainMaterial::new(
+                textures.albedo_height.clone(),
+                textures.normal_roughness.clone(),
+            )
+        });
+    }
+}
+
+fn bands(file: BandsFile) -> MaterialBands {
+    MaterialBands {
+        sand_top: file.sand_top,
+        tree_line: file.tree_line,
+        snow_line: file.snow_line,
+        blend: file.blend,
+        rock_slope: file.rock_slope,
+        snow_slope: file.snow_slope,
+    }
+}
+
+/// Hands switches and settings to the tessellation. The view is written only when it differs, so
+/// that a still camera stays unchanged and costs no dispatch.
+fn follow_switches(
+    switches: Res<Switches>,
+    settings: Res<Settings>,
+    scene: Res<CurrentScene>,
+    figures: Query<&Figure>,
+    mut views: Query<(
+        Entity,
+        &mut TerrainView,
+        &mut StageCamera,
+        Option<&mut Detail>,
+        Option<&Budget>,
+    )>,
+    mut commands: Commands,
+) {
+    let focus = match switches.focus {
+        DetailFocus::Camera => None,
+        DetailFocus::Figure => figures.iter().next().map(|figure| {
+            let place = figure.now.place;
+            bevy::math::DVec3::new(place.x, scene.terrain.height(place), place.y)
+        }),
+    };
+    for (entity, mut view, mut camera, detail, budget) in &mut views {
+        let tolerance = match (settings.budget, &detail) {
+            // From then on the budget moves it.
+            (Some(_), Some(detail)) => Some(detail.metric),
+            (Some(_), None) => Some(Metric::default()),
+            (None, _) => settings
+                .max_error
+                .map(|pixels| Metric::ErrorBound { pixels }),
+        };
+        let wanted = tolerance.map(|metric| Detail {
+            metric,
+            ..default()
+        });
+        let asked = settings.budget.map(|milliseconds| Budget {
+            milliseconds,
+            ..default()
+        });
+        if asked.as_ref() != budget {
+            let mut camera = commands.entity(entity);
+            match asked {
+                Some(asked) => camera.insert((asked, FrameTime::of_ground())),
+                None => camera.remove::<(Budget, FrameTime)>(),
+            };
+        }
+        match (detail, wanted) {
+            (Some(mut detail), Some(wanted)) => {
+                detail.set_if_neq(wanted);
+            }
+            (None, Some(wanted)) => {
+                commands.entity(entity).insert(wanted);
+            }
+            (Some(_), None) => {
+                commands.entity(entity).remove::<Detail>();
+            }
+            (None, None) => {}
+        }
+        let next = TerrainView {
+            finest_patch: settings.finest_patch,
+            ..view.clone()
+        };
+        view.set_if_neq(next);
+        let next = StageCamera {
+            pixels_per_edge: settings.pixels_per_edge,
+            focus,
+            fill: switches.fill,
+            lines: switches.lines,
+            ..camera.clone()
+        };
+        camera.set_if_neq(next);
+    }
+}

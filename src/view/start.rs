@@ -1,0 +1,194 @@
+//! The start screen: what is being done, from the first frame until there is a picture.
+//!
+//! The first frames hold nothing else, so that they are quick. Meanwhile the textures are read in the
+//! background; then the [`Dress`] schedule makes the scene visible, and what its picture needs is compiled
+//! and built below this screen.
+
+use bevy::prelude::*;
+use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
+
+use super::progress::{Made, Progress, textures_are_there};
+use super::textures::TextureError;
+use super::{Dress, GroundTextures, textures};
+use crate::scene::CurrentScene;
+use crate::settings::paths::AssetsDir;
+
+/// Frames of this screen alone: the second is on the display when the third is made.
+const ALONE: u32 = 3;
+
+/// Shows what is being done until there is a picture. In place of [`Dress`] at the start.
+pub struct StartPlugin;
+
+impl Plugin for StartPlugin {
+    fn build(&self, app: &mut App) {
+        super::init_dress(app);
+        app.insert_resource(Starting)
+            .add_systems(Startup, (spawn, read_textures))
+            .add_systems(
+                Update,
+                (
+                    take_textures.run_if(resource_exists::<Reading>),
+                    dress.run_if(not(resource_exists::<Dressed>)),
+                    write.run_if(any_with_component::<Screen>),
+                )
+                    .chain(),
+            );
+    }
+}
+
+/// In the world while the screen is shown.
+#[derive(Resource)]
+pub struct Starting;
+
+/// The screen, and its camera.
+#[derive(Component)]
+struct Screen;
+
+#[derive(Component)]
+struct Words;
+
+#[derive(Component)]
+struct Bar;
+
+/// The scene has been made visible.
+#[derive(Resource)]
+struct Dressed;
+
+/// The textures are being read.
+#[derive(Resource)]
+struct Reading(Task<Result<[Image; 2], TextureError>>);
+
+fn spawn(mut commands: Commands, scene: Res<CurrentScene>) {
+    let camera = commands
+        .spawn((
+            Screen,
+            Camera2d,
+            Camera {
+                // Over the scene, which is drawn below it before it is whole.
+                order: 1,
+                ..default()
+            },
+        ))
+        .id();
+    let line = |text: &str, size: f32, grey: f32| {
+        (
+            Text::new(text),
+            TextFont {
+                font_size: FontSize::Px(size),
+                ..default()
+            },
+            TextColor(Color::srgb(grey, grey, grey)),
+        )
+    };
+    commands.spawn((
+        Screen,
+        UiTargetCamera(camera),
+        Node {
+            width: percent(100),
+            height: percent(100),
+            flex_direction: FlexDirection::Column,
+            align_items: AlignItems::Center,
+            justify_content: JustifyContent::Center,
+            row_gap: px(10),
+            ..default()
+        },
+        BackgroundColor(Color::srgb(0.03, 0.05, 0.08)),
+        children![
+            line(&format!("Dolomite: {}", scene.name), 22.0, 0.95),
+            (line(&Made::default().step(), 14.0, 0.75), Words),
+            (
+                Node {
+                    width: percent(40),
+                    height: px(4),
+                    ..default()
+                },
+                BackgroundColor(Color::srgb(0.12, 0.15, 0.2)),
+                children![(
+                    Bar,
+                    Node {
+                        width: percent(0),
+                        height: percent(100),
+                        ..default()
+                    },
+                    BackgroundColor(Color::srgb(0.93, 0.95, 0.97)),
+                )],
+            ),
+            line("Esc leaves", 12.0, 0.45),
+        ],
+    ));
+}
+
+/// Reads the ground's textures in the background, where the scene has need of them.
+fn read_textures(mut commands: Commands, scene: Res<CurrentScene>, assets: Res<AssetsDir>) {
+    if scene.own.is_some() {
+        commands.run_system_cached(textures_are_there);
+        return;
+    }
+    let folder = assets.0.join("textures");
+    let task = AsyncComputeTaskPool::get().spawn(async move { textures::read_ground(&folder) });
+    commands.insert_resource(Reading(task));
+}
+
+fn take_textures(
+    mut commands: Commands,
+    mut reading: ResMut<Reading>,
+    mut images: ResMut<Assets<Image>>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    let Some(read) = block_on(future::poll_once(&mut reading.0)) else {
+        return;
+    };
+    commands.remove_resource::<Reading>();
+    match read {
+        Ok(read) => {
+            commands.insert_resource(GroundTextures::new(read, &mut images));
+            commands.run_system_cached(textures_are_there);
+        }
+        Err(error) => {
+            eprintln!("dolomite: {error}");
+            exit.write(AppExit::error());
+        }
+    }
+}
+
+/// Makes the scene visible once this screen has been seen and the textures are there.
+fn dress(world: &mut World, mut frames: Local<u32>) {
+    *frames += 1;
+    if *frames > ALONE && world.resource::<Progress>().made().textures {
+        world.insert_resource(Dressed);
+        world.run_schedule(Dress);
+    }
+}
+
+/// Says what is being done; goes when there is a picture.
+fn write(
+    mut commands: Commands,
+    progress: Res<Progress>,
+    dressed: Option<Res<Dressed>>,
+    screens: Query<Entity, With<Screen>>,
+    mut words: Query<&mut Text, With<Words>>,
+    mut bars: Query<&mut Node, With<Bar>>,
+    time: Res<Time<Real>>,
+    mut said: Local<Option<Made>>,
+) {
+    let made = progress.made();
+    if dressed.is_some() && made.is_ready() {
+        for screen in &screens {
+            commands.entity(screen).despawn();
+        }
+        commands.remove_resource::<Starting>();
+        let seconds = time.elapsed_secs();
+        eprintln!("dolomite: the first picture is there ({seconds:.0} s)");
+        return;
+    }
+    if *said == Some(made) {
+        return;
+    }
+    *said = Some(made);
+    for mut words in &mut words {
+        words.0 = made.step();
+    }
+    for mut bar in &mut bars {
+        bar.width = percent(100.0 * made.part());
+    }
+}
