@@ -1,9 +1,8 @@
 //! The command line of `dolomite_lab`.
 
 use crate::studies::STUDIES;
-use crate::studies::lod::Part;
 use crate::studies::tessellation::captures::{CaptureError, compare};
-use crate::study::{LabError, Options, Report, Study, write_index};
+use crate::study::{LabError, Options, Part, Report, Study, write_index};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 use serde_json::Value;

@@ -2,11 +2,30 @@
 
 use crate::csv::{Row, to_csv};
 use crate::plot::{Chart, PlotError, to_svg};
-use crate::studies::lod::Part;
+use clap::ValueEnum;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+
+/// What the study `lod` is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Part {
+    /// Is any error above the tolerance?
+    Guarantee,
+    /// Are there gaps in the meshes?
+    Cracks,
+    /// Are the errors the same far from the origin?
+    Precision,
+    /// Time on the CPU.
+    Time,
+    /// Time of each pass on the adapter.
+    Passes,
+    /// How far do drawn vertices move from frame to frame?
+    Pops,
+    /// Vertices beside those of other methods.
+    Vertices,
+}
 
 /// What every study is told.
 #[derive(Debug, Clone)]

@@ -6,6 +6,7 @@
 //! them, others against ufbx, vertex by vertex at the file's frames. Where FBX2glTF (`FBX2GLTF` names
 //! its binary) or Assimp (`assimp` on the path) are installed, their results are held against the same.
 
+mod compared;
 mod file;
 mod line;
 mod rivals;
@@ -86,7 +87,7 @@ fn report(lines: &[Line], notes: Vec<String>, folder: &Path) -> Report {
         "median_conversion_over_load": median(
             good.iter().filter(|line| line.load_ms > 0.0).map(|line| line.timed_ms / line.load_ms).collect()
         ),
-        "rivals": rivals::compared(&good),
+        "rivals": compared::compared(&good),
     });
     eprintln!("fbx: {summary:#}");
     Report {

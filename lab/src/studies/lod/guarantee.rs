@@ -10,17 +10,17 @@
 //! a larger part of their triangles is looked at; of a hundred rounds nine have pictures of 480 × 270, and one has
 //! 1920 × 1080 (`size_of`).
 
-use super::camera::{Camera, View};
-use super::cameras::{BURST, KINDS, Kind, around};
 use super::measure::{Measured, Sample, Tally};
-use super::ours::{FINEST, bound, cells_of, choose, detail_view, positions};
-use super::terrains;
-use super::truth::Truth;
-use crate::studies::noise::points::Random;
-use crate::studies::tessellation::study::on_all_cores;
+use crate::scenes::camera::{Camera, View};
+use crate::scenes::cameras::{BURST, KINDS, Kind, around};
+use crate::scenes::selection::{FINEST, bound, cells_of, choose, detail_view, positions};
+use crate::scenes::terrains;
+use crate::scenes::truth::Truth;
 use bevy::math::{DVec2, DVec3, UVec2};
-use dolomite_terrain::Terrain;
 use dolomite_ground::detail::{DetailCells, DetailMesh, Selection, mesh};
+use dolomite_terrain::Terrain;
+use dolomite_testkit::cores::on_all_cores;
+use dolomite_testkit::random::Random;
 use std::sync::atomic::AtomicU64;
 
 /// Tolerances, pixels.

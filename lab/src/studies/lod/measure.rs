@@ -4,12 +4,12 @@
 //! either of the two is seen; both surfaces are the sea where they lie below it. Where nothing is
 //! drawn over ground that is seen, the error is infinite.
 
-use super::camera::View;
-use super::mesh::Drawn;
-use super::places::{KEPT_PIXELS, Places};
-use super::truth::Truth;
-use crate::studies::tessellation::study::on_all_cores;
+use crate::scenes::camera::View;
+use crate::scenes::mesh::Drawn;
+use crate::scenes::places::{KEPT_PIXELS, Places};
+use crate::scenes::truth::Truth;
 use bevy::math::{DVec2, DVec3};
+use dolomite_testkit::cores::on_all_cores;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What a measurement comes to, pixels.
@@ -275,11 +275,11 @@ fn bin(error: f64) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::mesh::GroundMesh;
     use super::super::rival::Rival;
     use super::super::uniform::Uniform;
-    use super::super::{cameras, terrains};
     use super::*;
+    use crate::scenes::mesh::GroundMesh;
+    use crate::scenes::{cameras, terrains};
     use dolomite_terrain::{GroundRect, Hill, Layer, Source, Terrain, TerrainData};
 
     fn flat(sea_level: Option<f32>) -> Truth {
@@ -340,7 +340,7 @@ mod tests {
         let empty = GroundMesh::new(Vec::new(), Vec::new(), &view);
         let found = measure(&truth, &view, &empty, &places).unwrap();
         assert_eq!((found.max, found.holes), (f64::INFINITY, found.samples));
-        let sky = super::super::camera::Camera {
+        let sky = crate::scenes::camera::Camera {
             pitch: 80.0_f64.to_radians(),
             ..camera
         };

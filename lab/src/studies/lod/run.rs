@@ -1,7 +1,7 @@
 //! The study: how much of everything, and what is told of it.
 
-use super::camera::Camera;
-use super::cameras::{KINDS, ordinary};
+use super::compare::{PLACES, all_rivals, compare};
+use super::cracks;
 use super::guarantee::{TAUS, guarantee};
 use super::ours::Ours;
 use super::passes::passes;
@@ -10,14 +10,16 @@ use super::precision::{FAR, far_noise, pairs};
 use super::report::{self, Compared, row};
 use super::rival::Rival;
 use super::speed::speed;
-use super::{PLACES, all_rivals, compare, cracks, terrains};
 use crate::csv;
-use crate::gpu::Gpu;
+use crate::scenes::camera::Camera;
+use crate::scenes::cameras::{KINDS, ordinary};
+use crate::scenes::terrains;
 use crate::study::{Options, Report, Study};
 use bevy::math::{DVec3, UVec2};
 use clap::ValueEnum;
-use dolomite_terrain::Terrain;
 use dolomite_classic::ClassicHeights;
+use dolomite_terrain::Terrain;
+use dolomite_testkit::gpu::Gpu;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
@@ -30,25 +32,6 @@ pub const STUDY: Study = Study {
 
 /// The classic scene's samples in the shared data.
 const CLASSIC: &str = "data/classic/heights_1024_f32le.raw";
-
-/// What the study is made of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Part {
-    /// Is any error above the tolerance?
-    Guarantee,
-    /// Are there gaps in the meshes?
-    Cracks,
-    /// Are the errors the same far from the origin?
-    Precision,
-    /// Time on the CPU.
-    Time,
-    /// Time of each pass on the adapter.
-    Passes,
-    /// How far do drawn vertices move from frame to frame?
-    Pops,
-    /// Vertices beside those of other methods.
-    Vertices,
-}
 
 /// How much of everything.
 #[derive(Debug, Clone)]
@@ -221,7 +204,7 @@ fn times(plan: &Plan, rows: &mut Vec<csv::Row>) -> Value {
     // As games have it by default.
     let finest = dolomite_ground::detail::Detail::default().finest;
     for (number, camera) in ordinary(&plan.ground).iter().enumerate() {
-        let camera = super::camera::Camera {
+        let camera = crate::scenes::camera::Camera {
             size: plan.picture * 2,
             ..*camera
         };
@@ -290,10 +273,11 @@ fn on_the_adapter(plan: &Plan) -> Value {
 fn movements(plan: &Plan, rows: &mut Vec<csv::Row>) -> Value {
     eprintln!("lod: pops");
     let mut told = Map::new();
-    let [standing, flying, _] = ordinary(&plan.ground).map(|camera| super::camera::Camera {
-        size: plan.picture,
-        ..camera
-    });
+    let [standing, flying, _] =
+        ordinary(&plan.ground).map(|camera| crate::scenes::camera::Camera {
+            size: plan.picture,
+            ..camera
+        });
     for way in MOVES {
         let start = if way == super::pops::Move::Fly {
             flying

@@ -1,11 +1,11 @@
 //! The grounds that levels of detail are compared on: a mountain, plain FBM, and real elevation.
 
-use crate::studies::noise::points::Random;
 use bevy::math::DVec2;
 use dolomite_terrain::{
     Filter, Fractal, GroundRect, HeightMap, HeightMapFile, Hill, Layer, MapFormat, Mask, RawFormat,
     Source, Sum, Terrain, TerrainData, Warp,
 };
+use dolomite_testkit::random::Random;
 
 /// All of them: mountain, FBM, real elevation.
 #[must_use]
