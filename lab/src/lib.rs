@@ -9,6 +9,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`csv`], [`plot`] | the files that a study writes |
+//! | [`measured`], [`tables`] | measured numbers, and the pages of `docs/measured` that are made of them |
 //! | [`study`], [`studies`] | what a study is, and all of them |
 //! | [`scenes`] | grounds, cameras over them, what is true and what is drawn under a place |
 //! | [`tessellators`] | what tessellators may be set to, and levels where one may go wrong |
@@ -19,8 +20,10 @@
 
 pub mod cli;
 pub mod csv;
+pub mod measured;
 pub mod plot;
 pub mod scenes;
 pub mod studies;
 pub mod study;
+pub mod tables;
 pub mod tessellators;

@@ -20,6 +20,7 @@ pub const STUDY: Study = Study {
     name: "budget",
     about: "a time budget held by the error tolerance: p99, recovery, turns; beside PID and others",
     run,
+    asked: &[],
 };
 
 /// Budgets, milliseconds.

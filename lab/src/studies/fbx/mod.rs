@@ -16,7 +16,7 @@ pub use file::{FbxFile, files_below};
 pub use line::Line;
 
 use crate::csv::{ErrorNumbers, Row};
-use crate::study::{Options, Report, Study};
+use crate::study::{Asked, Options, Report, Study};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -25,7 +25,16 @@ pub const STUDY: Study = Study {
     name: "fbx",
     about: "FBX files to glTF: error against reference frames and ufbx, beside FBX2glTF and Assimp",
     run,
+    asked: &ASKED,
 };
+
+/// What its measured table says.
+const ASKED: [Asked; 1] = [Asked {
+    what: "Files of the folder that make a conversion panic",
+    asked: "0",
+    at: "/panics",
+    unit: "files",
+}];
 
 /// Poses of a clip that a file without reference frames is held at.
 const POSES: usize = 24;

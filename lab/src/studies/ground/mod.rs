@@ -26,6 +26,7 @@ pub const STUDY: Study = Study {
     name: "ground",
     about: "answers of the drawn ground: time, age in frames, error against triangle and true surface",
     run,
+    asked: &[],
 };
 
 /// Queries of a frame.

@@ -14,7 +14,7 @@ use crate::csv;
 use crate::scenes::camera::Camera;
 use crate::scenes::cameras::{KINDS, ordinary};
 use crate::scenes::terrains;
-use crate::study::{Options, Report, Study};
+use crate::study::{Asked, Options, Report, Study};
 use bevy::math::{DVec3, UVec2};
 use clap::ValueEnum;
 use dolomite_classic::ClassicHeights;
@@ -28,7 +28,72 @@ pub const STUDY: Study = Study {
     name: "lod",
     about: "level of detail: is the error bound kept; vertices beside 4 methods; cracks, pops",
     run: |options| run(&Plan::of(options)),
+    asked: &ASKED,
 };
+
+/// What its measured table says.
+const ASKED: [Asked; 10] = [
+    Asked {
+        what: "Guarantee, CPU reference: places",
+        asked: "",
+        at: "/guarantee/all/samples",
+        unit: "places",
+    },
+    Asked {
+        what: "Guarantee, CPU reference: errors above the tolerance",
+        asked: "0",
+        at: "/guarantee/all/above",
+        unit: "places",
+    },
+    Asked {
+        what: "Guarantee, CPU reference: holes",
+        asked: "0",
+        at: "/guarantee/all/holes",
+        unit: "places",
+    },
+    Asked {
+        what: "Guarantee, CPU reference: largest error over the bound",
+        asked: "≤ 1",
+        at: "/guarantee/all/max",
+        unit: "ratio",
+    },
+    Asked {
+        what: "Guarantee, triangles that the adapter drew: places",
+        asked: "",
+        at: "/guarantee_drawn/all/samples",
+        unit: "places",
+    },
+    Asked {
+        what: "Guarantee, triangles that the adapter drew: errors above the tolerance",
+        asked: "0",
+        at: "/guarantee_drawn/all/above",
+        unit: "places",
+    },
+    Asked {
+        what: "Guarantee, triangles that the adapter drew: holes",
+        asked: "0",
+        at: "/guarantee_drawn/all/holes",
+        unit: "places",
+    },
+    Asked {
+        what: "Guarantee, triangles that the adapter drew: largest error over the bound",
+        asked: "≤ 1",
+        at: "/guarantee_drawn/all/max",
+        unit: "ratio",
+    },
+    Asked {
+        what: "Shared edges that are looked at",
+        asked: "≥ 1000000",
+        at: "/cracks/edges",
+        unit: "edges",
+    },
+    Asked {
+        what: "Of these open",
+        asked: "0",
+        at: "/cracks/open",
+        unit: "edges",
+    },
+];
 
 /// The classic scene's samples in the shared data.
 const CLASSIC: &str = "data/classic/heights_1024_f32le.raw";

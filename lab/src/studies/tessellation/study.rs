@@ -8,7 +8,7 @@ use super::rational;
 use super::report::{Found, Sweep, Tallies};
 use super::rules::{Verdicts, verdicts};
 use super::wgsl::Adapter;
-use crate::study::{Options, Report, Study};
+use crate::study::{Asked, Options, Report, Study};
 use crate::tessellators::{DOMAINS, MODES, SPACINGS};
 use dolomite_tessellation::place::UNIT;
 use dolomite_tessellation::{Domain, Levels, Mode, Tessellator};
@@ -22,7 +22,48 @@ pub const STUDY: Study = Study {
     name: "tessellation",
     about: "the tessellation stage: counts, cover, invariance rules, WGSL bits, coordinates",
     run,
+    asked: &ASKED,
 };
+
+/// What its measured table says.
+const ASKED: [Asked; 6] = [
+    Asked {
+        what: "Random patches",
+        asked: "",
+        at: "/tuples",
+        unit: "patches",
+    },
+    Asked {
+        what: "Patches with another count of vertices or primitives than the specification",
+        asked: "0",
+        at: "/count_mismatches",
+        unit: "patches",
+    },
+    Asked {
+        what: "Patches that do not cover their domain once",
+        asked: "0",
+        at: "/cover_failures",
+        unit: "patches",
+    },
+    Asked {
+        what: "Patches wound otherwise",
+        asked: "0",
+        at: "/winding_failures",
+        unit: "patches",
+    },
+    Asked {
+        what: "Patches that the adapter gives other bits for",
+        asked: "0",
+        at: "/gpu_bit_mismatches",
+        unit: "patches",
+    },
+    Asked {
+        what: "Error of a coordinate, mode `exact`",
+        asked: "≤ 2^-23",
+        at: "/exact_error_max",
+        unit: "of the side",
+    },
+];
 
 /// Patches that are held at once.
 const BATCH: usize = 1024;

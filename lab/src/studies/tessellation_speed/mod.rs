@@ -20,6 +20,7 @@ pub const STUDY: Study = Study {
     name: "tessellation-speed",
     about: "the stage's passes: ms a million triangles and bytes each, beside copying them",
     run,
+    asked: &[],
 };
 
 const DOMAINS: [(Domain, &str); 3] = [

@@ -34,6 +34,7 @@ pub const STUDY: Study = Study {
     name: "tessellation-stage",
     about: "cracks, background pixels, shadow views, bytes a triangle; how each can fail",
     run,
+    asked: &[],
 };
 
 fn run(options: &Options) -> Report {
