@@ -14,6 +14,8 @@ use thiserror::Error;
 pub enum Part {
     /// Is any error above the tolerance?
     Guarantee,
+    /// The same of the triangles that the adapter drew.
+    Drawn,
     /// Are there gaps in the meshes?
     Cracks,
     /// Are the errors the same far from the origin?

@@ -4,10 +4,11 @@ use super::camera::Camera;
 use bevy::math::{DVec2, DVec3, UVec2};
 use dolomite_terrain::Terrain;
 use dolomite_testkit::random::Random;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// What a camera is there for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kind {
     /// Eyes 1.7 m above the ground.
     Standing,

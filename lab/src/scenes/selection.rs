@@ -3,6 +3,7 @@
 use super::camera::Camera;
 use super::mesh::{GroundMesh, MOST_TRIANGLES};
 use bevy::math::{DQuat, DVec3, EulerRot};
+use dolomite_ground::detail::layout::DetailParams;
 use dolomite_ground::detail::{
     Detail, DetailCells, DetailMesh, DetailView, Lens, Metric, Selection, mesh, select,
 };
@@ -39,6 +40,22 @@ pub fn detail_view(camera: &Camera, metric: Metric) -> DetailView {
         ..Detail::default()
     });
     view
+}
+
+/// What the passes are told of a camera, with room for so many vertices and triangles: heights relative to
+/// whole metres near the eye, as the renderer has them.
+#[must_use]
+pub fn params(
+    cells: &DetailCells,
+    camera: &Camera,
+    metric: Metric,
+    pools: [u32; 2],
+) -> DetailParams {
+    let view = detail_view(camera, metric);
+    DetailParams {
+        anchor_height: camera.eye.y.floor() as f32,
+        ..DetailParams::new(cells, view, 0, pools)
+    }
 }
 
 /// The metric that holds errors to `tau` pixels.

@@ -2,7 +2,7 @@
 
 use crate::scenes::camera::Camera;
 use crate::scenes::mesh::{Drawn, GroundMesh};
-use crate::scenes::selection::detail_view;
+use crate::scenes::selection;
 use crate::scenes::terrains;
 use bevy::math::{DVec2, DVec3};
 use dolomite_ground::detail::layout::DetailParams;
@@ -18,11 +18,7 @@ const POOLS: [u32; 2] = [1 << 18, 1 << 19];
 /// them.
 #[must_use]
 pub fn params(cells: &DetailCells, camera: &Camera, metric: Metric) -> DetailParams {
-    let view = detail_view(camera, metric);
-    DetailParams {
-        anchor_height: camera.eye.y.floor() as f32,
-        ..DetailParams::new(cells, view, 0, POOLS)
-    }
+    selection::params(cells, camera, metric, POOLS)
 }
 
 /// The island massif of the study `lod`, moved by so many metres: its hills are the same, its noise, and so its

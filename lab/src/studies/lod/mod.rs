@@ -3,7 +3,7 @@
 //! Every method draws the same terrain for the same camera; its one knob is turned until the largest
 //! error over the same places is the wanted one ([`mod@tune`]); then vertices are compared. An error is
 //! the distance on the screen between the true surface and the drawn one at a place of the ground
-//! ([`mod@measure`]). All of it runs on the CPU in f64.
+//! ([`mod@measure`]). Errors are worked out on the CPU in f64.
 //!
 //! | module | what |
 //! |---|---|
@@ -14,6 +14,7 @@
 //! | [`mod@tune`], [`mod@compare`] | turns the knob; all methods under all cameras |
 //! | [`ours`] | our selection, with its three metrics |
 //! | [`mod@guarantee`] | is any error above the tolerance: many cameras, many places |
+//! | [`mod@drawn`], [`mod@soak`] | the same of the triangles that the adapter drew, for as long as one likes |
 //! | [`mod@cracks`], [`mod@pops`] | gaps in meshes; movement from frame to frame |
 //! | [`precision`], [`mod@speed`] | a million metres away; times on the CPU |
 //! | [`mod@passes`] | times of the choice on the adapter |
@@ -29,6 +30,7 @@ pub mod bisection;
 pub mod cdlod;
 pub mod compare;
 pub mod cracks;
+pub mod drawn;
 pub mod guarantee;
 pub mod measure;
 pub mod ours;
@@ -38,6 +40,7 @@ pub mod precision;
 pub mod report;
 pub mod rival;
 pub mod run;
+pub mod soak;
 pub mod speed;
 pub mod tune;
 pub mod uniform;

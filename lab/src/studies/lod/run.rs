@@ -9,6 +9,7 @@ use super::pops::{MOVES, RATE, TAU, pops};
 use super::precision::{FAR, far_noise, pairs};
 use super::report::{self, Compared, row};
 use super::rival::Rival;
+use super::soak;
 use super::speed::speed;
 use crate::csv;
 use crate::scenes::camera::Camera;
@@ -16,7 +17,6 @@ use crate::scenes::cameras::{KINDS, ordinary};
 use crate::scenes::terrains;
 use crate::study::{Asked, Options, Report, Study};
 use bevy::math::{DVec3, UVec2};
-use clap::ValueEnum;
 use dolomite_classic::ClassicHeights;
 use dolomite_terrain::Terrain;
 use dolomite_testkit::gpu::Gpu;
@@ -84,7 +84,7 @@ const ASKED: [Asked; 10] = [
     Asked {
         what: "Shared edges that are looked at",
         asked: "≥ 1000000",
-        at: "/cracks/edges",
+        at: "/cracks/shared_edges",
         unit: "edges",
     },
     Asked {
@@ -129,6 +129,8 @@ pub struct Plan {
     pub time_tau: f64,
     /// Timed runs.
     pub repeats: usize,
+    /// Where places of the guarantee of what is drawn are kept, to go on from; `None` keeps nothing.
+    pub keep: Option<PathBuf>,
     /// What is run; nothing named is all of it.
     pub parts: Vec<Part>,
 }
@@ -152,6 +154,7 @@ impl Plan {
             rounds: 2,
             time_tau: 1.0,
             repeats: options.repeats,
+            keep: options.out.as_ref().map(|out| out.join("lod_drawn.jsonl")),
             parts: options.parts.clone(),
         }
     }
@@ -177,6 +180,10 @@ pub fn run(plan: &Plan) -> Report {
         let counts = guarantee(plan.cameras, &plan.taus, plan.samples, plan.seed);
         rows.extend(report::guarantee_rows(&counts));
         tell("guarantee", report::guarantee(&counts));
+    }
+    if plan.has(Part::Drawn) {
+        eprintln!("lod: guarantee of what the adapter drew");
+        tell("guarantee_drawn", of_drawn(plan));
     }
     if plan.has(Part::Cracks) {
         eprintln!("lod: cracks");
@@ -207,6 +214,29 @@ pub fn run(plan: &Plan) -> Report {
         figures,
         notes: notes(plan),
         summary: Value::Object(summary),
+    }
+}
+
+/// The guarantee of what the adapter drew; a reason in place of numbers where there is no adapter.
+fn of_drawn(plan: &Plan) -> Value {
+    let asked = soak::Asked {
+        seed: plan.seed,
+        cameras: plan.cameras,
+        taus: plan.taus.clone(),
+        samples: plan.samples,
+    };
+    let found = Gpu::new()
+        .map_err(|error| error.to_string())
+        .and_then(|gpu| {
+            let counts = soak::soak(&gpu, &asked, plan.keep.as_deref());
+            counts.map_err(|error| error.to_string())
+        });
+    match found {
+        Ok(counts) => report::guarantee(&counts),
+        Err(reason) => {
+            eprintln!("lod: {reason}");
+            json!({ "none": reason })
+        }
     }
 }
 

@@ -59,7 +59,7 @@ const ASKED: [Asked; 6] = [
     },
     Asked {
         what: "Error of a coordinate, mode `exact`",
-        asked: "≤ 2^-23",
+        asked: "≤ 2⁻²⁴",
         at: "/exact_error_max",
         unit: "of the side",
     },
