@@ -105,6 +105,27 @@ pub fn fbm(seed: u32) -> Terrain {
     })
 }
 
+/// The same, 512 m square and a fifth as high: every method meets an error of some pixels here with few
+/// triangles.
+#[must_use]
+pub fn small(seed: u32) -> Terrain {
+    new(TerrainData {
+        extent: GroundRect::square(DVec2::ZERO, 512.0),
+        base: 0.0,
+        sea_level: None,
+        layers: vec![Layer {
+            source: Source::Fractal(Fractal {
+                seed,
+                octaves: 8,
+                amplitude: 50.0,
+                wavelength: 400.0,
+                ..Fractal::default()
+            }),
+            mask: None,
+        }],
+    })
+}
+
 /// The Jacksboro fault (`assets/dem`), 30 by 32 km of real elevation, with the detail below its
 /// samples that the game's scene adds.
 #[must_use]

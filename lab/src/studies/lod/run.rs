@@ -429,10 +429,9 @@ mod tests {
     use super::*;
 
     #[test]
-    #[ignore = "four minutes in the dev profile: the rivals tune on the whole mountain"]
-    fn a_small_run_holds_together() {
+    fn gpu_a_small_run_holds_together() {
         let report = run(&Plan {
-            ground: terrains::fbm(1),
+            ground: terrains::small(1),
             time_tau: 8.0,
             cameras: 10,
             taus: vec![4.0],
