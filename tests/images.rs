@@ -7,10 +7,7 @@
 //! `DOLOMITE_BLESS=1 cargo nextest run -E 'binary(images)'` writes the golden pictures anew. Look at
 //! them before you commit them.
 
-#[path = "support/flip.rs"]
-mod flip;
-
-use flip::{Difference, Limit};
+use dolomite_testkit::flip::{self, Difference, Limit};
 use image::RgbImage;
 use std::path::{Path, PathBuf};
 use std::process::Command;

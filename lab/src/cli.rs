@@ -1,14 +1,15 @@
 //! The command line of `dolomite_lab`.
 
+use crate::measured::{Topic, TopicError, commit, today};
 use crate::studies::STUDIES;
-use crate::studies::lod::Part;
 use crate::studies::tessellation::captures::{CaptureError, compare};
-use crate::study::{LabError, Options, Report, Study, write_index};
+use crate::study::{LabError, Options, Part, Report, Study, write_index};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
+use dolomite_testkit::gpu::Gpu;
 use serde_json::Value;
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Measures run time against error: Dolomite's methods against f64 oracles, beside other libraries.
@@ -72,6 +73,13 @@ pub struct Arguments {
     /// in place of the study; prints one JSON object and writes no files
     #[arg(long, value_name = "FILE.jsonl")]
     pub cases: Option<PathBuf>,
+    /// Of one study: writes what was asked of it and what it reached as data of a measured table; topic and
+    /// notes of a table that is there already are kept
+    #[arg(long, value_name = "FILE.json")]
+    pub json_out: Option<PathBuf>,
+    /// The words that were parsed, for the command that a table names.
+    #[arg(skip)]
+    pub words: Vec<String>,
 }
 
 /// Why nothing was printed.
@@ -83,6 +91,9 @@ pub enum CliError {
     /// Captures could not be compared.
     #[error(transparent)]
     Captures(#[from] CaptureError),
+    /// The data of a table.
+    #[error(transparent)]
+    Topic(#[from] TopicError),
     /// A conversion panicked.
     #[error("a conversion panicked; the lines above say which")]
     Panicked,
@@ -105,7 +116,18 @@ pub fn parse_from<I>(words: I) -> Result<Arguments, clap::Error>
 where
     I: IntoIterator<Item: Into<OsString> + Clone>,
 {
-    let arguments = Arguments::try_parse_from(words)?;
+    let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    let mut arguments = Arguments::try_parse_from(&words)?;
+    arguments.words = words
+        .iter()
+        .map(|word| word.to_string_lossy().into_owned())
+        .collect();
+    if arguments.json_out.is_some() && arguments.study == "all" {
+        return Err(Arguments::command().error(
+            ErrorKind::ArgumentConflict,
+            "--json-out goes with one study, not with all",
+        ));
+    }
     if arguments.cases.is_some() && arguments.study != OF_CASES {
         return Err(Arguments::command().error(
             ErrorKind::ArgumentConflict,
@@ -196,6 +218,7 @@ fn study_list() -> String {
     for study in STUDIES {
         text += &format!("  {:<18} {}\n", study.name, study.about);
     }
+    text += "\n`dolomite_lab tables` makes the pages of docs/measured of their data.";
     text += "\nA JSON object per study goes to standard output, progress to standard error.";
     text
 }
@@ -238,6 +261,9 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
             write_index(&arguments.out, &reports)?.display()
         );
     }
+    if let (Some(path), [report]) = (&arguments.json_out, reports.as_slice()) {
+        write_topic(path, report, &arguments.words)?;
+    }
     if arguments.study == OF_FOLDER {
         return match reports.iter().any(|report| report.summary["panics"] != 0) {
             true => Err(CliError::Panicked),
@@ -245,6 +271,58 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
         };
     }
     Ok(reports.iter().map(Report::to_json).collect())
+}
+
+/// Writes what a study was asked and what it reached.
+fn write_topic(path: &Path, report: &Report, words: &[String]) -> Result<(), CliError> {
+    let known = path.exists().then(|| Topic::read(path)).transpose()?;
+    let (topic, notes) = known.map_or_else(
+        || (report.study.to_owned(), Vec::new()),
+        |known| (known.topic, known.notes),
+    );
+    let asked = STUDIES
+        .iter()
+        .find(|study| study.name == report.study)
+        .map_or(&[][..], |study| study.asked);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let adapter = Gpu::new().map_or_else(|_| "no adapter".to_owned(), |gpu| gpu.name);
+    let profile = if cfg!(debug_assertions) {
+        "dev"
+    } else {
+        "release"
+    };
+    let topic = Topic {
+        topic,
+        device: format!("{adapter}, {cores} cores, {profile} profile"),
+        date: today(),
+        commit: commit(),
+        rows: report.measurements(asked, &command_of(words)),
+        notes,
+    };
+    let text = serde_json::to_string_pretty(&topic).unwrap_or_else(|error| error.to_string());
+    std::fs::write(path, text + "\n").map_err(|source| TopicError::File {
+        path: path.to_owned(),
+        source,
+    })?;
+    eprintln!("written: {}", path.display());
+    Ok(())
+}
+
+/// The command that measures the same again: without the places that results go to.
+fn command_of(words: &[String]) -> String {
+    let mut kept = vec!["dolomite_lab"];
+    let mut words = words.iter().skip(1);
+    while let Some(word) = words.next() {
+        let name = word.split('=').next().unwrap_or(word);
+        if ["--out", "--json-out"].contains(&name) {
+            if !word.contains('=') {
+                words.next();
+            }
+            continue;
+        }
+        kept.push(word);
+    }
+    kept.join(" ")
 }
 
 #[cfg(test)]
@@ -261,6 +339,26 @@ mod tests {
         let parsed = parse("noise --seed 7 --out x").unwrap();
         assert_eq!((parsed.seed, parsed.out), (7, PathBuf::from("x")));
         assert!(parse("all").is_ok());
+    }
+
+    #[test]
+    fn a_table_names_the_command_without_where_results_go() {
+        let parsed = parse("noise --out a --samples 300 --json-out=b.json --seed=2").unwrap();
+        assert_eq!(
+            command_of(&parsed.words),
+            "dolomite_lab noise --samples 300 --seed=2"
+        );
+        assert!(parse("all --json-out b.json").is_err());
+    }
+
+    #[test]
+    fn every_study_that_is_asked_something_names_numbers_by_pointers() {
+        for study in STUDIES {
+            for asked in study.asked {
+                assert!(asked.at.starts_with('/'), "{}: {}", study.name, asked.at);
+                assert!(!asked.what.is_empty());
+            }
+        }
     }
 
     #[test]

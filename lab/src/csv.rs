@@ -1,6 +1,6 @@
 //! The table that a study writes: one row a measurement, numbers in full.
 
-use crate::metrics::ErrorStats;
+use dolomite_testkit::metrics::ErrorStats;
 use serde::Serialize;
 use std::fmt::Write;
 

@@ -4,27 +4,26 @@
 //! sweep of a knob, ours and others on the same inputs in the same run. It writes a CSV file and SVG
 //! charts, and prints a JSON object. `-- tessellation --cases FILE.jsonl` compares captured patches
 //! instead; `-- tessellation-stage` counts cracks and background pixels, and times shadow views; `-- fbx DIR`
-//! converts every FBX file of a folder and prints a JSON line for each. Nothing but tests uses the lab.
+//! converts every FBX file of a folder and prints a JSON line for each. Nothing uses the lab.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`metrics`] | errors, medians, hashes |
 //! | [`csv`], [`plot`] | the files that a study writes |
+//! | [`measured`], [`tables`] | measured numbers, and the pages of `docs/measured` that are made of them |
 //! | [`study`], [`studies`] | what a study is, and all of them |
-//! | [`gpu`] | compute shaders on whatever adapter there is, without a window |
-//! | [`stage`] | the passes of the tessellation stage, without Bevy's renderer |
-//! | [`draw`] | what they emitted, drawn, stored or evaluated by the draw |
-//! | [`raster`] | pixels that triangles leave uncovered |
+//! | [`scenes`] | grounds, cameras over them, what is true and what is drawn under a place |
+//! | [`tessellators`] | what tessellators may be set to, and levels where one may go wrong |
 //! | [`cli`] | the command line |
+//!
+//! What studies share with the tests of the plugins, adapters and passes and metrics, is in
+//! `dolomite_testkit`.
 
 pub mod cli;
 pub mod csv;
-pub mod detail;
-pub mod draw;
-pub mod gpu;
-pub mod metrics;
+pub mod measured;
 pub mod plot;
-pub mod raster;
-pub mod stage;
+pub mod scenes;
 pub mod studies;
 pub mod study;
+pub mod tables;
+pub mod tessellators;

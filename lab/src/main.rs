@@ -1,14 +1,38 @@
 //! `dolomite_lab`: see [`dolomite_lab`].
 
-use dolomite_lab::cli;
+use clap::Parser;
+use dolomite_lab::{cli, tables};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = cli::parse_from(std::env::args_os()).unwrap_or_else(|error| error.exit());
+    let mut words = std::env::args_os();
+    if std::env::args_os()
+        .nth(1)
+        .is_some_and(|word| word == "tables")
+    {
+        words.next();
+        return make_tables(&tables::Arguments::parse_from(words));
+    }
+    let arguments = cli::parse_from(words).unwrap_or_else(|error| error.exit());
     match cli::run(&arguments) {
         Ok(objects) => {
             for object in objects {
                 println!("{object:#}");
+            }
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn make_tables(arguments: &tables::Arguments) -> ExitCode {
+    match tables::run(arguments) {
+        Ok(written) => {
+            for name in written {
+                println!("written: {name}");
             }
             ExitCode::SUCCESS
         }

@@ -1,12 +1,34 @@
 //! What a study is, and how its results are written.
 
 use crate::csv::{Row, to_csv};
+use crate::measured::Measurement;
 use crate::plot::{Chart, PlotError, to_svg};
-use crate::studies::lod::Part;
+use clap::ValueEnum;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+
+/// What the study `lod` is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Part {
+    /// Is any error above the tolerance?
+    Guarantee,
+    /// The same of the triangles that the adapter drew.
+    Drawn,
+    /// Are there gaps in the meshes?
+    Cracks,
+    /// Are the errors the same far from the origin?
+    Precision,
+    /// Time on the CPU.
+    Time,
+    /// Time of each pass on the adapter.
+    Passes,
+    /// How far do drawn vertices move from frame to frame?
+    Pops,
+    /// Vertices beside those of other methods.
+    Vertices,
+}
 
 /// What every study is told.
 #[derive(Debug, Clone)]
@@ -62,6 +84,21 @@ pub struct Study {
     pub about: &'static str,
     /// Runs it; progress goes to standard error.
     pub run: fn(&Options) -> Report,
+    /// What its measured table has a row for.
+    pub asked: &'static [Asked],
+}
+
+/// A number of a study's summary that has a row in a measured table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Asked {
+    /// What is measured.
+    pub what: &'static str,
+    /// What is asked for; empty where nothing is.
+    pub asked: &'static str,
+    /// Where the number stands in the summary: a JSON pointer (RFC 6901).
+    pub at: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
 }
 
 /// A chart and the name of its file, without the ending.
@@ -117,6 +154,24 @@ impl Report {
         })
     }
 
+    /// A row for each number of `asked` that the run has.
+    #[must_use]
+    pub fn measurements(&self, asked: &[Asked], command: &str) -> Vec<Measurement> {
+        let numbers = asked.iter().filter_map(|asked| {
+            let number = self.summary.pointer(asked.at)?;
+            number.is_number().then(|| (asked, rounded(number)))
+        });
+        numbers
+            .map(|(asked, reached)| Measurement {
+                what: asked.what.into(),
+                asked: asked.asked.into(),
+                reached,
+                unit: asked.unit.into(),
+                command: command.into(),
+            })
+            .collect()
+    }
+
     /// Writes `<study>.csv` and the figures into `folder`, which is made if need be, and gives the
     /// paths.
     ///
@@ -163,6 +218,16 @@ pub fn write_index(folder: &Path, reports: &[Report]) -> Result<PathBuf, LabErro
     }
     page += "</body></html>\n";
     write_file(folder, "index.html", &page)
+}
+
+/// Three digits: more are not the same in the next run.
+fn rounded(number: &Value) -> Value {
+    match number.as_f64() {
+        Some(x) if !number.is_u64() && !number.is_i64() => format!("{x:.2e}")
+            .parse::<f64>()
+            .map_or(number.clone(), Value::from),
+        _ => number.clone(),
+    }
 }
 
 fn escaped(text: &str) -> String {
@@ -243,6 +308,26 @@ mod tests {
             "{refusal}"
         );
         std::fs::remove_file(file).unwrap();
+    }
+
+    #[test]
+    fn what_a_run_has_becomes_a_row_and_what_it_lacks_none() {
+        let asked = |at| Asked {
+            what: "ratio",
+            asked: "≤ 3",
+            at,
+            unit: "",
+        };
+        let report = Report {
+            summary: json!({ "ratio": 2.012_345, "count": 1234 }),
+            ..report()
+        };
+        let rows = report.measurements(
+            &[asked("/ratio"), asked("/count"), asked("/none")],
+            "dolomite_lab example",
+        );
+        let reached: Vec<_> = rows.iter().map(|row| row.reached.clone()).collect();
+        assert_eq!(reached, [json!(2.01), json!(1234)]);
     }
 
     #[test]

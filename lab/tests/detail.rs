@@ -2,16 +2,16 @@
 
 use bevy::math::{DVec2, EulerRot, IVec2, Mat4, Quat, Vec2, Vec3, Vec4};
 use bytemuck::Zeroable;
-use dolomite_lab::detail::{DetailRun, DetailStage};
-use dolomite_lab::gpu::for_test;
-use dolomite_terrain::{
-    Fractal, GroundPoint, GroundRect, Hill, Layer, Mask, Source, Terrain, TerrainData,
-};
 use dolomite_ground::detail::layout::{DEPTH_PASSES, DetailParams, LAST_PASSES};
 use dolomite_ground::detail::{
     Detail, DetailCells, DetailMesh, DetailView, Horizon, HorizonView, Metric, Picture, mesh,
     select,
 };
+use dolomite_terrain::{
+    Fractal, GroundPoint, GroundRect, Hill, Layer, Mask, Source, Terrain, TerrainData,
+};
+use dolomite_testkit::detail::{DetailRun, DetailStage};
+use dolomite_testkit::gpu::for_test;
 use std::collections::{HashMap, HashSet};
 
 /// Hills on rough ground, a sea, at 10⁵ m from the origin.

@@ -2,13 +2,13 @@
 //! that came back, and the true surface.
 
 use bevy::math::{DVec2, UVec2};
-use dolomite_lab::detail::DetailStage;
-use dolomite_lab::gpu::for_test;
-use dolomite_lab::studies::ground::measure::{check, ground, params, places};
-use dolomite_lab::studies::lod::cameras::{Kind, camera};
-use dolomite_terrain::GroundPoint;
 use dolomite_ground::detail::ring::Ring;
 use dolomite_ground::detail::{DetailCells, Metric};
+use dolomite_lab::scenes::cameras::{Kind, camera};
+use dolomite_lab::studies::ground::measure::{check, ground, params, places};
+use dolomite_terrain::GroundPoint;
+use dolomite_testkit::detail::DetailStage;
+use dolomite_testkit::gpu::for_test;
 
 const PIXELS: Metric = Metric::ErrorBound { pixels: 12.0 };
 

@@ -3,11 +3,11 @@
 #[expect(dead_code, reason = "each test file uses a part of what they share")]
 mod support;
 
-use dolomite_lab::gpu::for_test;
-use dolomite_lab::stage::{StageOptions, StagePasses};
 use dolomite_tessellation::half_edge::check;
 use dolomite_tessellation::patches::WHOLE;
 use dolomite_tessellation::{Domain, Levels, Mode, PatchLayout, PatchMesh, Tessellator};
+use dolomite_testkit::gpu::for_test;
+use dolomite_testkit::stage::{StageOptions, StagePasses};
 use support::{Random, SPACINGS, by_points, run_with, triangles};
 
 /// A square quadtree, refined at random but balanced, as quads of which sides may be split.

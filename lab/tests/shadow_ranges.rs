@@ -3,10 +3,10 @@
 #[expect(dead_code, reason = "each test file uses a part of what they share")]
 mod support;
 
-use dolomite_lab::gpu::{Binding, for_test};
-use dolomite_lab::stage::{StagePasses, StageRun};
 use dolomite_tessellation::tables::Instance;
 use dolomite_tessellation::{PatchLayout, PatchMesh, Tessellator, shapes};
+use dolomite_testkit::gpu::{Binding, for_test};
+use dolomite_testkit::stage::{StagePasses, StageRun};
 use std::sync::Arc;
 use support::by_points;
 

@@ -2,14 +2,14 @@
 
 mod support;
 
-use dolomite_lab::gpu::for_test;
-use dolomite_lab::raster::{Raster, SIDE};
-use dolomite_lab::stage::{StagePasses, StageRun};
 use dolomite_tessellation::half_edge::{Manifold, check};
 use dolomite_tessellation::tables::Instance;
 use dolomite_tessellation::{
     Domain, Levels, Mode, PatchLayout, PatchMesh, Primitives, Tessellator, Winding, shapes,
 };
+use dolomite_testkit::gpu::for_test;
+use dolomite_testkit::raster::{Raster, SIDE};
+use dolomite_testkit::stage::{StagePasses, StageRun};
 use std::sync::Arc;
 use support::{Random, SPACINGS, by_points, run, run_with, triangles};
 

@@ -43,7 +43,7 @@ fn d3d_mode_has_the_printed_digits() {
 
 #[test]
 fn gpu_agrees_with_captures() {
-    if dolomite_lab::gpu::for_test().is_none() {
+    if dolomite_testkit::gpu::for_test().is_none() {
         return;
     }
     let report = compare(&captures()).expect("an adapter");

@@ -6,14 +6,12 @@ use std::sync::Arc;
 
 use bevy::math::{DMat4, DVec3, Vec3};
 use bytemuck::cast_slice;
-use dolomite_lab::gpu::{Gpu, for_test};
-use dolomite_lab::stage::{Emitted, StageOptions, StagePasses, StageRun};
-use dolomite_shaders::ShaderFile;
 use dolomite_classic::functions::{classic_level, patches};
 use dolomite_classic::heights::{FILE, SAMPLES};
 use dolomite_classic::{
     CLASSIC_LAYOUT, CLASSIC_SPACING, ClassicHeights, ClassicLevels, ClassicScene,
 };
+use dolomite_shaders::ShaderFile;
 use dolomite_tessellation::half_edge::check;
 use dolomite_tessellation::layout::StageView;
 use dolomite_tessellation::patches::REVERSED;
@@ -22,6 +20,8 @@ use dolomite_tessellation::{
     Domain, HostFunctions, HostPatch, HostTessellation, Levels, Mode, PatchMesh, Tessellator,
     Winding, tessellate_host,
 };
+use dolomite_testkit::gpu::{Gpu, for_test};
+use dolomite_testkit::stage::{Emitted, StageOptions, StagePasses, StageRun};
 use wgpu::BufferBindingType;
 
 const TESSELLATOR: Tessellator = Tessellator {

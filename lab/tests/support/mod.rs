@@ -1,9 +1,9 @@
 //! What the tests of the stage's passes share.
 
-use dolomite_lab::gpu::Gpu;
-use dolomite_lab::stage::{Emitted, StagePasses, StageRun};
 use dolomite_tessellation::tables::Instance;
 use dolomite_tessellation::{PatchMesh, Spacing, Tessellator};
+use dolomite_testkit::gpu::Gpu;
+use dolomite_testkit::stage::{Emitted, StagePasses, StageRun};
 use std::sync::Arc;
 
 pub const SPACINGS: [Spacing; 3] = [

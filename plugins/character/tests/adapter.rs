@@ -5,8 +5,8 @@ mod support;
 
 use bevy::math::Vec3;
 use dolomite_character::crowd::{CrowdFigure, Palette};
-use dolomite_lab::gpu::for_test;
-use dolomite_lab::studies::animation::skinning::{Probe, truth};
+use dolomite_testkit::gpu::for_test;
+use dolomite_testkit::skinning::{Probe, truth};
 use support::person;
 
 fn greatest(errors: &[f64]) -> f64 {

@@ -1,6 +1,9 @@
 //! FBX files as assets of Bevy.
 
-use crate::{Conversion, FbxError, Options, Origin, Report, Weights, convert};
+use crate::convert::{Conversion, convert};
+use crate::error::FbxError;
+use crate::options::{Options, Origin, Weights};
+use crate::report::Report;
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetApp, AssetLoader, AssetPath, LoadContext};
 use bevy::gltf::extensions::GltfExtensionHandlers;

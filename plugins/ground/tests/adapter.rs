@@ -4,12 +4,12 @@
 mod support;
 
 use bytemuck::{bytes_of, cast_slice};
-use dolomite_lab::gpu::{Gpu, for_test};
-use dolomite_lab::stage::{Emitted, StageOptions, StagePasses, StageRun};
-use dolomite_shaders::ShaderFile;
 use dolomite_ground::cover::GROUND_LAYOUT;
 use dolomite_ground::cover::functions::DEPTH_RANGE;
+use dolomite_shaders::ShaderFile;
 use dolomite_tessellation::tables::Instance;
+use dolomite_testkit::gpu::{Gpu, for_test};
+use dolomite_testkit::stage::{Emitted, StageOptions, StagePasses, StageRun};
 use support::{POOLS, Random, Scene, TESSELLATOR, cracks, random_scene, terrain};
 use wgpu::BufferBindingType;
 

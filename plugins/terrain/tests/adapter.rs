@@ -5,10 +5,10 @@ mod support;
 
 use bevy::math::DVec2;
 use bytemuck::{bytes_of, cast_slice, pod_collect_to_vec};
-use dolomite_lab::gpu::{Binding, Gpu, Kernel, for_test};
 use dolomite_terrain::{
     Classic, Filter, Fractal, GroundPoint, HeightMap, Hill, Layer, Mask, Source, Sum, Terrain,
 };
+use dolomite_testkit::gpu::{Binding, Gpu, Kernel, for_test};
 use support::{Random, SUMS, WARP, of_fractal, plain, terrain};
 
 /// No height has these bits: a NaN with a payload.

@@ -2,11 +2,12 @@
 
 use super::method::{Input, Method};
 use super::methods;
-use super::model::{Model, Random};
+use super::model::Model;
 use crate::csv::Row;
-use crate::metrics::{ErrorStats, Hash64};
 use crate::study::Options;
 use dolomite_character::clip::oracle::{self, Transform64};
+use dolomite_testkit::metrics::{ErrorStats, Hash64};
+use dolomite_testkit::random::Random;
 
 /// A row for each method: distances of joints from where f64 has them, metres.
 pub fn rows(model: &Model, options: &Options) -> Vec<Row> {

@@ -2,11 +2,12 @@
 
 use super::method::Input;
 use super::methods;
-use super::model::{Model, Random};
+use super::model::Model;
 use crate::csv::Row;
-use crate::metrics::ErrorStats;
 use crate::study::Options;
 use dolomite_character::clip::oracle::{self, Transform64};
+use dolomite_testkit::metrics::ErrorStats;
+use dolomite_testkit::random::Random;
 
 /// All orders of three.
 const ORDERS: [[usize; 3]; 6] = [

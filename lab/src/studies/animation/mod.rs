@@ -14,7 +14,7 @@ pub mod report;
 pub mod skinning;
 pub mod speed;
 
-use crate::study::{Options, Report, Study};
+use crate::study::{Asked, Options, Report, Study};
 use method::Method;
 use model::Model;
 
@@ -23,7 +23,66 @@ pub const STUDY: Study = Study {
     name: "animation",
     about: "clips sampled and blended, and skinning: error against f64, ns a joint, beside other libraries",
     run,
+    asked: &ASKED,
 };
+
+/// What its measured table says.
+const ASKED: [Asked; 9] = [
+    Asked {
+        what: "Joint positions against f64",
+        asked: "≤ 1e-5",
+        at: "/joint_error_max_m/ours",
+        unit: "m",
+    },
+    Asked {
+        what: "Blends against f64",
+        asked: "",
+        at: "/blend_error_max_rad/ours",
+        unit: "rad",
+    },
+    Asked {
+        what: "Difference between orders of a blend",
+        asked: "≤ 1e-5",
+        at: "/order_difference_max_rad/ours",
+        unit: "rad",
+    },
+    Asked {
+        what: "Difference between orders of a blend, `bevy_animation` 0.19",
+        asked: "",
+        at: "/order_difference_max_rad/bevy_animation 0.19",
+        unit: "rad",
+    },
+    Asked {
+        what: "Time of a joint, three clips each sampled and blended",
+        asked: "",
+        at: "/ns_per_joint/ours",
+        unit: "ns",
+    },
+    Asked {
+        what: "Time of a joint, `bevy_animation` 0.19",
+        asked: "",
+        at: "/ns_per_joint/bevy_animation 0.19",
+        unit: "ns",
+    },
+    Asked {
+        what: "Speed over `bevy_animation` 0.19",
+        asked: "≥ 5",
+        at: "/time_over_ours/bevy_animation 0.19",
+        unit: "ratio",
+    },
+    Asked {
+        what: "GPU skinning against CPU skinning",
+        asked: "≤ 1e-5",
+        at: "/gpu_skinning_max_m/cpu",
+        unit: "m",
+    },
+    Asked {
+        what: "GPU skinning against f64",
+        asked: "≤ 1e-5",
+        at: "/gpu_skinning_max_m/f64",
+        unit: "m",
+    },
+];
 
 /// Figures of the timed crowd.
 pub const FIGURES: usize = 1000;

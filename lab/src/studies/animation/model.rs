@@ -5,6 +5,7 @@ use dolomite_character::{
     Channel, Clip, ClipData, Interpolation, Joint, JointTransform, Rig, Skeleton, Skin,
     SkinnedMesh, Values,
 };
+use dolomite_testkit::random::Random;
 use std::path::{Path, PathBuf};
 
 /// A rig and what it is called.
@@ -15,35 +16,6 @@ pub struct Model {
     pub name: String,
     /// Three clips that are blended.
     pub blended: [usize; 3],
-}
-
-/// A small generator: 64-bit LCG (Knuth's MMIX constants), the upper 24 bits.
-pub struct Random(u64);
-
-impl Random {
-    /// The same numbers for the same seed.
-    pub const fn new(seed: u32) -> Self {
-        Self(seed as u64 ^ 0x9e37_79b9_7f4a_7c15)
-    }
-
-    /// In [0, 1).
-    pub fn unit(&mut self) -> f32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1 << 24) as f32
-    }
-
-    /// In [low, high).
-    pub fn range(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.unit()
-    }
-
-    /// Below `count`.
-    pub fn below(&mut self, count: usize) -> usize {
-        ((f64::from(self.unit()) * count as f64) as usize).min(count - 1)
-    }
 }
 
 impl Model {
@@ -122,7 +94,7 @@ impl Model {
                     .push((Vec3::from(at.translation) + way).to_array());
                 mesh.normals.push(way.normalize_or(Vec3::Y).to_array());
                 let above = skeleton.parent(joint).unwrap_or(joint) as u16;
-                let part = random.unit();
+                let part = random.unit_f32();
                 mesh.joints.push([joint as u16, above, 0, 0]);
                 mesh.weights.push([part, 1.0 - part, 0.0, 0.0]);
             }

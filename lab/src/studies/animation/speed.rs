@@ -2,10 +2,11 @@
 
 use super::method::{Input, Method, processor_time};
 use super::methods;
-use super::model::{Model, Random};
+use super::model::Model;
 use crate::csv::Row;
-use crate::metrics::median;
 use crate::study::Options;
+use dolomite_testkit::metrics::median;
+use dolomite_testkit::random::Random;
 use std::time::{Duration, Instant};
 
 /// Shortest timed run: ten ticks and more of the kernel's clock, by which it counts processor time.

@@ -2,8 +2,8 @@
 
 use super::control::Control;
 use super::plant::{Event, Plant, RATE};
-use crate::metrics::{ErrorStats, Hash64};
 use dolomite_ground::detail::budget::{Budget, DemandCurve, NextFrame, TimeSample};
+use dolomite_testkit::metrics::{ErrorStats, Hash64};
 use std::time::Instant;
 
 /// The band of noise-free time over the budget in which a frame counts as held.

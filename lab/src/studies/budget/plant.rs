@@ -4,8 +4,8 @@
 //! edges, bent towards what the finest level has; time is not proportional to vertices; what the
 //! demand curve foretells is off by some percent, differently in each place.
 
-use crate::studies::noise::points::Random;
 use dolomite_ground::detail::budget::DemandCurve;
+use dolomite_testkit::random::Random;
 
 /// Frames a second of the flight.
 pub const RATE: f64 = 60.0;

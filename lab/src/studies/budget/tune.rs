@@ -3,8 +3,8 @@
 use super::control::{Fixed, PerLeg, Pid, PidControl};
 use super::fly::{Verdict, fly, judge};
 use super::plant::Plant;
-use crate::metrics::ErrorStats;
 use dolomite_ground::detail::budget::{Budget, DemandCurve};
+use dolomite_testkit::metrics::ErrorStats;
 
 /// A flight with its curves, and the budget on it.
 pub struct Course<'a> {

@@ -6,6 +6,7 @@
 //! them, others against ufbx, vertex by vertex at the file's frames. Where FBX2glTF (`FBX2GLTF` names
 //! its binary) or Assimp (`assimp` on the path) are installed, their results are held against the same.
 
+mod compared;
 mod file;
 mod line;
 mod rivals;
@@ -15,7 +16,7 @@ pub use file::{FbxFile, files_below};
 pub use line::Line;
 
 use crate::csv::{ErrorNumbers, Row};
-use crate::study::{Options, Report, Study};
+use crate::study::{Asked, Options, Report, Study};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -24,7 +25,16 @@ pub const STUDY: Study = Study {
     name: "fbx",
     about: "FBX files to glTF: error against reference frames and ufbx, beside FBX2glTF and Assimp",
     run,
+    asked: &ASKED,
 };
+
+/// What its measured table says.
+const ASKED: [Asked; 1] = [Asked {
+    what: "Files of the folder that make a conversion panic",
+    asked: "0",
+    at: "/panics",
+    unit: "files",
+}];
 
 /// Poses of a clip that a file without reference frames is held at.
 const POSES: usize = 24;
@@ -86,7 +96,7 @@ fn report(lines: &[Line], notes: Vec<String>, folder: &Path) -> Report {
         "median_conversion_over_load": median(
             good.iter().filter(|line| line.load_ms > 0.0).map(|line| line.timed_ms / line.load_ms).collect()
         ),
-        "rivals": rivals::compared(&good),
+        "rivals": compared::compared(&good),
     });
     eprintln!("fbx: {summary:#}");
     Report {

@@ -5,12 +5,12 @@
 //! is at least 2.
 
 use super::measure::{params, places};
-use crate::detail::{DetailError, DetailStage};
-use crate::gpu::Gpu;
-use crate::studies::lod::camera::Camera;
-use dolomite_terrain::Terrain;
+use crate::scenes::camera::Camera;
 use dolomite_ground::detail::ring::Ring;
 use dolomite_ground::detail::{DetailCells, Metric};
+use dolomite_terrain::Terrain;
+use dolomite_testkit::detail::{DetailError, DetailStage};
+use dolomite_testkit::gpu::Gpu;
 use std::time::{Duration, Instant};
 
 /// Frames of a flight of the study.

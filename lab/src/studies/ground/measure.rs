@@ -1,15 +1,15 @@
 //! Answers of the pass against the triangles that were drawn, and against the true surface.
 
-use crate::detail::{DetailAnswers, DetailRun};
-use crate::studies::lod::camera::Camera;
-use crate::studies::lod::mesh::{Drawn, GroundMesh};
-use crate::studies::lod::ours::detail_view;
-use crate::studies::lod::terrains;
-use crate::studies::noise::points::Random;
+use crate::scenes::camera::Camera;
+use crate::scenes::mesh::{Drawn, GroundMesh};
+use crate::scenes::selection;
+use crate::scenes::terrains;
 use bevy::math::{DVec2, DVec3};
-use dolomite_terrain::{GroundPoint, Source, Terrain, TerrainData};
 use dolomite_ground::detail::layout::DetailParams;
 use dolomite_ground::detail::{DetailCells, Metric};
+use dolomite_terrain::{GroundPoint, Source, Terrain, TerrainData};
+use dolomite_testkit::detail::{DetailAnswers, DetailRun};
+use dolomite_testkit::random::Random;
 
 /// Room for vertices and triangles.
 const POOLS: [u32; 2] = [1 << 18, 1 << 19];
@@ -18,11 +18,7 @@ const POOLS: [u32; 2] = [1 << 18, 1 << 19];
 /// them.
 #[must_use]
 pub fn params(cells: &DetailCells, camera: &Camera, metric: Metric) -> DetailParams {
-    let view = detail_view(camera, metric);
-    DetailParams {
-        anchor_height: camera.eye.y.floor() as f32,
-        ..DetailParams::new(cells, view, 0, POOLS)
-    }
+    selection::params(cells, camera, metric, POOLS)
 }
 
 /// The island massif of the study `lod`, moved by so many metres: its hills are the same, its noise, and so its

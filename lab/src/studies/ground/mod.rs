@@ -9,14 +9,14 @@ pub mod frames;
 pub mod measure;
 
 use crate::csv::{ErrorNumbers, Row};
-use crate::detail::{DetailError, DetailStage};
-use crate::gpu::Gpu;
-use crate::metrics::ErrorStats;
 use crate::plot::{Axes, Chart, Curve};
-use crate::studies::lod::cameras::{Kind, camera};
+use crate::scenes::cameras::{Kind, camera};
 use crate::study::{Figure, Options, Report, Study};
 use bevy::math::DVec2;
 use dolomite_ground::detail::{DetailCells, Metric};
+use dolomite_testkit::detail::{DetailError, DetailStage};
+use dolomite_testkit::gpu::Gpu;
+use dolomite_testkit::metrics::ErrorStats;
 use frames::{Ages, FRAMES, fly};
 use measure::{Checked, Verdict, check, ground, params, places};
 use serde_json::{Value, json};
@@ -26,6 +26,7 @@ pub const STUDY: Study = Study {
     name: "ground",
     about: "answers of the drawn ground: time, age in frames, error against triangle and true surface",
     run,
+    asked: &[],
 };
 
 /// Queries of a frame.
@@ -318,7 +319,7 @@ mod tests {
 
     #[test]
     fn gpu_a_flight_gets_its_answers_within_three_frames() {
-        let Some(gpu) = crate::gpu::for_test() else {
+        let Some(gpu) = dolomite_testkit::gpu::for_test() else {
             return;
         };
         let terrain = ground(2, DVec2::ZERO);

@@ -2,13 +2,14 @@
 //! refine, and least error, which knows the truth.
 
 use super::bisection::{Bisection, Lattice, Node, Triangle};
-use super::camera::{Camera, View};
-use super::mesh::{Drawn, GroundMesh};
-use super::rival::{Knob, MOST_TRIANGLES, Rival};
-use super::truth::Truth;
-use crate::studies::tessellation::study::on_all_cores;
+use super::rival::{Knob, Rival};
+use crate::scenes::camera::{Camera, View};
+use crate::scenes::mesh::MOST_TRIANGLES;
+use crate::scenes::mesh::{Drawn, GroundMesh};
+use crate::scenes::truth::Truth;
 use bevy::math::{DVec2, DVec3};
 use bevy::platform::collections::HashMap;
+use dolomite_testkit::cores::on_all_cores;
 use std::sync::Mutex;
 
 /// By what a triangle is cut.
@@ -219,8 +220,8 @@ impl Ground<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{cameras, terrains};
     use super::*;
+    use crate::scenes::{cameras, terrains};
 
     #[test]
     fn finer_knobs_draw_more_and_keep_vertices_on_the_ground() {

@@ -7,10 +7,10 @@
 //! A set that holds with each middle those two corners is a mesh without T-junctions: that is what
 //! ROAM's forced splits come to. Corners are integers on a lattice of 2²⁴ steps a side.
 
-use crate::studies::tessellation::study::on_all_cores;
 use bevy::math::DVec2;
 use bevy::platform::collections::{HashMap, HashSet};
 use dolomite_terrain::GroundRect;
+use dolomite_testkit::cores::on_all_cores;
 
 /// A corner, steps of the lattice along x and z.
 pub type Node = [u32; 2];
@@ -209,7 +209,7 @@ impl Bisection {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::studies::noise::points::Random;
+    use dolomite_testkit::random::Random;
 
     /// Twice the area, steps².
     fn area(t: &Triangle) -> i128 {

@@ -2,14 +2,15 @@
 //! Heightmaps"): a quadtree of grids, chosen by the distance in space; towards the end of its range a
 //! grid's vertices move onto the next coarser grid.
 
-use super::camera::{Camera, View};
-use super::mesh::{Drawn, GroundMesh};
-use super::rival::{Knob, MOST_TRIANGLES, Rival};
-use super::truth::Truth;
-use crate::studies::tessellation::study::on_all_cores;
+use super::rival::{Knob, Rival};
+use crate::scenes::camera::{Camera, View};
+use crate::scenes::mesh::MOST_TRIANGLES;
+use crate::scenes::mesh::{Drawn, GroundMesh};
+use crate::scenes::truth::Truth;
 use bevy::math::{DVec2, DVec3};
 use bevy::platform::collections::HashMap;
 use dolomite_terrain::GroundRect;
+use dolomite_testkit::cores::on_all_cores;
 use std::sync::Mutex;
 
 /// Quads along a side of a node. Of 8, 16 and 32, the usual ones, the middle.
@@ -193,9 +194,9 @@ impl Selection<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{cameras, terrains};
     use super::*;
-    use crate::studies::noise::points::Random;
+    use crate::scenes::{cameras, terrains};
+    use dolomite_testkit::random::Random;
 
     /// Sides that may be seen, away from the terrain's border, with a triangle on one hand only. Where
     /// two vertices have moved by different parts, triangles without area on the ground stand between

@@ -1,13 +1,13 @@
 //! Meshes of views that see all: every edge inside of the extent is there once in each direction.
 
-use super::camera::Camera;
-use super::cameras::{KINDS, around};
-use super::ours::{bound, cells_of, choose, detail_view};
-use super::terrains;
+use crate::scenes::camera::Camera;
+use crate::scenes::cameras::{KINDS, around};
+use crate::scenes::selection::{bound, cells_of, choose, detail_view};
+use crate::scenes::terrains;
 use bevy::math::{DVec2, UVec2};
 use bevy::platform::collections::{HashMap, HashSet};
-use dolomite_terrain::GroundRect;
 use dolomite_ground::detail::{DetailMesh, mesh};
+use dolomite_terrain::GroundRect;
 
 /// What is found in meshes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -10,17 +10,17 @@
 //! a larger part of their triangles is looked at; of a hundred rounds nine have pictures of 480 × 270, and one has
 //! 1920 × 1080 (`size_of`).
 
-use super::camera::{Camera, View};
-use super::cameras::{BURST, KINDS, Kind, around};
 use super::measure::{Measured, Sample, Tally};
-use super::ours::{FINEST, bound, cells_of, choose, detail_view, positions};
-use super::terrains;
-use super::truth::Truth;
-use crate::studies::noise::points::Random;
-use crate::studies::tessellation::study::on_all_cores;
+use crate::scenes::camera::{Camera, View};
+use crate::scenes::cameras::{BURST, KINDS, Kind, around};
+use crate::scenes::selection::{FINEST, bound, cells_of, choose, detail_view, positions};
+use crate::scenes::terrains;
+use crate::scenes::truth::Truth;
 use bevy::math::{DVec2, DVec3, UVec2};
-use dolomite_terrain::Terrain;
 use dolomite_ground::detail::{DetailCells, DetailMesh, Selection, mesh};
+use dolomite_terrain::Terrain;
+use dolomite_testkit::cores::on_all_cores;
+use dolomite_testkit::random::Random;
 use std::sync::atomic::AtomicU64;
 
 /// Tolerances, pixels.
@@ -70,11 +70,7 @@ pub fn guarantee(cameras: usize, taus: &[f64], samples: usize, seed: u32) -> Vec
         .collect();
     let parts = on_all_cores(&groups, |&(group, cameras)| {
         let own = seed.wrapping_mul(1000).wrapping_add(group);
-        let terrain = match group % 3 {
-            0 => terrains::mountain(own),
-            1 => terrains::fbm(own),
-            _ => terrains::dem(own),
-        };
+        let terrain = ground_of(group, own);
         let counts = at_a_place(&terrain, cameras, group as usize, taus, samples, own);
         for count in counts.iter().filter(|count| count.above() > 0) {
             eprintln!(
@@ -96,6 +92,15 @@ pub fn guarantee(cameras: usize, taus: &[f64], samples: usize, seed: u32) -> Vec
         merge(&mut all, part);
     }
     all
+}
+
+/// The ground that a place's cameras stand on.
+pub(super) fn ground_of(group: u32, own: u32) -> Terrain {
+    match group % 3 {
+        0 => terrains::mountain(own),
+        1 => terrains::fbm(own),
+        _ => terrains::dem(own),
+    }
 }
 
 /// The same over one terrain; `round` is the number of the first round of cameras.
@@ -134,7 +139,7 @@ pub fn at_a_place(
 }
 
 /// Picture of a round of cameras.
-const fn size_of(round: usize) -> UVec2 {
+pub(super) const fn size_of(round: usize) -> UVec2 {
     match round % 100 {
         99 => UVec2::new(1920, 1080),
         k if k % 10 == 9 => UVec2::new(480, 270),
@@ -142,7 +147,7 @@ const fn size_of(round: usize) -> UVec2 {
     }
 }
 
-fn merge(all: &mut Vec<Count>, part: Vec<Count>) {
+pub(super) fn merge(all: &mut Vec<Count>, part: Vec<Count>) {
     for count in part {
         let same = all.iter_mut().find(|known| {
             (known.tau, known.kind, known.reached) == (count.tau, count.kind, count.reached)
@@ -176,38 +181,15 @@ pub fn view(
     } else {
         tau
     };
-    // In units of the bound: as if a pixel were as large.
     let own = camera.view();
-    let scaled = View {
-        scale: own.scale / limit,
-        half: own.half / limit,
-        ..own
-    };
-    let mut tally = Tally::counting_above(1.0);
-    let drawn = mesh::mesh(cells, &selection);
     let mut known = Vec::with_capacity(samples + samples / 8);
-    places(&drawn, &own, samples, random, |xz, height| {
-        known.push((xz, height))
-    });
-    let best = AtomicU64::new(0);
-    for part in known.chunks(1 << 13) {
-        let xz: Vec<DVec2> = part.iter().map(|known| known.0).collect();
-        // Of the bound: so much may the percentile be off, the maximum and the count are of f64.
-        let heights = truth.heights(&scaled, &xz, 0.1);
-        let with = part.iter().zip(heights);
-        let with = with.map(|(&(xz, drawn), truth)| Sample {
-            xz,
-            truth,
-            drawn: Some(drawn),
-        });
-        tally.add(truth, &scaled, with.collect(), &best);
-    }
-    let rest = mesh::mesh(cells, &unseen(selection));
+    let drawn = triangles_of(&mesh::mesh(cells, &selection));
+    places(drawn, &own, samples, random, |at| known.push(at));
+    let mut tally = errors(truth, &own, limit, &known);
+    let rest = triangles_of(&mesh::mesh(cells, &unseen(selection)));
     known.clear();
-    places(&rest, &own, samples / UNDRAWN, random, |xz, _| {
-        known.push((xz, 0.0))
-    });
-    for (xz, _) in known {
+    places(rest, &own, samples / UNDRAWN, random, |at| known.push(at));
+    for xz in known.iter().map(|at| DVec2::new(at.x, at.z)) {
         tally.hole(&own, DVec3::new(xz.x, truth.height(xz), xz.y));
     }
     Count {
@@ -218,6 +200,38 @@ pub fn view(
         worst: Some((camera, limit)),
         tally,
     }
+}
+
+/// Errors over the bound at places of the drawn surface: 1 is `limit` pixels.
+pub(super) fn errors(truth: &Truth, view: &View, limit: f64, drawn: &[DVec3]) -> Tally {
+    // In units of the bound: as if a pixel were as large.
+    let scaled = View {
+        scale: view.scale / limit,
+        half: view.half / limit,
+        ..*view
+    };
+    let mut tally = Tally::counting_above(1.0);
+    let best = AtomicU64::new(0);
+    for part in drawn.chunks(1 << 13) {
+        let xz: Vec<DVec2> = part.iter().map(|at| DVec2::new(at.x, at.z)).collect();
+        // Of the bound: so much may the percentile be off, the maximum and the count are of f64.
+        let heights = truth.heights(&scaled, &xz, 0.1);
+        let with = part.iter().zip(xz).zip(heights);
+        let with = with.map(|((at, xz), truth)| Sample {
+            xz,
+            truth,
+            drawn: Some(at.y),
+        });
+        tally.add(truth, &scaled, with.collect(), &best);
+    }
+    tally
+}
+
+/// The corners of every triangle, world metres.
+fn triangles_of(mesh: &DetailMesh) -> Vec<[DVec3; 3]> {
+    let positions = positions(mesh);
+    let corners = |t: &[u32; 3]| t.map(|k| positions[k as usize]);
+    mesh.triangles.iter().map(corners).collect()
 }
 
 /// The ground that is not drawn in place of that which is.
@@ -231,27 +245,20 @@ fn unseen(mut selection: Selection) -> Selection {
     selection
 }
 
-/// Calls `found` with some `count` places, and the height of the mesh there, of triangles that may be seen:
-/// each as often as another, or every k-th if there are too many.
-fn places(
-    mesh: &DetailMesh,
+/// Calls `found` with some `count` places of triangles that may be seen: each triangle as often as another,
+/// or every k-th if there are too many.
+pub(super) fn places(
+    mut triangles: Vec<[DVec3; 3]>,
     view: &View,
     count: usize,
     random: &mut Random,
-    mut found: impl FnMut(DVec2, f64),
+    mut found: impl FnMut(DVec3),
 ) {
-    let positions = positions(mesh);
-    let mut triangles: Vec<[DVec3; 3]> = mesh
-        .triangles
-        .iter()
-        .map(|t| t.map(|k| positions[k as usize]))
-        .filter(|corners| {
-            // What is drawn may lie beside what is there: by a quarter of the triangle.
-            let [a, b, c] = *corners;
-            let lift = DVec3::Y * 0.25 * a.distance(b).max(b.distance(c)).max(c.distance(a));
-            view.may_see(&[a + lift, b + lift, c + lift, a - lift, b - lift, c - lift])
-        })
-        .collect();
+    triangles.retain(|&[a, b, c]| {
+        // What is drawn may lie beside what is there: by a quarter of the triangle.
+        let lift = DVec3::Y * 0.25 * a.distance(b).max(b.distance(c)).max(c.distance(a));
+        view.may_see(&[a + lift, b + lift, c + lift, a - lift, b - lift, c - lift])
+    });
     // Four places a triangle at least.
     let every = (4 * triangles.len()).div_ceil(count.max(4)).max(1);
     let first = (random.unit() * every as f64) as usize;
@@ -272,7 +279,7 @@ fn places(
                 }
                 a + (b - a) * u + (c - a) * v
             });
-            found(DVec2::new(at.x, at.z), at.y);
+            found(at);
         }
     }
 }
@@ -322,16 +329,19 @@ mod tests {
         assert_eq!(of(&mut cells, 4.0, camera).above(), 0);
         // A mesh for 32 pixels is measured against 1.
         let coarse = choose(&mut cells, &detail_view(&camera, bound(32.0)));
-        let drawn = mesh::mesh(&cells, &coarse);
+        let drawn = triangles_of(&mesh::mesh(&cells, &coarse));
         let mut known = Vec::new();
         let mut random = Random::new(1);
-        places(&drawn, &camera.view(), 2000, &mut random, |xz, height| {
-            known.push((xz, height))
+        places(drawn, &camera.view(), 2000, &mut random, |at| {
+            known.push(at)
         });
-        let sample = |(xz, height): (DVec2, f64), hole: bool| Sample {
-            xz,
-            truth: (truth.height(xz), 0.0),
-            drawn: (!hole).then_some(height),
+        let sample = |at: DVec3, hole: bool| {
+            let xz = DVec2::new(at.x, at.z);
+            Sample {
+                xz,
+                truth: (truth.height(xz), 0.0),
+                drawn: (!hole).then_some(at.y),
+            }
         };
         for hole in [false, true] {
             let mut tally = Tally::counting_above(1.0);

@@ -4,12 +4,13 @@
 //! either of the two is seen; both surfaces are the sea where they lie below it. Where nothing is
 //! drawn over ground that is seen, the error is infinite.
 
-use super::camera::View;
-use super::mesh::Drawn;
-use super::places::{KEPT_PIXELS, Places};
-use super::truth::Truth;
-use crate::studies::tessellation::study::on_all_cores;
+use crate::scenes::camera::View;
+use crate::scenes::mesh::Drawn;
+use crate::scenes::places::{KEPT_PIXELS, Places};
+use crate::scenes::truth::Truth;
 use bevy::math::{DVec2, DVec3};
+use dolomite_testkit::cores::on_all_cores;
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What a measurement comes to, pixels.
@@ -124,8 +125,9 @@ fn error(truth: &Truth, view: &View, xz: DVec2, height: f64, drawn: Option<f64>)
     view.pixels_beyond_near(at(height), at(drawn))
 }
 
-/// Errors of a part of the places.
-#[derive(Debug, Clone)]
+/// Errors of a part of the places. Kept as [`Kept`].
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(from = "Kept", into = "Kept")]
 pub(super) struct Tally {
     /// See [`Measured`].
     pub max: f64,
@@ -141,6 +143,57 @@ pub(super) struct Tally {
     /// How many there are.
     pub above: u64,
     bins: Vec<u64>,
+}
+
+/// A [`Tally`] for a file: JSON has no infinities, and most bins are empty.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    /// `None` where there are no samples, or where there is a hole.
+    max: Option<f64>,
+    worst: [f64; 2],
+    squares: Option<f64>,
+    samples: u64,
+    holes: u64,
+    limit: Option<f64>,
+    above: u64,
+    bins: Vec<(usize, u64)>,
+}
+
+impl From<Tally> for Kept {
+    fn from(tally: Tally) -> Self {
+        let finite = |x: f64| x.is_finite().then_some(x);
+        let filled = tally.bins.iter().copied().enumerate();
+        Self {
+            max: finite(tally.max),
+            worst: tally.worst.to_array(),
+            squares: finite(tally.squares),
+            samples: tally.samples,
+            holes: tally.holes,
+            limit: finite(tally.limit),
+            above: tally.above,
+            bins: filled.filter(|(_, count)| *count > 0).collect(),
+        }
+    }
+}
+
+impl From<Kept> for Tally {
+    fn from(kept: Kept) -> Self {
+        let mut tally = Self::counting_above(kept.limit.unwrap_or(f64::INFINITY));
+        tally.max = match kept.max {
+            Some(max) => max,
+            None if kept.samples > 0 => f64::INFINITY,
+            None => f64::NEG_INFINITY,
+        };
+        tally.worst = DVec2::from_array(kept.worst);
+        tally.squares = kept.squares.unwrap_or(f64::INFINITY);
+        (tally.samples, tally.holes, tally.above) = (kept.samples, kept.holes, kept.above);
+        for (bin, count) in kept.bins {
+            if let Some(known) = tally.bins.get_mut(bin) {
+                *known = count;
+            }
+        }
+        tally
+    }
 }
 
 impl Default for Tally {
@@ -275,11 +328,11 @@ fn bin(error: f64) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::mesh::GroundMesh;
     use super::super::rival::Rival;
     use super::super::uniform::Uniform;
-    use super::super::{cameras, terrains};
     use super::*;
+    use crate::scenes::mesh::GroundMesh;
+    use crate::scenes::{cameras, terrains};
     use dolomite_terrain::{GroundRect, Hill, Layer, Source, Terrain, TerrainData};
 
     fn flat(sea_level: Option<f32>) -> Truth {
@@ -340,7 +393,7 @@ mod tests {
         let empty = GroundMesh::new(Vec::new(), Vec::new(), &view);
         let found = measure(&truth, &view, &empty, &places).unwrap();
         assert_eq!((found.max, found.holes), (f64::INFINITY, found.samples));
-        let sky = super::super::camera::Camera {
+        let sky = crate::scenes::camera::Camera {
             pitch: 80.0_f64.to_radians(),
             ..camera
         };

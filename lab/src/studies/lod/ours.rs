@@ -1,21 +1,12 @@
 //! Our selection as a method among the others: its CPU twin, cells and all, for three metrics.
 
-use super::camera::Camera;
-use super::mesh::{Drawn, GroundMesh};
-use super::rival::{Knob, MOST_TRIANGLES, Rival};
-use super::truth::Truth;
-use bevy::math::{DQuat, DVec3, EulerRot};
-use dolomite_terrain::Terrain;
-use dolomite_ground::detail::{
-    Detail, DetailCells, DetailMesh, DetailView, Lens, Metric, Selection, mesh, select,
-};
+use super::rival::{Knob, Rival};
+use crate::scenes::camera::Camera;
+use crate::scenes::mesh::Drawn;
+use crate::scenes::selection::{FINEST, MOST_VERTICES, cells_of, detail_view, ground_mesh};
+use crate::scenes::truth::Truth;
+use dolomite_ground::detail::{DetailCells, Metric, mesh, select};
 use std::sync::{Arc, Mutex};
-
-/// Side of the smallest cell, metres: a 64th, so that few views of the study reach it.
-pub const FINEST: f32 = 1.0 / 64.0;
-
-/// Most vertices of a view.
-const MOST_VERTICES: u32 = MOST_TRIANGLES as u32 / 2;
 
 /// The same by the length of edges: a few times what 4 pixels of error take.
 const MOST_BY_LENGTH: u32 = 1 << 21;
@@ -23,61 +14,6 @@ const MOST_BY_LENGTH: u32 = 1 << 21;
 /// The same by distance. With eight times as many the mountain still errs by 219 pixels for who stands on it,
 /// and finding that out takes three minutes.
 const MOST_BY_DISTANCE: u32 = 1 << 18;
-
-/// Cells that are kept: half a gigabyte.
-const KEEP: usize = 1 << 22;
-
-/// No cells of a ground yet; many are kept, since making them is what takes time.
-#[must_use]
-pub fn cells_of(terrain: &Terrain, finest: f32) -> DetailCells {
-    let mut cells = DetailCells::new(terrain.clone(), finest);
-    cells.keep = KEEP;
-    cells
-}
-
-/// A camera as the selection sees it: in f64 to the anchor, then in f32.
-#[must_use]
-pub fn detail_view(camera: &Camera, metric: Metric) -> DetailView {
-    let turn = DQuat::from_euler(EulerRot::YXZ, camera.yaw, camera.pitch, camera.roll);
-    let lens = match camera.orthographic {
-        Some(metres) => Lens::Orthographic(metres),
-        None => Lens::Perspective((camera.fov_y / 2.0).tan()),
-    };
-    let mut view = DetailView::new(camera.eye, turn, lens, camera.size, camera.near);
-    view.set_metric(&Detail {
-        metric,
-        ..Detail::default()
-    });
-    view
-}
-
-/// The metric that holds errors to `tau` pixels.
-#[must_use]
-pub fn bound(tau: f64) -> Metric {
-    Metric::ErrorBound { pixels: tau as f32 }
-}
-
-/// What a view gets.
-#[must_use]
-pub fn choose(cells: &mut DetailCells, view: &DetailView) -> Selection {
-    select(cells, view, MOST_VERTICES)
-}
-
-/// The corners of a mesh, world metres.
-#[must_use]
-pub fn positions(mesh: &DetailMesh) -> Vec<DVec3> {
-    let place = |vertex: &mesh::DetailVertex| {
-        let xz = vertex.point.to_dvec2();
-        DVec3::new(xz.x, f64::from(vertex.height), xz.y)
-    };
-    mesh.vertices.iter().map(place).collect()
-}
-
-/// A mesh whose triangles can be found by their places.
-#[must_use]
-pub fn ground_mesh(mesh: &DetailMesh, camera: &Camera) -> GroundMesh {
-    GroundMesh::new(positions(mesh), mesh.triangles.clone(), &camera.view())
-}
 
 /// What the knob of a method turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -183,30 +119,8 @@ impl Rival for Ours {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{cameras, terrains};
     use super::*;
-    use bevy::math::Vec3;
-
-    #[test]
-    fn the_selection_sees_what_the_camera_does() {
-        let terrain = terrains::fbm(1);
-        for (kind, camera) in cameras::KINDS.into_iter().zip(cameras::over(&terrain, 2)) {
-            let (view, seen) = (camera.view(), detail_view(&camera, bound(1.0)));
-            let anchor = DVec3::new(f64::from(seen.anchor[0]), 0.0, f64::from(seen.anchor[1]));
-            let off = |a: [f32; 3], b: DVec3| (Vec3::from(a).as_dvec3() - b).length();
-            // f32: 2⁻²⁵ of an axis, and of the greatest height.
-            for (axis, expected) in [
-                (seen.right, view.right),
-                (seen.up, view.up),
-                (seen.forward, view.forward),
-            ] {
-                assert!(off(axis, expected) < 1e-7, "{kind:?}");
-            }
-            assert!(off(seen.eye, view.eye - anchor) < 1e-6 * view.eye.y.abs().max(1.0));
-            assert!((f64::from(seen.scale) / view.scale - 1.0).abs() < 1e-7);
-            assert_eq!(seen.orthographic == 1.0, camera.orthographic.is_some());
-        }
-    }
+    use crate::scenes::{cameras, terrains};
 
     #[test]
     fn finer_knobs_draw_more_for_every_metric() {

@@ -1,13 +1,13 @@
 //! What the passes of a choice take on the adapter, one by one.
 
-use super::camera::Camera;
-use super::ours::{bound, detail_view};
-use crate::detail::{DetailError, DetailStage};
-use crate::gpu::Gpu;
+use crate::scenes::camera::Camera;
+use crate::scenes::selection::{bound, detail_view};
 use bevy::math::DVec3;
-use dolomite_terrain::Terrain;
 use dolomite_ground::detail::DetailCells;
 use dolomite_ground::detail::layout::DetailParams;
+use dolomite_terrain::Terrain;
+use dolomite_testkit::detail::{DetailError, DetailStage};
+use dolomite_testkit::gpu::Gpu;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
@@ -61,7 +61,7 @@ pub fn passes(
         }
     }
     let moving = moving.into_iter().map(|(entry, times)| {
-        let time = crate::metrics::median(times).unwrap_or(f64::NAN);
+        let time = dolomite_testkit::metrics::median(times).unwrap_or(f64::NAN);
         (entry, time)
     });
     Ok(json!({

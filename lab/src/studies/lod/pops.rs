@@ -5,15 +5,15 @@
 //! k + 1: what the eye would see move against still ground. Only places count that both cameras see;
 //! those that one of them does not see are told apart.
 
-use super::camera::{Camera, View};
-use super::mesh::{Drawn, GroundMesh};
-use super::ours::{FINEST, bound, cells_of, choose, detail_view, ground_mesh};
-use super::truth::Truth;
-use crate::metrics::ErrorStats;
-use crate::studies::tessellation::study::on_all_cores;
+use crate::scenes::camera::{Camera, View};
+use crate::scenes::mesh::{Drawn, GroundMesh};
+use crate::scenes::selection::{FINEST, bound, cells_of, choose, detail_view, ground_mesh};
+use crate::scenes::truth::Truth;
 use bevy::math::{DVec2, DVec3};
-use dolomite_terrain::Terrain;
 use dolomite_ground::detail::{DetailCells, mesh};
+use dolomite_terrain::Terrain;
+use dolomite_testkit::cores::on_all_cores;
+use dolomite_testkit::metrics::ErrorStats;
 
 /// Frames a second.
 pub const RATE: f64 = 60.0;
@@ -182,8 +182,8 @@ fn moved(place: DVec3, other: &GroundMesh, before: &View, after: &View) -> Optio
 
 #[cfg(test)]
 mod tests {
-    use super::super::{cameras, terrains};
     use super::*;
+    use crate::scenes::{cameras, terrains};
     use bevy::math::UVec2;
 
     #[test]

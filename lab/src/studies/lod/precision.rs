@@ -1,13 +1,13 @@
 //! The same ground far from the origin: are errors the same there?
 
-use super::cameras::{KINDS, around};
 use super::guarantee::{Count, at_a_place, view};
-use super::ours::{FINEST, cells_of};
-use super::terrains;
-use super::truth::Truth;
-use crate::studies::noise::points::Random;
+use crate::scenes::cameras::{KINDS, around};
+use crate::scenes::selection::{FINEST, cells_of};
+use crate::scenes::terrains;
+use crate::scenes::truth::Truth;
 use bevy::math::DVec2;
 use dolomite_terrain::{Terrain, TerrainData};
+use dolomite_testkit::random::Random;
 
 /// How far the ground is moved along both axes, metres: a million, and such that places keep their last
 /// bits.

@@ -1,8 +1,8 @@
 //! What the study tells: counts, ratios, rows and the chart.
 
+use super::compare::{PLACES, Row};
 use super::guarantee::{Count, TAUS};
 use super::measure::{Measured, Tally};
-use super::{PLACES, Row};
 use crate::csv;
 use crate::plot::{Axes, Chart, Curve};
 use crate::study::Figure;
@@ -43,7 +43,7 @@ pub fn guarantee(counts: &[Count]) -> Value {
         taus.insert(format!("{tau} px"), value);
     }
     let mut kinds = Map::new();
-    for kind in super::cameras::KINDS {
+    for kind in crate::scenes::cameras::KINDS {
         let value = counted(counts, |c| c.kind == kind && !c.reached);
         kinds.insert(format!("{kind:?}"), value);
     }

@@ -1,8 +1,8 @@
 //! What every method of level of detail has to offer to be compared.
 
-use super::camera::Camera;
-use super::mesh::Drawn;
-use super::truth::Truth;
+use crate::scenes::camera::Camera;
+use crate::scenes::mesh::Drawn;
+use crate::scenes::truth::Truth;
 
 /// The one setting of a method that trades error for vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,14 +24,10 @@ pub trait Rival: Send + Sync {
     /// Its knob.
     fn knob(&self) -> Knob;
 
-    /// What it draws with the knob at `knob`; `None` if that takes more than [`MOST_TRIANGLES`]
+    /// What it draws with the knob at `knob`; `None` if that takes more than [`MOST_TRIANGLES`](crate::scenes::mesh::MOST_TRIANGLES)
     /// in memory.
     fn draw(&self, truth: &Truth, camera: &Camera, knob: f64) -> Option<Box<dyn Drawn>>;
 }
-
-/// Most triangles that a method keeps in memory. With its vertices, the locator and what the bisection
-/// remembers, a triangle takes some 100 to 200 bytes.
-pub const MOST_TRIANGLES: usize = 24_000_000;
 
 /// A method that may draw no more than so many vertices: to learn whether it needs more, without waiting for
 /// how many.

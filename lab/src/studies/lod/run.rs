@@ -1,7 +1,7 @@
 //! The study: how much of everything, and what is told of it.
 
-use super::camera::Camera;
-use super::cameras::{KINDS, ordinary};
+use super::compare::{PLACES, all_rivals, compare};
+use super::cracks;
 use super::guarantee::{TAUS, guarantee};
 use super::ours::Ours;
 use super::passes::passes;
@@ -9,15 +9,17 @@ use super::pops::{MOVES, RATE, TAU, pops};
 use super::precision::{FAR, far_noise, pairs};
 use super::report::{self, Compared, row};
 use super::rival::Rival;
+use super::soak;
 use super::speed::speed;
-use super::{PLACES, all_rivals, compare, cracks, terrains};
 use crate::csv;
-use crate::gpu::Gpu;
-use crate::study::{Options, Report, Study};
+use crate::scenes::camera::Camera;
+use crate::scenes::cameras::{KINDS, ordinary};
+use crate::scenes::terrains;
+use crate::study::{Asked, Options, Report, Study};
 use bevy::math::{DVec3, UVec2};
-use clap::ValueEnum;
-use dolomite_terrain::Terrain;
 use dolomite_classic::ClassicHeights;
+use dolomite_terrain::Terrain;
+use dolomite_testkit::gpu::Gpu;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
@@ -26,29 +28,75 @@ pub const STUDY: Study = Study {
     name: "lod",
     about: "level of detail: is the error bound kept; vertices beside 4 methods; cracks, pops",
     run: |options| run(&Plan::of(options)),
+    asked: &ASKED,
 };
+
+/// What its measured table says.
+const ASKED: [Asked; 10] = [
+    Asked {
+        what: "Guarantee, CPU reference: places",
+        asked: "",
+        at: "/guarantee/all/samples",
+        unit: "places",
+    },
+    Asked {
+        what: "Guarantee, CPU reference: errors above the tolerance",
+        asked: "0",
+        at: "/guarantee/all/above",
+        unit: "places",
+    },
+    Asked {
+        what: "Guarantee, CPU reference: holes",
+        asked: "0",
+        at: "/guarantee/all/holes",
+        unit: "places",
+    },
+    Asked {
+        what: "Guarantee, CPU reference: largest error over the bound",
+        asked: "≤ 1",
+        at: "/guarantee/all/max",
+        unit: "ratio",
+    },
+    Asked {
+        what: "Guarantee, triangles that the adapter drew: places",
+        asked: "",
+        at: "/guarantee_drawn/all/samples",
+        unit: "places",
+    },
+    Asked {
+        what: "Guarantee, triangles that the adapter drew: errors above the tolerance",
+        asked: "0",
+        at: "/guarantee_drawn/all/above",
+        unit: "places",
+    },
+    Asked {
+        what: "Guarantee, triangles that the adapter drew: holes",
+        asked: "0",
+        at: "/guarantee_drawn/all/holes",
+        unit: "places",
+    },
+    Asked {
+        what: "Guarantee, triangles that the adapter drew: largest error over the bound",
+        asked: "≤ 1",
+        at: "/guarantee_drawn/all/max",
+        unit: "ratio",
+    },
+    Asked {
+        what: "Shared edges that are looked at",
+        asked: "≥ 1000000",
+        at: "/cracks/shared_edges",
+        unit: "edges",
+    },
+    Asked {
+        what: "Of these open",
+        asked: "0",
+        at: "/cracks/open",
+        unit: "edges",
+    },
+];
 
 /// The classic scene's samples in the shared data.
 const CLASSIC: &str = "data/classic/heights_1024_f32le.raw";
-
-/// What the study is made of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Part {
-    /// Is any error above the tolerance?
-    Guarantee,
-    /// Are there gaps in the meshes?
-    Cracks,
-    /// Are the errors the same far from the origin?
-    Precision,
-    /// Time on the CPU.
-    Time,
-    /// Time of each pass on the adapter.
-    Passes,
-    /// How far do drawn vertices move from frame to frame?
-    Pops,
-    /// Vertices beside those of other methods.
-    Vertices,
-}
 
 /// How much of everything.
 #[derive(Debug, Clone)]
@@ -81,6 +129,8 @@ pub struct Plan {
     pub time_tau: f64,
     /// Timed runs.
     pub repeats: usize,
+    /// Where places of the guarantee of what is drawn are kept, to go on from; `None` keeps nothing.
+    pub keep: Option<PathBuf>,
     /// What is run; nothing named is all of it.
     pub parts: Vec<Part>,
 }
@@ -104,6 +154,7 @@ impl Plan {
             rounds: 2,
             time_tau: 1.0,
             repeats: options.repeats,
+            keep: options.out.as_ref().map(|out| out.join("lod_drawn.jsonl")),
             parts: options.parts.clone(),
         }
     }
@@ -129,6 +180,10 @@ pub fn run(plan: &Plan) -> Report {
         let counts = guarantee(plan.cameras, &plan.taus, plan.samples, plan.seed);
         rows.extend(report::guarantee_rows(&counts));
         tell("guarantee", report::guarantee(&counts));
+    }
+    if plan.has(Part::Drawn) {
+        eprintln!("lod: guarantee of what the adapter drew");
+        tell("guarantee_drawn", of_drawn(plan));
     }
     if plan.has(Part::Cracks) {
         eprintln!("lod: cracks");
@@ -159,6 +214,29 @@ pub fn run(plan: &Plan) -> Report {
         figures,
         notes: notes(plan),
         summary: Value::Object(summary),
+    }
+}
+
+/// The guarantee of what the adapter drew; a reason in place of numbers where there is no adapter.
+fn of_drawn(plan: &Plan) -> Value {
+    let asked = soak::Asked {
+        seed: plan.seed,
+        cameras: plan.cameras,
+        taus: plan.taus.clone(),
+        samples: plan.samples,
+    };
+    let found = Gpu::new()
+        .map_err(|error| error.to_string())
+        .and_then(|gpu| {
+            let counts = soak::soak(&gpu, &asked, plan.keep.as_deref());
+            counts.map_err(|error| error.to_string())
+        });
+    match found {
+        Ok(counts) => report::guarantee(&counts),
+        Err(reason) => {
+            eprintln!("lod: {reason}");
+            json!({ "none": reason })
+        }
     }
 }
 
@@ -221,7 +299,7 @@ fn times(plan: &Plan, rows: &mut Vec<csv::Row>) -> Value {
     // As games have it by default.
     let finest = dolomite_ground::detail::Detail::default().finest;
     for (number, camera) in ordinary(&plan.ground).iter().enumerate() {
-        let camera = super::camera::Camera {
+        let camera = crate::scenes::camera::Camera {
             size: plan.picture * 2,
             ..*camera
         };
@@ -290,10 +368,11 @@ fn on_the_adapter(plan: &Plan) -> Value {
 fn movements(plan: &Plan, rows: &mut Vec<csv::Row>) -> Value {
     eprintln!("lod: pops");
     let mut told = Map::new();
-    let [standing, flying, _] = ordinary(&plan.ground).map(|camera| super::camera::Camera {
-        size: plan.picture,
-        ..camera
-    });
+    let [standing, flying, _] =
+        ordinary(&plan.ground).map(|camera| crate::scenes::camera::Camera {
+            size: plan.picture,
+            ..camera
+        });
     for way in MOVES {
         let start = if way == super::pops::Move::Fly {
             flying
@@ -350,10 +429,9 @@ mod tests {
     use super::*;
 
     #[test]
-    #[ignore = "four minutes in the dev profile: the rivals tune on the whole mountain"]
-    fn a_small_run_holds_together() {
+    fn gpu_a_small_run_holds_together() {
         let report = run(&Plan {
-            ground: terrains::fbm(1),
+            ground: terrains::small(1),
             time_tau: 8.0,
             cameras: 10,
             taus: vec![4.0],

@@ -1,10 +1,10 @@
 //! What a view costs on the CPU: cells, selection, mesh.
 
-use super::camera::Camera;
-use super::ours::{bound, cells_of, choose, detail_view};
-use crate::metrics::median;
-use dolomite_terrain::Terrain;
+use crate::scenes::camera::Camera;
+use crate::scenes::selection::{bound, cells_of, choose, detail_view};
 use dolomite_ground::detail::mesh;
+use dolomite_terrain::Terrain;
+use dolomite_testkit::metrics::median;
 use std::time::Instant;
 
 /// Times of one camera, milliseconds, medians.

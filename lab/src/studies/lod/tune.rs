@@ -1,10 +1,10 @@
 //! Turns a method's knob until its largest error is the wanted one.
 
-use super::camera::Camera;
 use super::measure::{Measured, measure};
-use super::places::Places;
 use super::rival::Rival;
-use super::truth::Truth;
+use crate::scenes::camera::Camera;
+use crate::scenes::places::Places;
+use crate::scenes::truth::Truth;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -171,8 +171,8 @@ pub fn tune(
 mod tests {
     use super::super::rival::AtMost;
     use super::super::uniform::Uniform;
-    use super::super::{cameras, terrains};
     use super::*;
+    use crate::scenes::{cameras, terrains};
 
     #[test]
     fn the_knob_is_found_for_a_wanted_error() {

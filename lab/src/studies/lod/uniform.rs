@@ -1,9 +1,9 @@
 //! The static mesh: one grid of equal cells over all of the terrain.
 
-use super::camera::Camera;
-use super::mesh::{Drawn, barycentric};
 use super::rival::{Knob, Rival};
-use super::truth::Truth;
+use crate::scenes::camera::Camera;
+use crate::scenes::mesh::{Drawn, barycentric};
+use crate::scenes::truth::Truth;
 use bevy::math::{DVec2, DVec3};
 
 /// A grid of cells of one size, two triangles each. All of its vertices count, seen or not, as those
@@ -83,8 +83,8 @@ impl Drawn for UniformGrid {
 
 #[cfg(test)]
 mod tests {
-    use super::super::terrains;
     use super::*;
+    use crate::scenes::terrains;
 
     #[test]
     fn vertices_lie_on_the_ground_and_cells_are_flat() {

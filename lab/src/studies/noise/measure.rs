@@ -3,8 +3,8 @@
 use super::method::{Method, Output, WAVELENGTH};
 use super::points::Points;
 use crate::csv::{ErrorNumbers, Row};
-use crate::metrics::{ErrorStats, Hash64, median};
 use bevy::math::DVec2;
+use dolomite_testkit::metrics::{ErrorStats, Hash64, median};
 
 /// Errors of values are in this unit.
 pub const VALUE_UNIT: &str = "amplitude of the first octave";

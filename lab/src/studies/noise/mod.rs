@@ -14,7 +14,7 @@ pub mod rivals;
 pub mod wgsl;
 
 use crate::csv::Row;
-use crate::study::{Options, Report, Study};
+use crate::study::{Asked, Options, Report, Study};
 use measure::{Place, rows};
 use method::Method;
 use points::Points;
@@ -24,7 +24,84 @@ pub const STUDY: Study = Study {
     name: "noise",
     about: "8-octave gradient noise, ours beside 4 libraries: error against f64, ns a sample",
     run,
+    asked: &ASKED,
 };
+
+/// What its measured table says.
+const ASKED: [Asked; 12] = [
+    Asked {
+        what: "Error of an FBM value, f32 scalar, from 1 m to 10⁷ m from the origin",
+        asked: "≤ 1e-5",
+        at: "/error_max_over_distance/ours, f32 scalar/value",
+        unit: "of the amplitude",
+    },
+    Asked {
+        what: "Error of an FBM gradient, f32 scalar, same distances",
+        asked: "≤ 1e-4",
+        at: "/error_max_over_distance/ours, f32 scalar/gradient",
+        unit: "of amplitude / wavelength",
+    },
+    Asked {
+        what: "Error of an FBM value, f32 batch, from 1 m to 10⁷ m from the origin",
+        asked: "≤ 1e-5",
+        at: "/error_max_over_distance/ours, f32 batch/value",
+        unit: "of the amplitude",
+    },
+    Asked {
+        what: "Error of an FBM gradient, f32 batch, same distances",
+        asked: "≤ 1e-4",
+        at: "/error_max_over_distance/ours, f32 batch/gradient",
+        unit: "of amplitude / wavelength",
+    },
+    Asked {
+        what: "Error of an FBM value, WGSL, from 1 m to 10⁷ m from the origin",
+        asked: "≤ 1e-5",
+        at: "/error_max_over_distance/ours, WGSL/value",
+        unit: "of the amplitude",
+    },
+    Asked {
+        what: "Error of an FBM gradient, WGSL, same distances",
+        asked: "≤ 1e-4",
+        at: "/error_max_over_distance/ours, WGSL/gradient",
+        unit: "of amplitude / wavelength",
+    },
+    Asked {
+        what: "Speed of the batch (value and gradient) over `noise` 0.9 (value), tile",
+        asked: "≥ 8",
+        at: "/batch_with_gradient_over_noise_0_9_value/tile",
+        unit: "ratio",
+    },
+    Asked {
+        what: "Speed of the batch (value and gradient) over `noise` 0.9 (value), scattered points",
+        asked: "≥ 8",
+        at: "/batch_with_gradient_over_noise_0_9_value/scattered",
+        unit: "ratio",
+    },
+    Asked {
+        what: "Speed of the batch (value and gradient) over `noiz` 0.5 (value), tile",
+        asked: "≥ 1.5",
+        at: "/batch_with_gradient_over_noiz_0_5_value/tile",
+        unit: "ratio",
+    },
+    Asked {
+        what: "Speed of the batch (value and gradient) over `noiz` 0.5 (value), scattered points",
+        asked: "≥ 1.5",
+        at: "/batch_with_gradient_over_noiz_0_5_value/scattered",
+        unit: "ratio",
+    },
+    Asked {
+        what: "Time of a sample of 8 octaves, value and gradient, tile",
+        asked: "",
+        at: "/ns_per_sample/ours, f32 batch/tile/value_and_gradient",
+        unit: "ns",
+    },
+    Asked {
+        what: "Time of a sample of 8 octaves, value and gradient, scattered points",
+        asked: "",
+        at: "/ns_per_sample/ours, f32 batch/scattered/value_and_gradient",
+        unit: "ns",
+    },
+];
 
 /// Octaves of the sweep over the distance, and of the figures that the summary gives.
 pub const OCTAVES: u32 = 8;

@@ -5,6 +5,7 @@
 
 use bevy::math::{DVec2, Vec2};
 use dolomite_terrain::GroundPoint;
+use dolomite_testkit::random::Random;
 
 /// Sample positions in every form that a method may take. All of them are in metres.
 #[derive(Debug, Clone)]
@@ -32,40 +33,6 @@ pub struct Lattice {
 
 /// Steps of a coordinate per metre: 2^20.
 const STEPS: f64 = 1_048_576.0;
-
-/// A stream of random numbers: PCG-XSH-RR 64/32 (O'Neill 2014), so that the inputs are the same on
-/// every machine and with every version of every library.
-#[derive(Debug, Clone)]
-pub struct Random(u64);
-
-impl Random {
-    /// Same seed, same stream.
-    pub fn new(seed: u32) -> Self {
-        let mut random = Self(u64::from(seed).wrapping_add(0x9e37_79b9_7f4a_7c15));
-        random.next_u32();
-        random
-    }
-
-    /// 32 random bits.
-    pub fn next_u32(&mut self) -> u32 {
-        let state = self.0;
-        self.0 = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        let xorshifted = (((state >> 18) ^ state) >> 27) as u32;
-        xorshifted.rotate_right((state >> 59) as u32)
-    }
-
-    /// Uniform in `[0, 1)`, a multiple of 2^-32.
-    pub fn unit(&mut self) -> f64 {
-        f64::from(self.next_u32()) / 4_294_967_296.0
-    }
-
-    /// Uniform in `[-1, 1)`.
-    pub fn signed_unit(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-}
 
 impl Points {
     fn new(exact: Vec<DVec2>, lattice: Option<Lattice>) -> Self {
@@ -169,14 +136,5 @@ mod tests {
         for (exact, fixed) in points.exact.iter().zip(&points.fixed) {
             assert_eq!(fixed.to_dvec2(), *exact);
         }
-    }
-
-    #[test]
-    fn the_stream_is_uniform() {
-        let mut random = Random::new(1);
-        let n = 100_000;
-        let mean = (0..n).map(|_| random.unit()).sum::<f64>() / f64::from(n);
-        // The mean of n uniform numbers deviates by 1/sqrt(12 n) = 0.0009; five times that is 0.0046.
-        assert!((mean - 0.5).abs() < 0.0046, "{mean}");
     }
 }

@@ -3,11 +3,11 @@
 use super::method::{Exact, Method, Output};
 use super::ours;
 use super::points::Points;
-use crate::gpu::{Binding, Gpu, GpuError, Kernel};
 use bevy::math::DVec2;
 use bytemuck::{cast_slice, pod_collect_to_vec};
 use dolomite_terrain::noise::PreparedFractal;
 use dolomite_terrain::{GpuTerrain, GroundRect, Layer, Source, Terrain, TerrainData};
+use dolomite_testkit::gpu::{Binding, Gpu, GpuError, Kernel};
 use std::rc::Rc;
 use thiserror::Error;
 

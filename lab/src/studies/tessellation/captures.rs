@@ -3,8 +3,8 @@
 use super::cases::{Case, CaseError, read};
 use super::check::{Faults, against_capture};
 use super::wgsl::{Adapter, AdapterError};
-use crate::gpu::GpuError;
 use dolomite_tessellation::{Mode, Tessellator};
+use dolomite_testkit::gpu::GpuError;
 use serde_json::{Value, json};
 use std::path::Path;
 use thiserror::Error;

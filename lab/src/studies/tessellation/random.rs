@@ -1,20 +1,9 @@
 //! Random patches: every domain, spacing, winding and mode in turn, with levels drawn where a
 //! tessellator may go wrong.
 
-use crate::studies::noise::points::Random;
+use crate::tessellators::{DOMAINS, MODES, SPACINGS, WINDINGS, positive};
 use dolomite_tessellation::{Domain, Levels, Mode, Spacing, Tessellator, Winding};
-
-/// Domains, as they are drawn.
-pub const DOMAINS: [Domain; 3] = [Domain::Triangles, Domain::Quads, Domain::Isolines];
-/// Spacings, as they are drawn.
-pub const SPACINGS: [Spacing; 3] = [
-    Spacing::Equal,
-    Spacing::FractionalEven,
-    Spacing::FractionalOdd,
-];
-/// Modes, as they are drawn.
-pub const MODES: [Mode; 2] = [Mode::Exact, Mode::D3d];
-const WINDINGS: [Winding; 2] = [Winding::Ccw, Winding::Cw];
+use dolomite_testkit::random::Random;
 
 /// A patch to tessellate, and what else its rules are tried with.
 #[derive(Debug, Clone, Copy)]
@@ -64,8 +53,8 @@ impl Iterator for Tuples {
         let levels = levels(random, level);
         let others = self::levels(random, positive);
         let sides = tessellator.domain.outer_levels();
-        let side = below(random, sides as u32) as usize;
-        let other_side = (side + 1 + below(random, sides as u32 - 1) as usize) % sides;
+        let side = random.below(sides);
+        let other_side = (side + 1 + random.below(sides - 1)) % sides;
         Some(Tuple {
             tessellator,
             levels,
@@ -76,15 +65,10 @@ impl Iterator for Tuples {
     }
 }
 
-/// Uniform, 0 to `end` − 1.
-fn below(random: &mut Random, end: u32) -> u32 {
-    ((u64::from(random.next_u32()) * u64::from(end)) >> 32) as u32
-}
-
 /// The levels of a patch: each for itself, or, one time in eight each, all of them about 1, or all of
 /// them the same.
 fn levels(random: &mut Random, draw: fn(&mut Random) -> f32) -> Levels {
-    let (style, same) = (below(random, 8), draw(random));
+    let (style, same) = (random.below(8), draw(random));
     let mut one = || match style {
         0 => about_one(random),
         1 => same,
@@ -108,61 +92,16 @@ fn about_one(random: &mut Random) -> f32 {
         1.0 + 1.0 / 65_536.0,
         2.0,
     ];
-    levels[below(random, 8) as usize]
+    levels[random.below(8)]
 }
 
 /// Any level.
 fn level(random: &mut Random) -> f32 {
-    match below(random, 64) {
+    match random.below(64) {
         // All 2^32 f32: half are negative, some NaN, most far outside [1, 64].
         0..=2 => f32::from_bits(random.next_u32()),
-        3 => [0.0, -0.0, f32::NAN, f32::NEG_INFINITY][below(random, 4) as usize],
+        3 => [0.0, -0.0, f32::NAN, f32::NEG_INFINITY][random.below(4)],
         _ => positive(random),
-    }
-}
-
-/// A level that does not discard.
-pub fn positive(random: &mut Random) -> f32 {
-    match below(random, 32) {
-        // An integer, 16 in all or up to 64, or its neighbour among f32.
-        0..=4 => neighbour(random, 16),
-        5..=8 => neighbour(random, 65),
-        // Next to an integer.
-        9..=13 => {
-            let step = (8 + below(random, 17)) << 23;
-            let apart = f32::from_bits(f32::to_bits(1.0) - step);
-            let whole = whole(random, 64);
-            if below(random, 2) == 0 {
-                whole + apart
-            } else {
-                whole - apart
-            }
-        }
-        // From the least denormal to 1.
-        14 => f32::from_bits(1 + below(random, f32::to_bits(1.0))),
-        // Denormals alone.
-        15 => f32::from_bits(1 + below(random, (1 << 23) - 1)),
-        // 64 and beyond.
-        16 => {
-            let least = f32::to_bits(64.0);
-            let span = f32::to_bits(f32::INFINITY) - least;
-            f32::from_bits(least + below(random, span + 1))
-        }
-        17 => [65.0, 1e9, f32::MAX, f32::INFINITY][below(random, 4) as usize],
-        _ => (0.5 + 65.5 * random.unit()) as f32,
-    }
-}
-
-fn whole(random: &mut Random, most: u32) -> f32 {
-    (1 + below(random, most)) as f32
-}
-
-fn neighbour(random: &mut Random, most: u32) -> f32 {
-    let whole = whole(random, most);
-    match below(random, 4) {
-        0 => whole.next_up(),
-        1 => whole.next_down(),
-        _ => whole,
     }
 }
 
@@ -173,7 +112,7 @@ mod tests {
     #[test]
     fn same_seed_same_patches() {
         let hash = |seed| {
-            let mut hash = crate::metrics::Hash64::default();
+            let mut hash = dolomite_testkit::metrics::Hash64::default();
             for tuple in Tuples::new(seed).take(500) {
                 for level in tuple.levels.outer.iter().chain(&tuple.levels.inner) {
                     hash.add(u64::from(level.to_bits()));

@@ -1,14 +1,26 @@
 //! What the patches come to: tallies, rows, figure, summary.
 
-use super::random::{DOMAINS, MODES, SPACINGS, Tuple};
+use super::random::Tuple;
 use super::rational::{D3D_REACH, D3D_RING_REACH, EXACT_REACH};
 use super::rules::{ASKED, RULES, Verdicts};
-use super::study::Sweep;
 use crate::csv::{ErrorNumbers, Row};
 use crate::plot::{Axes, Chart, Curve};
 use crate::study::{Figure, Report};
+use crate::tessellators::{DOMAINS, MODES, SPACINGS};
 use dolomite_tessellation::{Domain, Mode, Spacing};
 use serde_json::{Map, Value, json};
+
+/// Errors of the coordinates of all patches with some number of segments.
+pub struct Sweep {
+    /// How coordinates were placed.
+    pub mode: Mode,
+    /// Of triangles, which have rings; else of quads and isolines, whose vertices lie as on edges.
+    pub triangles: bool,
+    /// Number of segments.
+    pub segments: u32,
+    /// Over the vertices of all spacings.
+    pub errors: ErrorStats,
+}
 
 /// What was found about one patch.
 #[derive(Debug, Clone)]

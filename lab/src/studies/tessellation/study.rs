@@ -3,17 +3,18 @@
 
 use super::check::{Patch, covers, is_wound};
 use super::expected::expected;
-use super::random::{DOMAINS, MODES, SPACINGS, Tuple, Tuples};
+use super::random::{Tuple, Tuples};
 use super::rational;
-use super::report::{Found, Tallies};
+use super::report::{Found, Sweep, Tallies};
 use super::rules::{Verdicts, verdicts};
 use super::wgsl::Adapter;
-use crate::metrics::ErrorStats;
-use crate::studies::noise::points::Random;
-use crate::study::{Options, Report, Study};
+use crate::study::{Asked, Options, Report, Study};
+use crate::tessellators::{DOMAINS, MODES, SPACINGS};
 use dolomite_tessellation::place::UNIT;
 use dolomite_tessellation::{Domain, Levels, Mode, Tessellator};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use dolomite_testkit::cores::on_all_cores;
+use dolomite_testkit::metrics::ErrorStats;
+use dolomite_testkit::random::Random;
 use std::time::{Duration, Instant};
 
 /// As the command line knows it.
@@ -21,7 +22,48 @@ pub const STUDY: Study = Study {
     name: "tessellation",
     about: "the tessellation stage: counts, cover, invariance rules, WGSL bits, coordinates",
     run,
+    asked: &ASKED,
 };
+
+/// What its measured table says.
+const ASKED: [Asked; 6] = [
+    Asked {
+        what: "Random patches",
+        asked: "",
+        at: "/tuples",
+        unit: "patches",
+    },
+    Asked {
+        what: "Patches with another count of vertices or primitives than the specification",
+        asked: "0",
+        at: "/count_mismatches",
+        unit: "patches",
+    },
+    Asked {
+        what: "Patches that do not cover their domain once",
+        asked: "0",
+        at: "/cover_failures",
+        unit: "patches",
+    },
+    Asked {
+        what: "Patches wound otherwise",
+        asked: "0",
+        at: "/winding_failures",
+        unit: "patches",
+    },
+    Asked {
+        what: "Patches that the adapter gives other bits for",
+        asked: "0",
+        at: "/gpu_bit_mismatches",
+        unit: "patches",
+    },
+    Asked {
+        what: "Error of a coordinate, mode `exact`",
+        asked: "≤ 2⁻²⁴",
+        at: "/exact_error_max",
+        unit: "of the side",
+    },
+];
 
 /// Patches that are held at once.
 const BATCH: usize = 1024;
@@ -36,18 +78,6 @@ const MOST: u32 = 64;
 struct Examined {
     patch: Patch,
     found: Found,
-}
-
-/// Errors of the coordinates of all patches with some number of segments.
-pub struct Sweep {
-    /// How coordinates were placed.
-    pub mode: Mode,
-    /// Of triangles, which have rings; else of quads and isolines, whose vertices lie as on edges.
-    pub triangles: bool,
-    /// Number of segments.
-    pub segments: u32,
-    /// Over the vertices of all spacings.
-    pub errors: ErrorStats,
 }
 
 fn run(options: &Options) -> Report {
@@ -91,34 +121,6 @@ fn run(options: &Options) -> Report {
     }
     let sweep = sweep(options);
     super::report::report(tallies, &sweep, notes)
-}
-
-/// Runs `work` on every item, on all cores; results in the order of the items.
-pub fn on_all_cores<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let next = AtomicUsize::new(0);
-    let mut results: Vec<(usize, R)> = std::thread::scope(|scope| {
-        let worker = || {
-            let mut own = Vec::new();
-            loop {
-                let k = next.fetch_add(1, Ordering::Relaxed);
-                let Some(item) = items.get(k) else {
-                    return own;
-                };
-                own.push((k, work(item)));
-            }
-        };
-        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(worker)).collect();
-        workers
-            .into_iter()
-            .flat_map(|worker| match worker.join() {
-                Ok(own) => own,
-                Err(panic) => std::panic::resume_unwind(panic),
-            })
-            .collect()
-    });
-    results.sort_by_key(|(k, _)| *k);
-    results.into_iter().map(|(_, result)| result).collect()
 }
 
 /// Everything that the CPU is asked about one patch.
@@ -176,7 +178,7 @@ fn compare(
     adapter: &Adapter,
     batch: &[Tuple],
     examined: &mut [Examined],
-) -> Result<(), crate::gpu::GpuError> {
+) -> Result<(), dolomite_testkit::gpu::GpuError> {
     let patches: Vec<(Tessellator, Levels)> =
         batch.iter().map(|t| (t.tessellator, t.levels)).collect();
     adapter.tessellate(&patches, |k, ours| {
@@ -336,7 +338,7 @@ mod tests {
 
     #[test]
     fn gpu_other_bits_are_seen() {
-        if crate::gpu::for_test().is_none() {
+        if dolomite_testkit::gpu::for_test().is_none() {
             return;
         }
         let batch: Vec<Tuple> = Tuples::new(3).take(40).collect();
@@ -346,12 +348,6 @@ mod tests {
         compare(&Adapter::open().unwrap(), &batch, &mut examined).unwrap();
         let other = examined.iter().filter(|e| e.found.bits == Some(true));
         assert_eq!(other.count(), 1);
-    }
-
-    #[test]
-    fn results_come_in_the_order_of_the_items() {
-        let items: Vec<usize> = (0..1000).collect();
-        assert_eq!(on_all_cores(&items, |k| *k), items);
     }
 
     fn triangles(patch: &mut Patch) -> &mut Vec<[u32; 3]> {

@@ -1,12 +1,10 @@
 //! The WGSL of the tessellation stage on whatever adapter there is.
 
 use super::check::Patch;
-use crate::gpu::{Binding, Gpu, GpuError, Kernel};
 use bytemuck::{Pod, Zeroable, cast_slice, pod_collect_to_vec};
 use dolomite_tessellation::shape::Shape;
-use dolomite_tessellation::{
-    Domain, Levels, Mode, Primitives, Spacing, Tessellator, Winding,
-};
+use dolomite_tessellation::{Domain, Levels, Mode, Primitives, Spacing, Tessellator, Winding};
+use dolomite_testkit::gpu::{Binding, Gpu, GpuError, Kernel};
 use thiserror::Error;
 
 /// Why there is no WGSL.

@@ -2,16 +2,16 @@
 //! spacing, beside copying the bytes that they emit.
 
 use crate::csv::Row;
-use crate::draw::Draw;
-use crate::gpu::Gpu;
-use crate::metrics::median;
 use crate::plot::{Axes, Chart, Curve};
-use crate::stage::{StageError, StagePasses, StageRun};
 use crate::study::{Figure, Options, Report, Study};
 use dolomite_tessellation::tables::Instance;
 use dolomite_tessellation::{
     Domain, Drawing, PatchLayout, PatchMesh, Spacing, Tessellator, shapes,
 };
+use dolomite_testkit::draw::Draw;
+use dolomite_testkit::gpu::Gpu;
+use dolomite_testkit::metrics::median;
+use dolomite_testkit::stage::{StageError, StagePasses, StageRun};
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
@@ -20,6 +20,7 @@ pub const STUDY: Study = Study {
     name: "tessellation-speed",
     about: "the stage's passes: ms a million triangles and bytes each, beside copying them",
     run,
+    asked: &[],
 };
 
 const DOMAINS: [(Domain, &str); 3] = [
@@ -285,7 +286,7 @@ mod tests {
 
     #[test]
     fn gpu_small_run_measures_everything() {
-        if crate::gpu::for_test().is_none() {
+        if dolomite_testkit::gpu::for_test().is_none() {
             return;
         }
         let report = run(&Options {

@@ -1,16 +1,16 @@
 //! Pairs of patches through all passes of the stage on the adapter.
 
-use super::cracks::{Kind, Tallies};
 use super::functions::TAGGED;
 use super::pairs::{Pair, TESSELLATORS, layout, pair, tessellator};
 use super::seam::{Bits, Seams};
+use super::tally::{Kind, Tallies};
 use super::twin::Sharing;
-use crate::gpu::Gpu;
-use crate::stage::{Emitted, StageError, StagePasses, StageRun};
-use crate::studies::noise::points::Random;
 use dolomite_tessellation::shape::Shape;
 use dolomite_tessellation::tables::Instance;
 use dolomite_tessellation::{Domain, Drawing, PatchLayout, PatchMesh, Tessellator};
+use dolomite_testkit::gpu::Gpu;
+use dolomite_testkit::random::Random;
+use dolomite_testkit::stage::{Emitted, StageError, StagePasses, StageRun};
 use std::sync::Arc;
 use std::time::Instant;
 use thiserror::Error;
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn gpu_shared_sides_are_closed_and_others_are_not() {
-        let Some(gpu) = crate::gpu::for_test() else {
+        let Some(gpu) = dolomite_testkit::gpu::for_test() else {
             return;
         };
         let mut tallies = run(&gpu, 5, 40 * TESSELLATORS).expect("pairs");
@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn gpu_a_missing_triangle_is_seen() {
-        let Some(gpu) = crate::gpu::for_test() else {
+        let Some(gpu) = dolomite_testkit::gpu::for_test() else {
             return;
         };
         let mut random = Random::new(8);

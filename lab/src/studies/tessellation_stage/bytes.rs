@@ -2,14 +2,14 @@
 
 use super::frames::cube;
 use super::report::{Section, domain_name, figure, row, spacing_name};
-use crate::gpu::Gpu;
-use crate::stage::{StageError, StagePasses, StageRun};
-use crate::studies::tessellation::random::{DOMAINS, SPACINGS};
+use crate::tessellators::{DOMAINS, SPACINGS};
 use dolomite_tessellation::shape::Shape;
 use dolomite_tessellation::tables::Instance;
 use dolomite_tessellation::{
     Domain, Drawing, Levels, Mode, PatchLayout, PatchMesh, Spacing, Tessellator, shapes,
 };
+use dolomite_testkit::gpu::Gpu;
+use dolomite_testkit::stage::{StageError, StagePasses, StageRun};
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
@@ -195,7 +195,7 @@ mod tests {
 
     #[test]
     fn gpu_closed_surfaces_keep_to_it_and_lone_patches_do_not() {
-        let Some(gpu) = crate::gpu::for_test() else {
+        let Some(gpu) = dolomite_testkit::gpu::for_test() else {
             return;
         };
         let of = (Domain::Triangles, Spacing::Equal);

@@ -1,19 +1,17 @@
 //! Background pixels: a camera inside of a closed surface sees none, whatever the levels.
 
-use super::cracks::tessellator_name;
 use super::functions::ROCKY;
 use super::pairs::{TESSELLATORS, layout, tessellator};
 use super::report::{Section, figure, row};
-use crate::gpu::Gpu;
-use crate::raster::{Raster, SIDE};
-use crate::stage::{StageError, StagePasses, StageRun};
-use crate::studies::noise::points::Random;
+use super::tally::tessellator_name;
 use crate::study::Options;
 use dolomite_tessellation::shape::Shape;
 use dolomite_tessellation::tables::Instance;
-use dolomite_tessellation::{
-    Domain, Drawing, Levels, PatchLayout, PatchMesh, Tessellator, shapes,
-};
+use dolomite_tessellation::{Domain, Drawing, Levels, PatchLayout, PatchMesh, Tessellator, shapes};
+use dolomite_testkit::gpu::Gpu;
+use dolomite_testkit::random::Random;
+use dolomite_testkit::raster::{Raster, SIDE};
+use dolomite_testkit::stage::{StageError, StagePasses, StageRun};
 use serde_json::json;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -317,7 +315,7 @@ mod tests {
 
     #[test]
     fn gpu_closed_surfaces_show_nothing_and_open_ones_do() {
-        let Some(gpu) = crate::gpu::for_test() else {
+        let Some(gpu) = dolomite_testkit::gpu::for_test() else {
             return;
         };
         let options = Options {

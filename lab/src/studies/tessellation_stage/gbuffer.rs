@@ -1,14 +1,14 @@
 //! A frame of the stage: its passes, the main draw into a G-buffer, and draws into shadow maps, with
 //! the stage's own `draw.wgsl`.
 
-use crate::gpu::{Gpu, GpuError};
-use crate::stage::{StageError, StagePasses, StageRun, layout};
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use dolomite_shaders::{ShaderFile, compose_with};
 use dolomite_tessellation::Drawing;
 use dolomite_tessellation::layout::{
     EVALUATED_BYTES, MATERIAL_ROWS, MaterialRow, StageDraw, VERTEX_BYTES,
 };
+use dolomite_testkit::gpu::{Gpu, GpuError};
+use dolomite_testkit::stage::{StageError, StagePasses, StageRun, layout};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};

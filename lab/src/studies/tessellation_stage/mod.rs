@@ -22,10 +22,11 @@ pub mod report;
 pub mod scene;
 pub mod seam;
 pub mod shadows;
+pub mod tally;
 pub mod twin;
 
-use crate::gpu::Gpu;
 use crate::study::{Options, Report, Study};
+use dolomite_testkit::gpu::Gpu;
 use report::Section;
 
 /// As the command line knows it.
@@ -33,6 +34,7 @@ pub const STUDY: Study = Study {
     name: "tessellation-stage",
     about: "cracks, background pixels, shadow views, bytes a triangle; how each can fail",
     run,
+    asked: &[],
 };
 
 fn run(options: &Options) -> Report {

@@ -1,8 +1,8 @@
 //! Random pairs of patches with a side in common.
 
-use super::super::tessellation::random::{MODES, SPACINGS, positive};
-use crate::studies::noise::points::Random;
+use crate::tessellators::{MODES, SPACINGS, positive};
 use dolomite_tessellation::{Domain, Levels, PatchLayout, Tessellator, Winding};
+use dolomite_testkit::random::Random;
 
 /// Domains whose patches have sides.
 pub const DOMAINS: [Domain; 2] = [Domain::Triangles, Domain::Quads];

@@ -1,9 +1,11 @@
 //! The scene of the frames with shadow views: five bodies before a camera, a light above them.
 
 use super::gbuffer::MAIN;
-use super::shadows::MOST;
 use dolomite_tessellation::tables::Instance;
 use dolomite_tessellation::{Levels, PatchMesh, Tessellator};
+
+/// Most shadow views of the sweep.
+pub const MOST: usize = 6;
 
 /// Where the five entities stand, metres; the camera stands at the origin and looks along −z.
 pub const PLACES: [[f32; 3]; 5] = [

@@ -4,14 +4,14 @@
 use super::functions::{CHEAPEST, COSTLY};
 use super::gbuffer::{Draws, Emission, Frame, MAIN, Parts};
 use super::report::{Section, figure, row};
-use super::scene::{PLACES, camera, entity, light, pools};
+use super::scene::{MOST, PLACES, camera, entity, light, pools};
 use crate::csv::Row;
-use crate::gpu::Gpu;
-use crate::metrics::median;
-use crate::stage::{StageError, StagePasses, StageRun};
 use crate::study::{Figure, Options};
 use dolomite_shaders::ShaderFile;
 use dolomite_tessellation::{Drawing, Tessellator, shapes};
+use dolomite_testkit::gpu::Gpu;
+use dolomite_testkit::metrics::median;
+use dolomite_testkit::stage::{StageError, StagePasses, StageRun};
 use serde_json::{Value, json};
 use std::sync::Arc;
 
@@ -20,9 +20,6 @@ pub const ASKED: f64 = 1.5;
 
 /// The number of shadow views that the ratio is asked for.
 const VIEWS: usize = 4;
-
-/// Most shadow views of the sweep.
-pub const MOST: usize = 6;
 
 /// Repeats of a frame that are worth their time: whole sweeps are repeated.
 const REPEATS: usize = 9;
@@ -364,7 +361,7 @@ mod tests {
 
     #[test]
     fn gpu_small_sweep_measures_everything() {
-        let Some(gpu) = crate::gpu::for_test() else {
+        let Some(gpu) = dolomite_testkit::gpu::for_test() else {
             return;
         };
         let options = Options {

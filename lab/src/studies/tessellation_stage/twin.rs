@@ -104,11 +104,9 @@ pub fn compare(tessellator: Tessellator, pair: &Pair, sharing: Sharing) -> Optio
                     segments - i
                 };
                 // The owner places the vertex along its own side.
-                let along = dolomite_tessellation::place::Edge::new(
-                    shape.outer[side],
-                    tessellator.spacing,
-                )
-                .place(number, tessellator.mode);
+                let along =
+                    dolomite_tessellation::place::Edge::new(shape.outer[side], tessellator.spacing)
+                        .place(number, tessellator.mode);
                 let at = side_coordinate(domain, owner & 3, along);
                 on[positions.len()] = side == common;
                 positions.push(position(domain, &pair.points[(owner >> 2) as usize], at));
@@ -182,7 +180,7 @@ fn position(domain: Domain, points: &[[f32; 4]], at: Coordinate) -> Bits {
 mod tests {
     use super::super::pairs::{TESSELLATORS, pair, tessellator};
     use super::*;
-    use crate::studies::noise::points::Random;
+    use dolomite_testkit::random::Random;
 
     #[test]
     fn shared_sides_are_closed_and_others_are_not() {

@@ -1,6 +1,8 @@
 //! Reference frames: meshes that other programs deformed, as OBJ files, and a list of them.
 
-use super::{Played, PlayedError, Truth, hausdorff, vertex_error};
+use super::distance::{hausdorff, vertex_error};
+use super::played::{Played, PlayedError};
+use super::truth::Truth;
 use crate::convert::{Conversion, convert};
 use crate::error::FbxError;
 use crate::options::{Options, Origin};

@@ -50,7 +50,7 @@ pub(crate) fn animation(root: &mut Root, buffer: &mut Buffer, clip: &Clip) -> An
         extensions: None,
         extras: serde_json::value::to_raw_value(&extras).ok(),
         channels,
-        name: super::document::name(&clip.name),
+        name: super::names::name(&clip.name),
         samplers,
     }
 }

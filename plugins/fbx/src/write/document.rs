@@ -4,6 +4,7 @@ use super::animation::animation;
 use super::buffer::{Buffer, Use};
 use super::looks::{camera, light, material};
 use super::meshes::{mesh, skin};
+use super::names::{name, uses};
 use crate::model::{Model, Node, Trs};
 use gltf_json::extensions::root::{KhrLightsPunctual, Root as RootExtensions};
 use gltf_json::extensions::scene::Node as NodeExtensions;
@@ -122,17 +123,5 @@ fn node(node: &Node, children: Vec<Index<gltf_json::Node>>) -> gltf_json::Node {
             .then(|| translation.as_vec3().to_array()),
         skin: index(node.skin).map(Index::new),
         weights: None,
-    }
-}
-
-/// `None` for no name.
-pub(crate) fn name(name: &str) -> Option<String> {
-    (!name.is_empty()).then(|| name.to_owned())
-}
-
-/// Names an extension as used, once.
-pub(crate) fn uses(root: &mut Root, extension: &str) {
-    if !root.extensions_used.iter().any(|known| known == extension) {
-        root.extensions_used.push(extension.into());
     }
 }

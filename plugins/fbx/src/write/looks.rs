@@ -29,7 +29,7 @@ pub(crate) fn material(root: &mut Root, material: &Material) -> gltf_json::Mater
             false => AlphaMode::Opaque,
         }),
         double_sided: material.double_sided,
-        name: super::document::name(&material.name),
+        name: super::names::name(&material.name),
         pbr_metallic_roughness: PbrMetallicRoughness {
             base_color_factor: PbrBaseColorFactor(material.base_colour),
             base_color_texture: info(root, &material.base_texture),
@@ -80,7 +80,7 @@ fn info(root: &mut Root, texture: &TextureUse) -> Info {
             others: serde_json::Map::new(),
         });
     if extension.is_some() {
-        super::document::uses(root, "KHR_texture_transform");
+        super::names::uses(root, "KHR_texture_transform");
     }
     Info {
         index: self::texture(root, texture),
@@ -133,7 +133,7 @@ pub(crate) fn light(light: &Light) -> JsonLight {
         extensions: None,
         extras: None,
         intensity: light.intensity,
-        name: super::document::name(&light.name),
+        name: super::names::name(&light.name),
         range: None,
         spot: match light.kind {
             LightKind::Spot { inner, outer } => Some(Spot {
@@ -178,7 +178,7 @@ pub(crate) fn camera(camera: &Camera) -> gltf_json::Camera {
         }
     };
     gltf_json::Camera {
-        name: super::document::name(&camera.name),
+        name: super::names::name(&camera.name),
         orthographic,
         perspective,
         type_: Checked::Valid(kind),

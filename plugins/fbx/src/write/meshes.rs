@@ -23,7 +23,7 @@ pub(crate) fn mesh(root: &mut Root, buffer: &mut Buffer, mesh: &Mesh) -> gltf_js
             true => None,
             false => serde_json::value::to_raw_value(&extras).ok(),
         },
-        name: super::document::name(&mesh.name),
+        name: super::names::name(&mesh.name),
         primitives,
         weights: match mesh.targets.is_empty() {
             true => None,
@@ -152,7 +152,7 @@ pub(crate) fn skin(root: &mut Root, buffer: &mut Buffer, skin: &Skin) -> gltf_js
             .iter()
             .map(|&joint| Index::new(joint as u32))
             .collect(),
-        name: super::document::name(&skin.name),
+        name: super::names::name(&skin.name),
         skeleton: None,
     }
 }

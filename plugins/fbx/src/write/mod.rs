@@ -6,5 +6,6 @@ mod container;
 mod document;
 mod looks;
 mod meshes;
+mod names;
 
 pub use container::{GltfFiles, Output};

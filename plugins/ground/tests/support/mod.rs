@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 
 use bevy::math::{DMat4, DVec2, DVec3, DVec4, Vec2};
-use dolomite_terrain::{
-    Fractal, GroundPoint, GroundRect, Layer, Source, Sum, Terrain, TerrainData,
-};
 use dolomite_ground::cover::GroundPatches;
 use dolomite_ground::cover::functions::{GroundFunctions, GroundVertex};
 use dolomite_ground::cover::lattice::{Lattice, Node};
+use dolomite_terrain::{
+    Fractal, GroundPoint, GroundRect, Layer, Source, Sum, Terrain, TerrainData,
+};
 use dolomite_tessellation::layout::StageView;
 use dolomite_tessellation::patches::{REVERSED, WHOLE};
 use dolomite_tessellation::{Domain, MeshTessellation, Mode, Spacing, Tessellator, Winding};

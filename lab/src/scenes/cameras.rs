@@ -1,13 +1,14 @@
 //! Cameras over a terrain, ordinary and hostile, from a seed.
 
 use super::camera::Camera;
-use crate::studies::noise::points::Random;
 use bevy::math::{DVec2, DVec3, UVec2};
 use dolomite_terrain::Terrain;
+use dolomite_testkit::random::Random;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// What a camera is there for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kind {
     /// Eyes 1.7 m above the ground.
     Standing,
@@ -249,10 +250,10 @@ pub fn ordinary(terrain: &Terrain) -> [Camera; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::places::Places;
-    use super::super::terrains;
-    use super::super::truth::Truth;
     use super::*;
+    use crate::scenes::places::Places;
+    use crate::scenes::terrains;
+    use crate::scenes::truth::Truth;
 
     #[test]
     fn every_camera_is_of_its_kind_and_sees_ground() {

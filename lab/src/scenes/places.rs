@@ -3,10 +3,10 @@
 
 use super::camera::View;
 use super::truth::Truth;
-use crate::studies::noise::points::Random;
-use crate::studies::tessellation::study::on_all_cores;
 use bevy::math::{DVec2, DVec3};
 use dolomite_terrain::{GroundPoint, HeightTile, Planes};
+use dolomite_testkit::cores::on_all_cores;
+use dolomite_testkit::random::{Random, mixed};
 
 /// Places of the ground plane with the height of the true surface there.
 #[derive(Debug, Clone, Default)]
@@ -72,14 +72,6 @@ impl Places {
         }
         all
     }
-}
-
-/// Another seed for a number (the finaliser of MurmurHash3, A. Appleby 2011).
-fn mixed(seed: u32, number: u32) -> u32 {
-    let mut x = seed ^ number.wrapping_mul(0x9e37_79b9);
-    x = (x ^ x >> 16).wrapping_mul(0x85eb_ca6b);
-    x = (x ^ x >> 13).wrapping_mul(0xc2b2_ae35);
-    x ^ x >> 16
 }
 
 /// Samples along a side of a level of the relief.
@@ -300,8 +292,8 @@ fn extent_height(truth: &Truth) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{cameras, terrains};
     use super::*;
+    use crate::scenes::{cameras, terrains};
 
     #[test]
     fn places_are_seen_and_fill_the_screen_for_every_camera() {

@@ -97,7 +97,7 @@ impl Gpu {
         };
         let info = adapter.get_info();
         let (device, queue) = block_on(adapter.request_device(&DeviceDescriptor {
-            label: Some("lab"),
+            label: Some("testkit"),
             // For studies that tell the passes of a queue apart.
             required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             required_limits: Limits::default(),

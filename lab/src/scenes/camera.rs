@@ -287,7 +287,7 @@ mod tests {
     #[test]
     fn no_displacement_moves_a_point_further_than_its_bound() {
         let view = camera().view();
-        let mut random = crate::studies::noise::points::Random::new(3);
+        let mut random = dolomite_testkit::random::Random::new(3);
         let mut vector = || {
             DVec3::new(
                 random.signed_unit(),

@@ -127,6 +127,7 @@ pub fn darker(picture: &RgbImage, factor: f32) -> RgbImage {
     out
 }
 
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -41,6 +41,10 @@ const OUTSIDE: f64 = 1e-9;
 /// Children of a node of the locator, and triangles of its leaves.
 const FAN: usize = 4;
 
+/// Most triangles that a method keeps in memory. With its vertices, the locator and what the bisection
+/// remembers, a triangle takes some 100 to 200 bytes.
+pub const MOST_TRIANGLES: usize = 24_000_000;
+
 /// Vertices and triangles, with a tree of boxes that finds the triangle at a place.
 ///
 /// The tree is full and flat: triangles in the order of their centres along a Morton curve, four to a
@@ -200,10 +204,10 @@ fn spread(bits: u32) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::camera::Camera;
     use super::*;
-    use crate::studies::noise::points::Random;
+    use crate::scenes::camera::Camera;
     use bevy::math::UVec2;
+    use dolomite_testkit::random::Random;
 
     /// Looks straight down on all of it.
     fn above(visible: f64) -> View {

@@ -136,18 +136,16 @@ pub fn f32_bound(terrain: &Terrain) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::terrains;
     use super::*;
-    use crate::studies::noise::points::Random;
+    use crate::scenes::terrains;
+    use dolomite_testkit::random::Random;
 
     #[test]
     fn f32_stays_within_its_bound_and_near_places_are_f64() {
         for terrain in terrains::all(5) {
             let truth = Truth::new(&terrain);
             let extent = terrain.extent();
-            let view = crate::studies::lod::cameras::over(&terrain, 1)
-                .remove(0)
-                .view();
+            let view = crate::scenes::cameras::over(&terrain, 1).remove(0).view();
             let mut random = Random::new(9);
             let places: Vec<_> = (0..4000)
                 .map(|_| extent.min + extent.size() * DVec2::new(random.unit(), random.unit()))

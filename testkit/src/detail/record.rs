@@ -1,0 +1,142 @@
+//! The passes of a choice in the order in which they are recorded.
+
+use super::layouts::group;
+use super::{Chosen, DetailStage, SLOT, times};
+use bytemuck::{bytes_of, cast_slice};
+use dolomite_ground::detail::layout::{
+    Beginning, DEPTH_PASSES, DetailParams, DetailPass, Groups, LAST_PASSES, RECORD_BYTES, Second,
+    arguments_at,
+};
+use dolomite_tessellation::layout::{HEAD_WORDS, VERTEX_BYTES};
+use wgpu::{BindGroupLayout, Buffer, BufferUsages, ComputePass};
+
+impl DetailStage<'_> {
+    /// Records a choice.
+    pub(super) fn choose(&mut self, params: DetailParams) -> Chosen {
+        let gpu = self.gpu;
+        self.stamp += 1;
+        let params = DetailParams {
+            stamp: self.stamp,
+            capacity: self.capacity,
+            ..params
+        };
+        let queue = gpu.queue();
+        queue.write_buffer(&self.uniform, 0, bytes_of(&params));
+        let fresh = self.stamp == 1;
+        let counts = self.beginning.counts(fresh);
+        let skipped = usize::from(!fresh);
+        queue.write_buffer(
+            &self.kept[3],
+            4 * skipped as u64,
+            cast_slice(&counts[skipped..]),
+        );
+        queue.write_buffer(&self.kept[4], 0, cast_slice(&self.beginning.blocks));
+        let arguments = self.beginning.arguments(fresh);
+        for buffer in &self.arguments {
+            queue.write_buffer(buffer, 0, cast_slice(&arguments));
+        }
+        queue.write_buffer(&self.closing, 0, cast_slice(&Beginning::CLOSING));
+        let out = |bytes: u64| {
+            gpu.device().create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size: bytes,
+                usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            })
+        };
+        let vertices = out(VERTEX_BYTES * u64::from(params.max_vertices));
+        let indices = out(12 * u64::from(params.max_triangles));
+        let head = out(4 * HEAD_WORDS);
+        let records = out(RECORD_BYTES * u64::from(params.max_vertices));
+        let slot = wgpu::BufferBinding {
+            buffer: &self.depths,
+            offset: 0,
+            size: std::num::NonZero::new(size_of::<DetailPass>() as u64),
+        };
+        let mut bound = vec![
+            self.uniform.as_entire_binding(),
+            wgpu::BindingResource::Buffer(slot),
+        ];
+        bound.extend(self.kept.iter().map(Buffer::as_entire_binding));
+        let layouts = &self.layouts;
+        let shared = group(gpu, &layouts.shared, &bound);
+        let bind = |layout: &BindGroupLayout, buffers: &[&Buffer]| {
+            let bound: Vec<_> = buffers
+                .iter()
+                .map(|buffer| buffer.as_entire_binding())
+                .collect();
+            group(gpu, layout, &bound)
+        };
+        let [even, odd] = &self.arguments;
+        let to_arguments = [odd, even].map(|next| bind(&layouts.arguments, &[next, &self.closing]));
+        let to_vertices = bind(&layouts.vertices, &[&self.corners, &vertices, &records]);
+        let to_triangles = bind(&layouts.triangles, &[&vertices, &indices]);
+        let to_head = bind(&layouts.head, &[&head]);
+        let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        let mut steps = Vec::new();
+        for depth in 0..=params.depth {
+            let passes = self.depth_passes.iter().zip(DEPTH_PASSES);
+            steps.extend(passes.map(|(pipeline, pass)| (depth, pipeline, pass)));
+        }
+        let last = self.last_passes.iter().zip(LAST_PASSES);
+        steps.extend(last.map(|(pipeline, pass)| (params.depth, pipeline, pass)));
+        steps.retain(|(_, _, (.., count))| params.needs(*count));
+        let mut timer = self
+            .times
+            .take()
+            .map(|_| times::Timer::new(gpu, steps.len()));
+        let mut one = None;
+        if timer.is_none() {
+            one = Some(
+                encoder
+                    .begin_compute_pass(&Default::default())
+                    .forget_lifetime(),
+            );
+        }
+        for (depth, pipeline, (_, entry, second, count)) in steps {
+            let turn = (depth & 1) as usize;
+            let record = |pass: &mut ComputePass| {
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, &shared, &[depth * SLOT as u32]);
+                let second = match second {
+                    Second::Nothing => None,
+                    Second::Ground => Some(&self.terrain),
+                    Second::Arguments => Some(&to_arguments[turn]),
+                    Second::Vertices => Some(&to_vertices),
+                    Second::Triangles => Some(&to_triangles),
+                    Second::Head => Some(&to_head),
+                };
+                if let Some(second) = second {
+                    pass.set_bind_group(1, second, &[]);
+                }
+                match count {
+                    Groups::One => pass.dispatch_workgroups(1, 1, 1),
+                    Groups::Kept | Groups::Horizon => {
+                        pass.dispatch_workgroups_indirect(&self.closing, 0)
+                    }
+                    Groups::Make | Groups::Look => {
+                        let at = arguments_at(depth, count);
+                        pass.dispatch_workgroups_indirect(&self.arguments[turn], at);
+                    }
+                }
+            };
+            match (&mut timer, &mut one) {
+                (Some(timer), _) => record(&mut timer.begin(&mut encoder, entry, depth)),
+                (None, Some(pass)) => record(pass),
+                (None, None) => {}
+            }
+        }
+        drop(one);
+        if let Some(timer) = timer {
+            timer.end(&mut encoder);
+            self.times = Some(timer);
+        }
+        self.vertices = Some(vertices.clone());
+        Chosen {
+            encoder,
+            vertices,
+            indices,
+            head,
+        }
+    }
+}

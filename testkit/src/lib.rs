@@ -1,0 +1,35 @@
+//! What tests and studies share. Plugins have it as a dev-dependency; nothing that ships uses it.
+//!
+//! | module | feature | what |
+//! |---|---|---|
+//! | [`gpu`] | | compute shaders on whatever adapter there is, without a window |
+//! | [`metrics`] | | errors, medians, hashes |
+//! | [`random`] | | inputs that are the same everywhere |
+//! | [`cores`] | | work on all cores, results in order |
+//! | [`mesh`] | | is a mesh closed: edges without a counterpart |
+//! | `stage` | `stage` | the passes of the tessellation stage, without Bevy's renderer |
+//! | `draw` | `stage` | what they emitted, drawn, stored or evaluated by the draw |
+//! | `raster` | `stage` | pixels that triangles leave uncovered |
+//! | `detail` | `detail` | the passes that choose the ground's detail, and answer places |
+//! | `skinning` | `skinning` | skinning from a palette on the adapter, by the twin, and in f64 |
+//! | `flip` | `flip` | how far apart two pictures are |
+//!
+//! `stage/record.rs` and `detail/record.rs` are all that records passes.
+
+pub mod cores;
+#[cfg(feature = "detail")]
+pub mod detail;
+#[cfg(feature = "stage")]
+pub mod draw;
+#[cfg(feature = "flip")]
+pub mod flip;
+pub mod gpu;
+pub mod mesh;
+pub mod metrics;
+pub mod random;
+#[cfg(feature = "stage")]
+pub mod raster;
+#[cfg(feature = "skinning")]
+pub mod skinning;
+#[cfg(feature = "stage")]
+pub mod stage;
