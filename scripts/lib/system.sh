@@ -233,7 +233,7 @@ need_system() {
   fi
   say "system libraries: missing ${MISSING[*]}"
   if [[ $MANAGER == apt ]]; then
-    say "They will be installed now; from nothing that is some 100 MB to fetch and one to three minutes."
+    say "They will be installed now; from nothing that is some 130 MB to fetch and one to three minutes."
     local -a wanted=("${MISSING[@]}")
     if install_packages "${wanted[@]}"; then
       # apt-get's word is not enough: what was missing has to be there.
