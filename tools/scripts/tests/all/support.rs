@@ -86,15 +86,10 @@ impl System {
         fs::create_dir_all(folder.join("bin")).unwrap();
         fs::write(folder.join("known"), "").unwrap();
         fs::write(folder.join("calls"), "").unwrap();
-        let path = std::env::var_os("PATH").unwrap();
-        for tool in TOOLS {
-            let real = std::env::split_paths(&path)
-                .map(|at| at.join(tool))
-                .find(|at| at.is_file())
-                .unwrap_or_else(|| panic!("{tool} is not on PATH"));
-            symlink(real, folder.join("bin").join(tool)).unwrap();
-        }
         let system = Self(folder);
+        for tool in TOOLS {
+            system.tool(tool);
+        }
         for compiler in ["cc", "c++", "pkg-config"] {
             system.command(compiler, "exit 0");
         }
@@ -108,6 +103,21 @@ impl System {
         let at = self.0.join("bin").join(name);
         fs::write(&at, format!("#!/usr/bin/env bash\n{body}\n")).unwrap();
         fs::set_permissions(&at, fs::Permissions::from_mode(0o755)).unwrap();
+    }
+
+    /// A link to a real tool beside those that each system has.
+    pub fn tool(&self, name: &str) {
+        let path = std::env::var_os("PATH").unwrap();
+        let real = std::env::split_paths(&path)
+            .map(|at| at.join(name))
+            .find(|at| at.is_file())
+            .unwrap_or_else(|| panic!("{name} is not on PATH"));
+        symlink(real, self.0.join("bin").join(name)).unwrap();
+    }
+
+    /// The text of a file in its folder.
+    pub fn file(&self, name: &str) -> String {
+        fs::read_to_string(self.0.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
     /// Takes a command away.

@@ -3,10 +3,8 @@
 //! Found on a fresh Debian: where `dpkg-query` does not know one name it exits with 1, and the list of what is
 //! missing was empty, so that nothing was installed and nothing said. Every test here fails on that script.
 
-mod support;
-
+use crate::support::{Apt, Said, System};
 use std::collections::BTreeSet;
-use support::{Apt, Said, System};
 
 /// What `./scripts/test` needs of Debian beside the compilers.
 const TEST: [&str; 5] = [
