@@ -9,8 +9,8 @@ use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// What a script may take from the real machine: nothing of these knows a package.
-const TOOLS: [&str; 11] = [
-    "bash", "env", "sed", "sort", "tr", "cat", "head", "dirname", "mktemp", "grep", "rm",
+const TOOLS: [&str; 12] = [
+    "bash", "env", "sed", "sort", "tr", "cat", "head", "dirname", "mktemp", "grep", "rm", "nproc",
 ];
 
 /// Answers like Debian's: prints those names that stand in the file `known`; 1 when it does not know one.
