@@ -1,0 +1,162 @@
+//! One Bevy for all: whatever is built or tested here asks for the same features of the same crates, so that
+//! cargo compiles each of them once.
+//!
+//! Cargo is asked what it would build (`cargo tree`, nothing is compiled). The features of a crate for the
+//! machine that compiles (build scripts, procedural macros) may differ from those for the program, so a crate
+//! may have two sets of features, but these two have to be the same in every selection.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+/// A crate with its version, and the sets of features that it is compiled with.
+type Units = BTreeMap<String, BTreeSet<String>>;
+
+/// What people and CI build: a name, the packages, and whether tests and examples are among it.
+const SELECTIONS: [(&str, &[&str], bool); 11] = [
+    ("./scripts/play", &["-p", "dolomite_game"], false),
+    ("the lab", &["-p", "dolomite_lab"], false),
+    ("the workspace", &["--workspace"], false),
+    (
+        "the game's tests and examples",
+        &["-p", "dolomite_game"],
+        true,
+    ),
+    ("the lab's tests", &["-p", "dolomite_lab"], true),
+    ("tests of character", &["-p", "dolomite_character"], true),
+    ("tests of fbx", &["-p", "dolomite_fbx"], true),
+    ("tests of ground", &["-p", "dolomite_ground"], true),
+    ("tests of terrain", &["-p", "dolomite_terrain"], true),
+    (
+        "tests of tessellation",
+        &["-p", "dolomite_tessellation"],
+        true,
+    ),
+    ("tests of the umbrella", &["-p", "dolomite"], true),
+];
+
+/// The lines of `cargo tree -f '{p} {f}' --prefix none`: name, version, perhaps a path in brackets or a star
+/// for what was printed before, and the features.
+fn units(tree: &str) -> Units {
+    let mut units = Units::new();
+    for line in tree.lines().filter(|line| !line.is_empty()) {
+        let mut words = line.splitn(3, ' ');
+        let name = format!("{} {}", words.next().unwrap(), words.next().unwrap_or(""));
+        let mut features = words.next().unwrap_or("").trim_end_matches("(*)").trim();
+        while let Some((_, rest)) = features
+            .starts_with('(')
+            .then(|| features.split_once(')'))
+            .flatten()
+        {
+            features = rest.trim();
+        }
+        units.entry(name).or_default().insert(features.to_owned());
+    }
+    units
+}
+
+/// A line for each crate that `some` compiles with features which `all` does not compile it with.
+fn differences(all: &Units, some: &Units) -> Vec<String> {
+    let none = BTreeSet::new();
+    let mut lines = Vec::new();
+    for (name, sets) in some {
+        let known = all.get(name).unwrap_or(&none);
+        for set in sets.difference(known) {
+            lines.push(format!("{name}: [{set}], elsewhere {known:?}"));
+        }
+    }
+    lines
+}
+
+fn cargo_tree(packages: &[&str], tests: bool) -> Units {
+    let edges = if tests {
+        "normal,build,dev"
+    } else {
+        "normal,build"
+    };
+    let output = Command::new(env!("CARGO"))
+        .args(["tree", "--locked", "--offline", "--prefix", "none"])
+        .args(["-f", "{p} {f}", "-e", edges])
+        .args(packages)
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+        .output()
+        .unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    let units = units(std::str::from_utf8(&output.stdout).unwrap());
+    assert!(
+        units.keys().any(|name| name.starts_with("bevy_ecs ")),
+        "no Bevy: {units:?}"
+    );
+    units
+}
+
+#[test]
+fn every_selection_builds_the_same_crates() {
+    let all = cargo_tree(&["--workspace"], true);
+    println!("the workspace with its tests: {} crates", all.len());
+    let mut lines = Vec::new();
+    for (name, packages, tests) in SELECTIONS {
+        let some = cargo_tree(packages, tests);
+        println!("{name}: {} crates", some.len());
+        for line in differences(&all, &some) {
+            lines.push(format!("{name}: {line}"));
+        }
+    }
+    assert!(
+        lines.is_empty(),
+        "these are compiled once more; tools/one_bevy/Cargo.toml has to ask for their features:\n{}",
+        lines.join("\n")
+    );
+}
+
+/// Bevy itself has one set of features, for no build script or macro uses it.
+#[test]
+fn bevy_has_one_set_of_features() {
+    let all = cargo_tree(&["--workspace"], true);
+    for (name, sets) in &all {
+        // What macros are made of is compiled for the machine that compiles.
+        let macros = ["bevy_macro_utils ", "bevy_platform "];
+        if name.starts_with("bevy") && !macros.iter().any(|these| name.starts_with(these)) {
+            assert_eq!(sets.len(), 1, "{name}: {sets:?}");
+        }
+    }
+}
+
+/// Each member of the workspace that uses Bevy is a selection, or a part of the game or the lab.
+#[test]
+fn no_plugin_is_forgotten() {
+    let plugins = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../plugins")).unwrap();
+    for plugin in plugins {
+        let manifest = plugin.unwrap().path().join("Cargo.toml");
+        let text = std::fs::read_to_string(&manifest).unwrap();
+        let name = text
+            .lines()
+            .find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'));
+        let name = name.unwrap_or_else(|| panic!("{} has no name", manifest.display()));
+        assert!(
+            SELECTIONS
+                .iter()
+                .any(|(_, packages, tests)| *tests && packages[1..] == [name]),
+            "{name} is missing in SELECTIONS"
+        );
+    }
+}
+
+#[test]
+fn another_set_of_features_is_a_difference() {
+    let all = units("bevy_ecs v0.19.1 std,trace\nrand v0.10.0 std\nrand v0.10.0 alloc\n");
+    let same = units("bevy_ecs v0.19.1 std,trace (*)\nrand v0.10.0 alloc\n");
+    assert_eq!(differences(&all, &same), Vec::<String>::new());
+    let fewer = units("bevy_ecs v0.19.1 std\n");
+    assert_eq!(differences(&all, &fewer).len(), 1);
+    let bare = units("bevy_ecs v0.19.1 \n");
+    assert_eq!(differences(&all, &bare).len(), 1);
+    let version = units("bevy_ecs v0.19.2 std,trace\n");
+    assert_eq!(differences(&all, &version).len(), 1);
+    let local = units("own v0.1.0 (/somewhere/own) default,render\nown v0.1.0 (proc-macro) \n");
+    let sets = &local["own v0.1.0"];
+    assert!(
+        sets.contains("default,render") && sets.contains(""),
+        "{sets:?}"
+    );
+}
