@@ -12,7 +12,7 @@ use dolomite::tessellation::{PatchLayout, PatchMesh, Patches, shapes};
 
 /// Iron tubes: 12 sides of two triangles stand for each segment.
 #[derive(Resource, AsBindGroup, Clone)]
-struct Post {}
+pub struct Post {}
 
 impl PatchKind for Post {
     const LAYOUT: PatchLayout = PatchLayout::lines(4);
@@ -32,7 +32,7 @@ impl PatchKind for Post {
 }
 
 #[derive(Resource, AsBindGroup, Clone)]
-struct Globe {}
+pub struct Globe {}
 
 impl PatchKind for Globe {
     const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;

@@ -10,7 +10,7 @@ use dolomite::tessellation::render::{PatchKind, PatchPlugin, PatchShader};
 use dolomite::tessellation::{PatchLayout, Patches, shapes};
 
 #[derive(Resource, AsBindGroup, Clone)]
-struct Rock {}
+pub struct Rock {}
 
 impl PatchKind for Rock {
     const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;

@@ -14,7 +14,7 @@ use dolomite::tessellation::{PatchLayout, Patches, shapes};
 const STARS: u32 = 6000;
 
 #[derive(Resource, AsBindGroup, Clone)]
-struct Star {}
+pub struct Star {}
 
 impl PatchKind for Star {
     const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;

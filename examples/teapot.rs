@@ -11,7 +11,7 @@ use dolomite::tessellation::render::{PatchKind, PatchMaterial, PatchPlugin, Patc
 use dolomite::tessellation::{PatchLayout, PatchMesh, Patches, Winding};
 
 #[derive(Resource, AsBindGroup, Clone)]
-struct Bezier {}
+pub struct Bezier {}
 
 impl PatchKind for Bezier {
     const LAYOUT: PatchLayout = PatchLayout::BICUBIC;

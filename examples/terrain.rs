@@ -19,7 +19,7 @@ use dolomite::ground::{MaterialBands, TerrainMaterial, TerrainView};
 
 /// A boulder that stands on the island.
 #[derive(Resource, AsBindGroup, Clone)]
-struct Boulder {}
+pub struct Boulder {}
 
 impl PatchKind for Boulder {
     const LAYOUT: PatchLayout = PatchLayout::TRIANGLE;

@@ -1,5 +1,5 @@
 // A crowd into Bevy's passes: shadow maps, prepass, G-buffer, forward. Which figure an instance is says its
-// mesh tag. Without Bevy (`CROWD_MATERIAL` is not set): an instance a figure, into the picture of `clip`.
+// mesh tag. Without Bevy (`CROWD_MATERIAL` is not set): an instance a figure, by `clip_from_anchor`.
 
 #import dolomite::character::bindings::{crowd, figures}
 #import dolomite::character::figure::{placed, turned}

@@ -1,6 +1,6 @@
 #define_import_path dolomite::character::figure
 
-// Where a figure stands. Its twin: `dolomite_character::crowd::figure`.
+// Where a figure stands. CPU reference: `dolomite_character::crowd::figure`.
 
 #import dolomite::character::types::Figure
 

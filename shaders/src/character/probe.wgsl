@@ -1,4 +1,4 @@
-// Every vertex of every figure, skinned and placed: for tests and studies of the twin.
+// Every vertex of every figure, skinned and placed: for tests and studies of the CPU reference.
 
 #import dolomite::character::bindings::figures
 #import dolomite::character::figure::{placed, turned}

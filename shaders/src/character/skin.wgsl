@@ -1,6 +1,6 @@
 #define_import_path dolomite::character::skin
 
-// Skinning from the palette. Its twin: `dolomite_character::crowd::skin`.
+// Skinning from the palette. CPU reference: `dolomite_character::crowd::skin`.
 
 #import dolomite::character::bindings::{crowd, palette}
 #import dolomite::character::types::{Figure, Rows}

@@ -1,6 +1,6 @@
 #define_import_path dolomite::classic::bounded
 
-// The classic scene whose triangles the level of detail makes: the same colours and the same light, from
+// The classic scene whose triangles the terrain LOD makes: the same colours and the same light, from
 // place and normal of a vertex.
 
 #import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex}

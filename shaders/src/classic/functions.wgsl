@@ -1,7 +1,7 @@
 #define_import_path dolomite::classic::functions
 
-// The classic scene: levels by distance and relief, a bilinear surface, colour by height. The twin of
-// plugins/tessellation/src/classic/functions.rs.
+// The classic scene: levels by distance and relief, a bilinear surface, colour by height. CPU reference:
+// lab/classic/src/functions.rs.
 
 #import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex, edge_level, entity_params, patch_point, stage_position}
 #import dolomite::stage::draw_types::{Shaded, Surface}

@@ -1,4 +1,4 @@
-// Ground answers: the drawn triangle under each place that was asked for. A thread a place.
+// Height queries: the drawn triangle under each place that was asked for. A thread a place.
 
 #import dolomite::detail::bindings::detail
 #import dolomite::detail::locate::{Located, locate}
@@ -28,7 +28,7 @@ struct ProbeAnswer {
     bound: f32,
 }
 
-// The head is AnswerHead in plugins/tessellation/src/detail/probe.rs.
+// The head is AnswerHead in plugins/ground/src/detail/probe.rs.
 struct Answers {
     frame: u32,
     count: u32,
@@ -79,14 +79,14 @@ fn answer_at(place: GroundPoint) -> ProbeAnswer {
     }
     var corners: array<vec3<f32>, 3>;
     // How far each corner still is from the ground, upwards.
-    var arriving: vec3<f32>;
+    var morph: vec3<f32>;
     for (var k = 0u; k < 3u; k++) {
         let number = vertex_number(found.corners[k]);
         if number >= detail.max_vertices {
             return nothing;
         }
         corners[k] = stored(number);
-        arriving[k] = corners[k].y + detail.anchor_height - surface_at(found.corners[k]);
+        morph[k] = corners[k].y + detail.anchor_height - surface_at(found.corners[k]);
     }
     let a = corners[1].xz - corners[0].xz;
     let b = corners[2].xz - corners[0].xz;
@@ -98,11 +98,11 @@ fn answer_at(place: GroundPoint) -> ProbeAnswer {
     let rises = vec2(corners[1].y - corners[0].y, corners[2].y - corners[0].y);
     let slope = vec2(rises.x * b.y - rises.y * a.y, rises.y * a.x - rises.x * b.x) / area;
     let rise = dot(slope, off);
-    // Where corners are arriving, the drawn triangle is off the one on the ground by as much as they are,
+    // During the geomorph of corners the drawn triangle is off the one on the ground by as much as they are,
     // each by its share of the place.
     let second = clamp(cross_of(off, b) / area, 0.0, 1.0);
     let third = clamp(cross_of(a, off) / area, 0.0, 1.0 - second);
-    let moved = abs(dot(arriving, vec3(1.0 - second - third, second, third)));
+    let moved = abs(dot(morph, vec3(1.0 - second - third, second, third)));
     // Corners are stored in f32: along the ground far from the anchor, and in height.
     let along = max(max(abs(corners[0].x), abs(corners[0].z)), max(abs(a.x) + abs(b.x), abs(a.y) + abs(b.y)));
     let rounding = ROUNDING * (along * (abs(slope.x) + abs(slope.y)) + abs(corners[0].y) + abs(rise) + abs(detail.anchor_height));

@@ -1,6 +1,6 @@
 #define_import_path dolomite::detail::bindings
 
-// What all passes of the level of detail share.
+// What all passes of the terrain LOD share.
 
 #import dolomite::detail::types::{Cell, DetailParams, Link, ViewCell}
 
@@ -33,19 +33,19 @@ const MAKE: u32 = 64u;
 // Vertices and triangles.
 const VERTICES: u32 = 1u;
 const TRIANGLES: u32 = 2u;
-// Bits of the greatest demand of a cell for whose quarters there was no room.
+// Bits of the greatest error ratio of a cell for whose quarters there was no room.
 const WITHOUT_ROOM: u32 = 3u;
-// Bits of what demands are divided by; 0 before it is known.
+// Bits of what error ratios are divided by; 0 before it is known.
 const COARSENING: u32 = 4u;
-// Bits of the greatest demand that finest cells leave.
+// Bits of the greatest error ratio that finest cells leave.
 const LEFT: u32 = 5u;
-// Cells that are kept: their centre has a demand.
+// Cells that are kept: their centre has an error ratio.
 const KEPT: u32 = 6u;
-// Vertices that are arriving.
-const ARRIVING: u32 = 7u;
+// Vertices in their geomorph, on the way to their own height.
+const MORPHING: u32 = 7u;
 // Triangles that the camera does not see.
 const OTHERS: u32 = 8u;
-// Middles and centres by demand, eight steps an octave from APPEARS on.
+// Middles and centres by error ratio, eight steps an octave from APPEARS on.
 const HISTOGRAM: u32 = 96u;
 const STEPS_AN_OCTAVE: f32 = 8.0;
 const BINS: u32 = 256u;

@@ -1,6 +1,6 @@
 #define_import_path dolomite::detail::cull
 
-// Triangles of which a picture shows nothing: the twin of plugins/tessellation/src/detail/cull.rs, where the
+// Triangles of which a cull view sees nothing. CPU reference: plugins/ground/src/detail/cull.rs, where the
 // margins are derived.
 
 #import dolomite::detail::bindings::detail

@@ -1,6 +1,6 @@
 #define_import_path dolomite::detail::errors
 
-// How far the meshes of a cell are from its samples: the twin of plugins/tessellation/src/detail/errors.rs;
+// How far the meshes of a cell are from its samples. CPU reference: plugins/ground/src/detail/errors.rs;
 // what comes of it is derived in cell.rs.
 
 // Steps between samples along a side, samples along it, the one in its middle, and samples of a cell.

@@ -1,4 +1,4 @@
-// What all demands are divided by so that the vertices fit, one thread: 1 where they do as they are.
+// What all error ratios are divided by so that the vertices fit, one thread: 1 where they do as they are.
 
 #import dolomite::detail::types::APPEARS
 #import dolomite::detail::bindings::{counts, BINS, COARSENING, HISTOGRAM, STEPS_AN_OCTAVE, WITHOUT_ROOM}

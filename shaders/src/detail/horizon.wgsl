@@ -1,7 +1,7 @@
 #define_import_path dolomite::detail::horizon
 
-// Ground that other ground hides, by a map of the upright plane ahead of the eye: the twin of
-// plugins/tessellation/src/detail/horizon.rs, where it is derived. Columns are u, to the side; layers are
+// Ground that other ground hides, by a map of the upright plane ahead of the eye. CPU reference:
+// plugins/ground/src/detail/horizon.rs, where it is derived. Columns are u, to the side; layers are
 // depths; what they hold is s, upwards, in bits that are ordered like numbers: 0 for nothing yet.
 
 #import dolomite::detail::bindings::{counts, detail, HORIZON}
@@ -59,7 +59,7 @@ fn clear_horizon(thread: u32, threads: u32) {
     }
 }
 
-// Whether a triangle is behind drawn ground wherever the picture shows it.
+// Whether a triangle is behind drawn ground wherever it is in view.
 fn is_behind(a: Mapped, b: Mapped, c: Mapped) -> bool {
     let depth = min(min(a.depth, b.depth), c.depth);
     let layer = floor(layer_of(depth) - LAYER_ROUNDING);

@@ -1,4 +1,4 @@
-// Demands of the centres of one depth; cells that are drawn have their quarters looked at next, which
+// Error ratios of the centres of one depth; cells that are drawn have their quarters looked at next, which
 // are made where they are new. A thread a cell. Also counts the workgroups of the passes to come.
 
 #import dolomite::detail::types::{Link, APPEARS, NO_CELL}
@@ -10,20 +10,20 @@
 @group(1) @binding(0) var<storage, read_write> next: array<atomic<u32>>;
 @group(1) @binding(1) var<storage, read_write> closing: array<atomic<u32>>;
 
-// Its own demand, and what the cells around it need.
-fn demand_of(at: u32) -> f32 {
-    var demand = seen[at].whole;
+// Its own error ratio, and what the cells around it need.
+fn error_ratio_of(at: u32) -> f32 {
+    var error_ratio = seen[at].whole;
     for (var side = 0u; side < 4u; side++) {
         let there = seen[at].beside[side];
         if there != NO_CELL {
-            demand = max(demand, max(seen[there].sides[(side + 2u) & 3u], seen[there].finer));
+            error_ratio = max(error_ratio, max(seen[there].sides[(side + 2u) & 3u], seen[there].finer));
         }
         let across = seen[at].across[side];
         if across != NO_CELL {
-            demand = max(demand, seen[across].finer);
+            error_ratio = max(error_ratio, seen[across].finer);
         }
     }
-    return demand;
+    return error_ratio;
 }
 
 // The first of the cell's quarters; 0 where there is no room.
@@ -59,11 +59,11 @@ fn keep_cells(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
         if centre.x == 0u {
             continue;
         }
-        let demand = demand_of(at);
-        if demand <= APPEARS {
+        let error_ratio = error_ratio_of(at);
+        if error_ratio <= APPEARS {
             continue;
         }
-        seen[at].centre = demand;
+        seen[at].centre = error_ratio;
         let number = atomicAdd(&counts[KEPT], 1u);
         lists[detail.capacity / 2u + number] = at;
         atomicMax(&closing[0], min(number / GROUP + 1u, MOST_GROUPS));
@@ -74,7 +74,7 @@ fn keep_cells(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
         }
         let children = quarters_of(at, centre, half);
         if children == 0u {
-            atomicMax(&counts[WITHOUT_ROOM], bitcast<u32>(demand));
+            atomicMax(&counts[WITHOUT_ROOM], bitcast<u32>(error_ratio));
             continue;
         }
         let place = atomicAdd(&counts[LOOK + depth + 1u], 1u);

@@ -1,6 +1,6 @@
 #define_import_path dolomite::detail::lattice
 
-// Places on the lattice, in integers: the twin of plugins/tessellation/src/detail/lattice.rs, where
+// Places on the lattice, in integers. CPU reference: plugins/ground/src/detail/lattice.rs, where
 // sides, corners and quarters are defined. Coordinates are unsigned and wrap.
 
 #import dolomite::detail::bindings::detail

@@ -1,7 +1,7 @@
 #define_import_path dolomite::detail::locate
 
-// Which drawn triangle lies under a place: the twin of locate in
-// plugins/tessellation/src/detail/probe.rs. The walk goes down from a root by comparing fixed-point
+// Which drawn triangle lies under a place. CPU reference: locate in
+// plugins/ground/src/detail/probe.rs. The walk goes down from a root by comparing fixed-point
 // numbers, so that it is exact at any distance from the origin.
 
 #import dolomite::detail::bindings::{cells, detail, links, seen}

@@ -1,4 +1,4 @@
-// Looks at the cells of one depth: their own demands, and what lies around them. A thread a cell.
+// Looks at the cells of one depth: their own error ratios, and what lies around them. A thread a cell.
 
 #import dolomite::detail::types::{Cell, ViewCell, cell_quarters}
 #import dolomite::detail::around::{find_around, find_around_root}
@@ -7,8 +7,8 @@
 #import dolomite::detail::view::{Sight, box_share, box_sight}
 #import dolomite::terrain::fixed::ground_relative
 
-// Pixels, or segments, a metre, by the metric; see own_demand in select.rs.
-fn demand_of_a_metre(sight: Sight, cell: Cell) -> f32 {
+// Pixels, or segments, a metre, by the metric; see own_error_ratio in select.rs.
+fn error_ratio_of_a_metre(sight: Sight, cell: Cell) -> f32 {
     if detail.view.metric == 2u {
         return sight.pixels_per_metre;
     }
@@ -30,9 +30,9 @@ fn look_at(at: u32, most: f32) {
     let least = vec3(low.x, cell.centre.w, low.y);
     let greatest = vec3(high.x, cell.high, high.y);
     let sight = box_sight(least, greatest);
-    // Of cells beside those in the picture too: see own_demand.
+    // Of cells beside those in view too: see own_error_ratio.
     let around = greatest - least;
-    let factor = box_share(least - around, greatest + around) * detail.view.inverse_tolerance * demand_of_a_metre(sight, cell);
+    let factor = box_share(least - around, greatest + around) * detail.view.inverse_tolerance * error_ratio_of_a_metre(sight, cell);
     var whole = cell.error;
     var sides = cell_quarters(cell);
     var finer = cell.finer;

@@ -19,6 +19,9 @@ var<workgroup> heights: array<f32, 324>;
 var<workgroup> corners: array<vec3<f32>, 20>;
 // Of each thread.
 var<workgroup> found: array<Found, 32>;
+// The blocks to make: from the first to before the last. Read by one thread: barriers may stand only in a loop
+// whose bounds are seen to be the same for all threads, and an atomic number's are not.
+var<workgroup> blocks: vec2<u32>;
 
 // The largest errors among some samples, and the heights between which they lie.
 struct Found {
@@ -223,12 +226,14 @@ fn make_cells(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let first = blocks_before(MAKE, detail_pass.depth);
-    let last = first + atomicLoad(&counts[MAKE + detail_pass.depth]);
+    if thread == 0u {
+        let first = blocks_before(MAKE, detail_pass.depth);
+        blocks = vec2(first, first + atomicLoad(&counts[MAKE + detail_pass.depth]));
+    }
+    let ends = workgroupUniformLoad(&blocks);
     let cell = thread / THREADS;
     let own = thread % THREADS;
-    // The same for all threads of a group, as barriers need it.
-    for (var at = first + group.x; at < last; at += groups.x) {
+    for (var at = ends.x + group.x; at < ends.y; at += groups.x) {
         let number = make_block(at) + cell;
         let centre = links[number].centre;
         let half = cell_half(centre);

@@ -1,13 +1,13 @@
 // Writes the vertices of all cells that are drawn, each as it is once it has arrived; and what the heights
-// of those that are arriving depend on. A thread a cell.
+// of those in their geomorph depend on. A thread a cell.
 
 #import dolomite::detail::types::NO_CELL
-#import dolomite::detail::bindings::{counts, detail, links, seen, ARRIVING, GROUP, KEPT, kept_cell}
+#import dolomite::detail::bindings::{counts, detail, links, seen, MORPHING, GROUP, KEPT, kept_cell}
 #import dolomite::detail::lattice::{cell_half, cell_side_mid, lattice_point}
 #import dolomite::detail::records::{RECORD, records}
 #import dolomite::detail::room::corner_count
 #import dolomite::detail::roots::root_corner
-#import dolomite::detail::vertices::{CENTRE, Vertex, appears, arrived, cell_demand, cell_ground, corner_of, vertex_number}
+#import dolomite::detail::vertices::{CENTRE, Vertex, appears, arrived, cell_error_ratio, cell_ground, corner_of, vertex_number}
 #import dolomite::stage::vertex::{VERTEX_WORDS, pack_normal}
 #import dolomite::terrain::fixed::ground_relative
 
@@ -70,7 +70,7 @@ fn place_vertices(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_wor
             }
             let at = select(cell_side_mid(centre, half, slot), centre, slot == CENTRE);
             let surface = store(number, at, cell_ground(vertex));
-            let share = arrived(cell_demand(vertex));
+            let share = arrived(cell_error_ratio(vertex));
             let base = RECORD * number;
             records[base] = bitcast<u32>(share);
             records[base + 1u] = bitcast<u32>(surface);
@@ -78,7 +78,7 @@ fn place_vertices(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_wor
                 let ends = ends_of(slot, cell, centre, half);
                 records[base + 2u] = vertex_number(corner_of(cell, ends.x));
                 records[base + 3u] = vertex_number(corner_of(cell, ends.y));
-                records[RECORD * detail.max_vertices + atomicAdd(&counts[ARRIVING], 1u)] = number;
+                records[RECORD * detail.max_vertices + atomicAdd(&counts[MORPHING], 1u)] = number;
             }
         }
     }

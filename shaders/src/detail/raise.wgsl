@@ -1,7 +1,7 @@
-// Heights of the vertices that are arriving; the twin of Finder::height in
-// plugins/tessellation/src/detail/mesh.rs, where they are derived. A thread a vertex.
+// Heights of the vertices of the geomorph. CPU reference: Finder::height in
+// plugins/ground/src/detail/mesh.rs, where they are derived. A thread a vertex.
 
-#import dolomite::detail::bindings::{counts, detail, ARRIVING, GROUP}
+#import dolomite::detail::bindings::{counts, detail, MORPHING, GROUP}
 #import dolomite::detail::records::{RECORD, records}
 #import dolomite::stage::vertex::VERTEX_WORDS
 
@@ -67,7 +67,7 @@ fn drawn_height(number: u32) -> f32 {
 
 @compute @workgroup_size(64)
 fn raise_vertices(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let last = min(atomicLoad(&counts[ARRIVING]), detail.max_vertices);
+    let last = min(atomicLoad(&counts[MORPHING]), detail.max_vertices);
     for (var k = id.x; k < last; k += groups.x * GROUP) {
         let number = records[RECORD * detail.max_vertices + k];
         vertices[VERTEX_WORDS * number + 1u] = bitcast<u32>(drawn_height(number) - detail.anchor_height);

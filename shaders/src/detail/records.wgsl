@@ -1,8 +1,8 @@
 #define_import_path dolomite::detail::records
 
 // What the height of a vertex depends on, by its number: share of its way to the ground, surface where it
-// has arrived; and while it is arriving the two vertices in whose middle it lies. Behind all of them the
-// numbers of those that are arriving.
+// has arrived; and during its geomorph the two vertices in whose middle it lies. Behind all of them the
+// numbers of those on their way.
 
 const RECORD: u32 = 4u;
 

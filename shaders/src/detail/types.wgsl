@@ -1,6 +1,6 @@
 #define_import_path dolomite::detail::types
 
-// Records of the level of detail, byte for byte as plugins/tessellation/src/detail/{view,cell,layout}.rs
+// Records of the terrain LOD, byte for byte as plugins/ground/src/detail/{view,cell,layout}.rs
 // (a test compares them). Lengths metres; see there for what is behind the numbers.
 
 // A view: relative to its anchor, axes of the world.
@@ -29,7 +29,7 @@ struct HorizonView {
     nearest: f32,
     // Unit direction of depth.
     ahead: vec2<f32>,
-    // Greatest |u| of the picture; u of a pixel straight ahead.
+    // Greatest |u| in view; u of a pixel straight ahead.
     reach: f32,
     pixel: f32,
     // From the eye to the corners of the near plane, metres.
@@ -63,9 +63,9 @@ struct DetailParams {
     opaque_depth: f32,
     // Height of the stage's anchor: positions are stored relative to it.
     anchor_height: f32,
-    // What is left out of the picture, see cull.wgsl.
+    // Which triangles are left out, see cull.wgsl.
     flags: u32,
-    // The picture: from places in the stage to clip space, and half its size in pixels.
+    // The cull view: from places in the stage to clip space, and half its size in pixels.
     clip: mat4x4<f32>,
     half_size: vec2<f32>,
     pad_a: f32,
@@ -104,9 +104,9 @@ struct Link {
 
 // A cell in a view.
 struct ViewCell {
-    // Demands of the middles of the sides; of kept cells.
+    // Error ratios of the middles of the sides; of kept cells.
     middles: vec4<f32>,
-    // Own demands: of the triangles at the sides.
+    // Own error ratios: of the triangles at the sides.
     sides: vec4<f32>,
     // The cells of its size beyond the sides and beyond the corners; NO_CELL where this choice did not
     // look at any.
@@ -115,7 +115,7 @@ struct ViewCell {
     // As two triangles, and of everything finer.
     whole: f32,
     finer: f32,
-    // Demand of the centre; 0 where the cell is not drawn.
+    // Error ratio of the centre; 0 where the cell is not drawn.
     centre: f32,
     // DetailParams.stamp of the choice that looked at it.
     stamp: u32,
@@ -130,7 +130,7 @@ struct ViewCell {
 
 const NO_CELL: u32 = 0xffffffffu;
 
-// The demand at which a vertex appears, still in the plane of the triangle that it cuts.
+// The error ratio at which a vertex appears, still in the plane of the triangle that it cuts.
 const APPEARS: f32 = 0.75;
 
 fn cell_mid(cell: Cell, side: u32) -> vec3<f32> {

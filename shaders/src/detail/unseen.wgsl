@@ -1,12 +1,12 @@
 #define_import_path dolomite::detail::unseen
 
-// What samples at a spacing may miss altogether: the twin of plugins/terrain/src/bounds/unseen.rs.
+// What samples at a spacing may miss altogether. CPU reference: plugins/terrain/src/bounds/unseen.rs.
 
 #import dolomite::terrain::fixed::{GroundPoint, fixed_metres, fixed_sub, ground_x, ground_z, Fixed}
 #import dolomite::terrain::layer::{Layer, BILINEAR, BICUBIC, HILL}
 #import dolomite::terrain::bindings::{terrain, terrain_data, terrain_layers}
 
-// Between samples `apart` of the map's own, over a rectangle from `low` to `high` in their units: the twin of
+// Between samples `apart` of the map's own, over a rectangle from `low` to `high` in their units. CPU reference:
 // Deviations::missed in plugins/terrain/src/height_map/deviation.rs.
 fn missed_of_map(layer: Layer, low: vec2<f32>, high: vec2<f32>, apart: f32) -> f32 {
     var windows = layer.warp_data;

@@ -23,9 +23,9 @@ fn appears() -> f32 {
     return APPEARS * coarsening();
 }
 
-// Share of the way to the ground of a vertex with this demand.
-fn arrived(demand: f32) -> f32 {
-    return clamp((demand / coarsening() - APPEARS) / (1.0 - APPEARS), 0.0, 1.0);
+// Share of the way to the ground of a vertex with this error ratio.
+fn arrived(error_ratio: f32) -> f32 {
+    return clamp((error_ratio / coarsening() - APPEARS) / (1.0 - APPEARS), 0.0, 1.0);
 }
 
 // Whether a quarter of a cell, by the first of them, is drawn as a cell of its own.
@@ -99,7 +99,7 @@ fn cell_ground(vertex: Vertex) -> vec3<f32> {
     return cell_mid(cells[vertex.cell], vertex.slot);
 }
 
-fn cell_demand(vertex: Vertex) -> f32 {
+fn cell_error_ratio(vertex: Vertex) -> f32 {
     if vertex.slot == CENTRE {
         return seen[vertex.cell].centre;
     }

@@ -1,7 +1,7 @@
 #define_import_path dolomite::detail::view
 
-// What an error on the ground is in the picture, at most: the twin of
-// plugins/tessellation/src/detail/view.rs, where the formulas are derived.
+// What an error on the ground is on the screen, at most. CPU reference:
+// plugins/ground/src/detail/view.rs, where the formulas are derived.
 
 #import dolomite::detail::bindings::detail
 

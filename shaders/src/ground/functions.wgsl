@@ -1,7 +1,7 @@
 #define_import_path dolomite::ground::functions
 
-// The ground as a kind of patches: quads over the ground plane, u towards +x and v towards -z. The twin
-// of plugins/tessellation/src/ground/functions.rs.
+// The ground as a kind of patches: quads over the ground plane, u towards +x and v towards -z. CPU reference:
+// plugins/ground/src/cover/functions.rs.
 //
 // Control points 0 to 3 are the corners (0,0), (1,0), (1,1), (0,1): place and height relative to the
 // entity, whose origin is whole metres near the focus. Point 4 holds the least and the greatest height

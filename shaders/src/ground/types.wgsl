@@ -1,6 +1,6 @@
 #define_import_path dolomite::ground::types
 
-// How the ground looks, byte for byte as GroundLook in plugins/tessellation/src/render/ground/kind.rs.
+// How the ground looks, byte for byte as GroundLook in plugins/ground/src/render/kind.rs.
 
 struct GroundLook {
     // Metres; -1e30 without a sea.
@@ -22,7 +22,7 @@ struct GroundLook {
     pad_b: f32,
 }
 
-// Where in the picture a fragment stands: what depends on the view.
+// Where in the view a fragment stands: what depends on the view.
 struct GroundView {
     // Camera in stage space, metres.
     camera: vec3<f32>,

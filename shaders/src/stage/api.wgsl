@@ -1,7 +1,7 @@
 #define_import_path dolomite::stage::api
 
 // What control, evaluate, amplify and material functions are given. The buffers are declared here
-// once; Rust twins of the structs stand in plugins/tessellation/src/render/stage/layout.rs.
+// once; the structs in Rust stand in plugins/tessellation/src/layout.rs.
 //
 // Space: positions of the stage are relative to an anchor near the camera, metres, axes of the
 // world. `evaluate` gives positions in the local space of its entity.
@@ -67,7 +67,7 @@ struct Patch {
     first_point: u32,
 }
 
-// Levels as control writes them; see Levels in plugins/tessellation/src/stage/level.rs.
+// Levels as control writes them; see Levels in plugins/tessellation/src/level.rs.
 struct PatchLevels {
     // Of the sides u = 0, v = 0, u = 1 (triangles: w = 0), v = 1. Isolines: lines, segments of each.
     outer: vec4<f32>,

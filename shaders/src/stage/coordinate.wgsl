@@ -1,7 +1,7 @@
 #define_import_path dolomite::stage::coordinate
 
-// Where the vertices of a patch lie in its domain: the twin of
-// plugins/tessellation/src/stage/coordinate.rs. Coordinates are in units of 2^-24.
+// Where the vertices of a patch lie in its domain. CPU reference:
+// plugins/tessellation/src/coordinate.rs. Coordinates are in units of 2^-24.
 
 #import dolomite::stage::types::{Rules, Shape, UNIT, TRIANGLES, QUADS, EQUAL, D3D, INNER, CORNER}
 #import dolomite::stage::divide::divide_small

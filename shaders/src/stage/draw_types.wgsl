@@ -1,6 +1,6 @@
 #define_import_path dolomite::stage::draw_types
 
-// What the draws of the stage know, byte for byte as plugins/tessellation/src/render/stage/layout.rs,
+// What the draws of the stage know, byte for byte as plugins/tessellation/src/layout.rs,
 // and what material functions are given and give.
 
 struct StageDraw {

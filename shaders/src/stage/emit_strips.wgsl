@@ -17,7 +17,7 @@ fn lowest(mask: u32) -> u32 {
 
 #ifdef STAGE_SPLIT
 // One half of the strip along a side of two edges, from triangle `index` of the strip on: both rows
-// advance as evenly as they can, see half_strip in plugins/tessellation/src/stage/ruler.rs.
+// advance as evenly as they can, see half_strip in plugins/tessellation/src/ruler.rs.
 fn emit_half(strip: Strip, second: bool, index: u32, held: u32) {
     let row = strip.along - 2u;
     let start = select(vec2(0u), vec2(strip.first, row / 2u), second);

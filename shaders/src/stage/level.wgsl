@@ -1,7 +1,7 @@
 #define_import_path dolomite::stage::level
 
-// From the levels that a control function wrote to the levels that count: the twin of
-// plugins/tessellation/src/stage/level.rs. Numbers are read by their bits, so that NaN, infinities
+// From the levels that a control function wrote to the levels that count. CPU reference:
+// plugins/tessellation/src/level.rs. Numbers are read by their bits, so that NaN, infinities
 // and denormals mean the same on a GPU that flushes or assumes them away.
 
 #import dolomite::stage::types::{Levels, Rules, Shape, ONE, EQUAL, FRACTIONAL_EVEN, FRACTIONAL_ODD, TRIANGLES, QUADS, ISOLINES, D3D}

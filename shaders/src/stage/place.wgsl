@@ -1,6 +1,6 @@
 #define_import_path dolomite::stage::place
 
-// Where the vertices of an edge lie: the twin of plugins/tessellation/src/stage/place.rs, where the
+// Where the vertices of an edge lie. CPU reference: plugins/tessellation/src/place.rs, where the
 // formulas are explained.
 
 #import dolomite::stage::types::{ONE, UNIT, EQUAL, D3D}

@@ -1,7 +1,7 @@
 #define_import_path dolomite::stage::ruler
 
-// How the strip between two rows of vertices is stitched: the twin of
-// plugins/tessellation/src/stage/ruler.rs, where the order is explained.
+// How the strip between two rows of vertices is stitched. CPU reference:
+// plugins/tessellation/src/ruler.rs, where the order is explained.
 
 struct Step {
     // Vertices of the outer and the inner row before the step.

@@ -1,7 +1,7 @@
 #define_import_path dolomite::stage::shape
 
-// How many vertices and primitives a patch has, and which vertices each primitive joins: the twin of
-// plugins/tessellation/src/stage/shape.rs.
+// How many vertices and primitives a patch has, and which vertices each primitive joins. CPU reference:
+// plugins/tessellation/src/shape.rs.
 
 #import dolomite::stage::types::{Shape, TRIANGLES, QUADS, ISOLINES, INNER, CORNER}
 #import dolomite::stage::divide::divide_small

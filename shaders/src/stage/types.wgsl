@@ -1,6 +1,6 @@
 #define_import_path dolomite::stage::types
 
-// What a patch is while it is tessellated: the twin of plugins/tessellation/src/stage/shape.rs.
+// What a patch is while it is tessellated. CPU reference: plugins/tessellation/src/shape.rs.
 
 // Domains.
 const TRIANGLES: u32 = 0u;

@@ -1,7 +1,7 @@
 #define_import_path dolomite::stage::vertex
 
-// A vertex as it is stored: 5 words, of which three are the position. The twin of
-// plugins/tessellation/src/stage/vertex.rs.
+// A vertex as it is stored: 5 words, of which three are the position. CPU reference:
+// plugins/tessellation/src/vertex.rs.
 
 const VERTEX_WORDS: u32 = 5u;
 

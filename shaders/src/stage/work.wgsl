@@ -40,7 +40,7 @@ const SHARE: u32 = 18u;
 const GRID_DISPATCH: u32 = 19u;
 // draw_indirect of the same primitives, their indices fetched by the shader: index count, 1, 0, 0.
 const PLAIN: u32 = 22u;
-// draw_indexed_indirect of what the camera does not see, for shadows: of the level of detail.
+// draw_indexed_indirect of what the camera does not see, for shadows: of external geometry.
 const OTHERS: u32 = 32u;
 const HEAD: u32 = 40u;
 #ifdef STAGE_SPLIT

@@ -1,6 +1,6 @@
 #define_import_path dolomite::terrain::classic
 
-// The noise of the literature: 256-entry permutation, four gradients. Twin of
+// The noise of the literature: 256-entry permutation, four gradients. CPU reference:
 // plugins/terrain/src/noise/classic.rs.
 
 #import dolomite::terrain::fixed::{Fixed, coordinate, fraction}

@@ -1,6 +1,6 @@
 #define_import_path dolomite::terrain::fixed
 
-// Ground positions and lattice coordinates in 32.32 fixed point: the twin of
+// Ground positions and lattice coordinates in 32.32 fixed point. CPU reference:
 // plugins/terrain/src/ground.rs and noise/coordinate.rs, bit for bit. All arithmetic wraps.
 
 // Metres (x, z): whole metres, rounded down, and the rest in steps of 2^-32 m.

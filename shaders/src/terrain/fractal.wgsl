@@ -1,6 +1,6 @@
 #define_import_path dolomite::terrain::fractal
 
-// Sums of octaves: value (metres) and gradient in xyz. Twins of plugins/terrain/src/noise/sum.rs
+// Sums of octaves: value (metres) and gradient in xyz. CPU reference: plugins/terrain/src/noise/sum.rs
 // and scalar.rs, where the sums are defined.
 
 #import dolomite::terrain::fixed::{Fixed, coordinate, fixed_add, fraction, metres_fixed}

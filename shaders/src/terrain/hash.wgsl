@@ -1,7 +1,7 @@
 #define_import_path dolomite::terrain::hash
 
 // Integer hash, exact on every processor: PCG as in Jarzynski and Olano, "Hash Functions for GPU
-// Rendering", JCGT 9(3), 2020. Twin of plugins/terrain/src/noise/hash.rs.
+// Rendering", JCGT 9(3), 2020. CPU reference: plugins/terrain/src/noise/hash.rs.
 
 fn pcg(word: u32) -> u32 {
     let state = word * 747796405u + 2891336453u;

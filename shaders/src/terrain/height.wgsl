@@ -1,6 +1,6 @@
 #define_import_path dolomite::terrain::height
 
-// The height function: height (metres) and gradient at a ground point. Twin of
+// The height function: height (metres) and gradient at a ground point. CPU reference:
 // `Terrain::sample` in plugins/terrain/src/terrain.rs.
 
 #import dolomite::terrain::fixed::{Fixed, GroundPoint, fixed_metres, fixed_sub, ground_x, ground_z}

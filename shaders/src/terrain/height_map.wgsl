@@ -1,6 +1,6 @@
 #define_import_path dolomite::terrain::height_map
 
-// Heights between the samples of a map, with their gradient. Twin of
+// Heights between the samples of a map, with their gradient. CPU reference:
 // plugins/terrain/src/height_map/interpolate.rs; samples are taken relative to one of them.
 
 #import dolomite::terrain::fixed::{Fixed, coordinate, fixed_sub, fraction}

@@ -1,6 +1,6 @@
 #define_import_path dolomite::terrain::noise
 
-// Gradient noise on the square lattice: value, gradient and Hessian in one evaluation. Twin of
+// Gradient noise on the square lattice: value, gradient and Hessian in one evaluation. CPU reference:
 // plugins/terrain/src/noise/lattice.rs, where the formulas are derived. Lengths are in cells:
 // fx, fz in 0 up to 1; the value lies in -1..1.
 

@@ -1,4 +1,4 @@
-// Heights of a list of places, a thread a place: for tests and studies of the twin.
+// Heights of a list of places, a thread a place: for tests and studies of the CPU reference.
 
 #import dolomite::terrain::fixed::GroundPoint
 #import dolomite::terrain::height::terrain_height

@@ -261,38 +261,61 @@ pub const LAST_PASSES: [Pass; 9] = [
     ("detail/finish.wgsl", "finish", Second::Head, Groups::One),
 ];
 
+/// Definitions that leave a kind of layers out, and which layers those are.
+const LEFT_OUT: [(&str, fn(&Source) -> bool); 6] = [
+    ("TERRAIN_WITHOUT_FRACTALS", |source| {
+        matches!(source, Source::Fractal(_))
+    }),
+    ("TERRAIN_WITHOUT_CLASSIC", |source| {
+        matches!(source, Source::Classic(_))
+    }),
+    ("TERRAIN_WITHOUT_HILLS", |source| {
+        matches!(source, Source::Hill(_))
+    }),
+    ("TERRAIN_WITHOUT_MAPS", |source| {
+        matches!(source, Source::Map(_))
+    }),
+    (
+        "TERRAIN_WITHOUT_BILINEAR",
+        |source| matches!(source, Source::Map(map) if map.filter() == Filter::Bilinear),
+    ),
+    (
+        "TERRAIN_WITHOUT_BICUBIC",
+        |source| matches!(source, Source::Map(map) if map.filter() == Filter::Bicubic),
+    ),
+];
+
 /// Definitions for the shader that makes cells: the kinds of layers that a terrain has not. Software Vulkan runs
 /// all sides of a branch.
 #[must_use]
 pub fn without(terrain: &Terrain) -> Vec<&'static str> {
     let layers = &terrain.data().layers;
-    let kinds: [(&str, fn(&Source) -> bool); 6] = [
-        ("TERRAIN_WITHOUT_FRACTALS", |source| {
-            matches!(source, Source::Fractal(_))
-        }),
-        ("TERRAIN_WITHOUT_CLASSIC", |source| {
-            matches!(source, Source::Classic(_))
-        }),
-        ("TERRAIN_WITHOUT_MAPS", |source| {
-            matches!(source, Source::Map(_))
-        }),
-        (
-            "TERRAIN_WITHOUT_BILINEAR",
-            |source| matches!(source, Source::Map(map) if map.filter() == Filter::Bilinear),
-        ),
-        (
-            "TERRAIN_WITHOUT_BICUBIC",
-            |source| matches!(source, Source::Map(map) if map.filter() == Filter::Bicubic),
-        ),
-        ("TERRAIN_WITHOUT_HILLS", |source| {
-            matches!(source, Source::Hill(_))
-        }),
-    ];
-    kinds
-        .into_iter()
+    LEFT_OUT
+        .iter()
         .filter(|(_, is)| !layers.iter().any(|layer| is(&layer.source)))
-        .map(|(name, _)| name)
+        .map(|(name, _)| *name)
         .collect()
+}
+
+/// Everything that [`without`] may give: each kind of layers is there or not, and maps are there where one of
+/// their filters is.
+#[must_use]
+pub fn all_without() -> Vec<Vec<&'static str>> {
+    let [kinds @ .., maps, bilinear, bicubic] = LEFT_OUT.map(|(name, _)| name);
+    let sets = 0..1_u32 << (kinds.len() + 2);
+    sets.map(|set| {
+        let is = |bit: usize| set >> bit & 1 == 1;
+        let [no_bilinear, no_bicubic] = [is(kinds.len()), is(kinds.len() + 1)];
+        let others = (0..kinds.len()).filter(|bit| is(*bit)).map(|bit| kinds[bit]);
+        let of_maps = [
+            (no_bilinear && no_bicubic, maps),
+            (no_bilinear, bilinear),
+            (no_bicubic, bicubic),
+        ];
+        let of_maps = of_maps.into_iter().filter(|(left_out, _)| *left_out);
+        others.chain(of_maps.map(|(_, name)| name)).collect()
+    })
+    .collect()
 }
 
 /// Depths that arguments are kept for: all, and the one after the last.

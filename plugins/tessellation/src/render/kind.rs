@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
 
+use super::variants::{KindVariants, stage_variants};
 use super::view::Viewpoint;
 use crate::{Drawing, HostFunctions, Mode, PatchLayout, Spacing, Winding};
 
@@ -189,6 +190,11 @@ pub struct PatchPlugin<K>(pub K);
 impl<K: PatchKind> Plugin for PatchPlugin<K> {
     fn build(&self, app: &mut App) {
         app.insert_resource(self.0.clone());
+        let list = (core::any::type_name::<K>(), stage_variants::<K> as fn() -> _);
+        app.world_mut()
+            .get_resource_or_init::<KindVariants>()
+            .0
+            .push(list);
         super::add_kind::<K>(app, PhantomData);
     }
 }

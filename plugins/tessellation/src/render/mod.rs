@@ -26,6 +26,7 @@ pub mod prepare;
 pub mod ranges;
 pub mod readback;
 pub mod stats;
+mod variants;
 pub mod view;
 pub mod view_buffers;
 
@@ -44,8 +45,10 @@ pub use kind::{PatchKind, PatchMaterial, PatchPlugin, PatchPool, PatchShader};
 pub use prepare::StageKinds;
 use stats::StageShared;
 
-use crate::{Drawing, Tessellator};
+use crate::Drawing;
 pub use stats::{StageFault, StageStats};
+#[doc(hidden)]
+pub use variants::{KindVariants, StageVariant, stage_variants};
 pub use view::Viewpoint;
 
 /// Adds a kind to an app that renders; does nothing to one that does not.
@@ -76,24 +79,7 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
     };
     let kind = prepare::Kind {
         name,
-        traits: prepare::KindTraits {
-            layout: K::LAYOUT,
-            tessellator: Tessellator {
-                domain: K::LAYOUT.domain,
-                spacing: K::SPACING,
-                winding: K::WINDING,
-                mode: K::MODE,
-            },
-            animated: K::ANIMATED,
-            moves: K::MOVES && !evaluated::<K>(),
-            evaluated: evaluated::<K>(),
-            uv_range: K::UV_RANGE,
-            vertex_shaded: K::VERTEX_SHADED,
-            amplified: K::AMPLIFIED,
-            double_sided: K::DOUBLE_SIDED,
-            shadows: K::SHADOWS,
-            bounded: K::BOUNDED && K::SHADOWS && K::AMPLIFIED == 0,
-        },
+        traits: prepare::KindTraits::of::<K>(),
         shaders,
         pool: PatchPool::default(),
         host: None,

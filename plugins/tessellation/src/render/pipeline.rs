@@ -22,20 +22,16 @@ use bevy::shader::{Shader, ShaderCacheError, ShaderDefVal};
 use super::kind::{PatchKind, PatchShader};
 use super::library::{ModuleShaders, shader};
 use super::prepare::{Kind, KindTraits};
+use super::variants::{self, Look, PASSES, RANGES, STRIPS, Target};
 use crate::layout::{
     EVALUATED_BYTES, MATERIAL_ROWS, MaterialRow, StageDraw, StageParams, VERTEX_BYTES,
 };
-use crate::{Domain, Mode, Spacing, Winding};
+use crate::Domain;
 
 /// Entry shaders of a kind, the user's functions named in them.
 #[derive(Clone)]
 pub struct KindShaders {
-    control: Handle<Shader>,
-    measure: Handle<Shader>,
-    plan: Handle<Shader>,
-    place: Handle<Shader>,
-    vertices: Handle<Shader>,
-    grid: Handle<Shader>,
+    passes: [Handle<Shader>; PASSES.len()],
     strips: Handle<Shader>,
     draw: Handle<Shader>,
     /// Of kinds with a bounds function.
@@ -50,71 +46,25 @@ impl KindShaders {
     /// Puts the user's functions into the stage's shaders.
     pub fn new<K: PatchKind>(app: &mut App, name: &str) -> Self {
         let modules = ModuleShaders::load(app);
-        let (user, given) = match K::shader() {
-            PatchShader::File(path) => (
-                Some(app.world().resource::<AssetServer>().load(path)),
-                format!("\"{path}\"::"),
-            ),
-            PatchShader::Library(path) => (None, format!("{path}::")),
+        let user = match K::shader() {
+            PatchShader::File(path) => Some(app.world().resource::<AssetServer>().load(path)),
+            PatchShader::Library(_) => None,
         };
         let mut assets = app.world_mut().resource_mut::<Assets<Shader>>();
         let mut entry = |file: &str| {
-            let file = dolomite_shaders::find(file);
-            let mut source = file.source.replace("dolomite::stage::user::", &given);
-            if K::AMPLIFIED > 0 {
-                source = source.replace("dolomite::stage::user_amplify::", &given);
-            }
-            if K::BOUNDED {
-                source = source.replace("dolomite::stage::user_bounds::", &given);
-            }
-            if K::CUSTOM_MATERIAL {
-                source = source.replace("dolomite::stage::user_material::", &given);
-            }
-            assets.add(shader(source, &format!("{}#{name}", file.path)))
+            let source = variants::source::<K>(file);
+            assets.add(shader(source, &format!("{file}#{name}")))
         };
         Self {
-            control: entry("stage/control.wgsl"),
-            measure: entry("stage/measure.wgsl"),
-            plan: entry("stage/plan.wgsl"),
-            place: entry("stage/place_items.wgsl"),
-            vertices: entry("stage/emit_vertices.wgsl"),
-            grid: entry("stage/emit_grid.wgsl"),
-            strips: entry("stage/emit_strips.wgsl"),
-            draw: entry("stage/draw.wgsl"),
-            ranges: K::BOUNDED.then(|| entry("stage/shadow_ranges.wgsl")),
+            passes: PASSES.map(|(file, ..)| entry(file)),
+            strips: entry(STRIPS.0),
+            draw: entry(variants::DRAW),
+            ranges: K::BOUNDED.then(|| entry(RANGES.0)),
             user,
             _modules: modules,
-            defs: defs::<K>(),
+            defs: variants::kind_defs::<K>(),
         }
     }
-}
-
-/// The kind's rules, as `rules.wgsl` reads them.
-fn defs<K: PatchKind>() -> Vec<ShaderDefVal> {
-    let mut defs = Vec::new();
-    match K::LAYOUT.domain {
-        Domain::Triangles => {}
-        Domain::Quads => defs.extend(["STAGE_QUADS", "STAGE_FOUR_POINTS"]),
-        Domain::Isolines => defs.extend(["STAGE_ISOLINES", "STAGE_FOUR_POINTS"]),
-    }
-    match K::SPACING {
-        Spacing::Equal => {}
-        Spacing::FractionalEven => defs.push("STAGE_FRACTIONAL_EVEN"),
-        Spacing::FractionalOdd => defs.push("STAGE_FRACTIONAL_ODD"),
-    }
-    for (on, name) in [
-        (K::MODE == Mode::D3d, "STAGE_D3D"),
-        (K::WINDING == Winding::Cw, "STAGE_CLOCKWISE"),
-        (super::evaluated::<K>(), "STAGE_EVALUATED"),
-        (K::MOVES && !super::evaluated::<K>(), "STAGE_MOVES"),
-        (K::AMPLIFIED > 0, "STAGE_AMPLIFY"),
-        (K::LAYOUT.split, "STAGE_SPLIT"),
-    ] {
-        if on {
-            defs.push(name);
-        }
-    }
-    defs.into_iter().map(ShaderDefVal::from).collect()
 }
 
 /// What the pipeline of a view's draw is specialised by.
@@ -147,7 +97,7 @@ pub struct KindPipelines {
     pub fetch_layout: BindGroupLayoutDescriptor,
     data_layout: BindGroupLayoutDescriptor,
     /// control, measure, plan, place, vertices, grid.
-    pub compute: [CachedComputePipelineId; 6],
+    pub compute: [CachedComputePipelineId; PASSES.len()],
     /// Not of isolines, which have no sides.
     pub strips: Option<CachedComputePipelineId>,
     pub shadow: CachedRenderPipelineId,
@@ -217,47 +167,35 @@ impl KindPipelines {
             )
         };
         let shaders = &kind.shaders;
-        let pass = |name: &'static str,
+        let pass = |(_, name, reads): (&str, &'static str, bool),
                     shader: &Handle<Shader>,
-                    layout: &BindGroupLayoutDescriptor,
-                    read: bool| {
-            let mut shader_defs = shaders.defs.clone();
-            if read {
-                shader_defs.push("STAGE_READ".into());
-            }
+                    layout: &BindGroupLayoutDescriptor| {
             cache.queue_compute_pipeline(ComputePipelineDescriptor {
                 label: Some(format!("stage_{name} {}", kind.name).into()),
                 layout: vec![layout.clone(), data_layout.clone()],
                 shader: shader.clone(),
-                shader_defs,
+                shader_defs: variants::pass_defs(&shaders.defs, reads),
                 entry_point: Some(name.into()),
                 ..default()
             })
         };
-        let compute = [
-            pass("control_patches", &shaders.control, &work_layout, false),
-            pass("measure", &shaders.measure, &work_layout, false),
-            pass("plan", &shaders.plan, &work_layout, false),
-            pass("place_items", &shaders.place, &work_layout, false),
-            pass("emit_vertices", &shaders.vertices, &emit_layout, true),
-            pass("emit_grid", &shaders.grid, &emit_layout, true),
-        ];
+        let compute = std::array::from_fn(|at| {
+            let (_, _, reads) = PASSES[at];
+            let layout = if reads { &emit_layout } else { &work_layout };
+            pass(PASSES[at], &shaders.passes[at], layout)
+        });
         let strips = (kind.traits.layout.domain != Domain::Isolines)
-            .then(|| pass("emit_strips", &shaders.strips, &emit_layout, true));
+            .then(|| pass(STRIPS, &shaders.strips, &emit_layout));
         let ranges = shaders
             .ranges
             .as_ref()
             .filter(|_| kind.traits.bounded)
             .map(|shader| {
                 let layout = super::ranges::layout();
-                let id = pass("shadow_ranges", shader, &layout, true);
+                let id = pass(RANGES, shader, &layout);
                 (layout, id)
             });
-        let mut shadow_defs = shaders.defs.clone();
-        shadow_defs.push("STAGE_SHADOW".into());
-        if kind.traits.amplified > 0 {
-            shadow_defs.push("STAGE_FETCH".into());
-        }
+        let shadow_defs = variants::shadow_defs(&shaders.defs, &kind.traits);
         let shadow = cache.queue_render_pipeline(RenderPipelineDescriptor {
             label: Some(format!("stage_shadow {}", kind.name).into()),
             layout: vec![
@@ -306,35 +244,20 @@ impl KindPipelines {
         if let Some((_, id)) = self.draw.iter().find(|(known, _)| *known == key) {
             return *id;
         }
-        let mut defs = kind.shaders.defs.clone();
-        defs.push(
-            if key.direct.is_some() {
-                "DIRECT"
-            } else {
-                "GBUFFER"
-            }
-            .into(),
-        );
+        let look = Look {
+            lines: key.lines,
+            target: match key.direct {
+                Some(picture) => Target::Picture {
+                    encoded: picture.encoded,
+                },
+                None => Target::GBuffer {
+                    normals: key.normals,
+                    motion: key.motion,
+                },
+            },
+        };
+        let defs = look.defs(&kind.shaders.defs, kind.traits);
         let fetched = fetches(kind.traits, key.lines);
-        for (on, name) in [
-            // Segments are lines already.
-            (key.lines && fetched, "STAGE_LINES"),
-            (fetched, "STAGE_FETCH"),
-            (
-                key.direct.is_some() && kind.traits.vertex_shaded,
-                "STAGE_VERTEX_SHADED",
-            ),
-            (
-                key.direct.is_some_and(|picture| picture.encoded),
-                "STAGE_ENCODED",
-            ),
-            (key.normals, "NORMAL_PREPASS"),
-            (key.motion, "MOTION_VECTORS"),
-        ] {
-            if on {
-                defs.push(name.into());
-            }
-        }
         let target = |format: TextureFormat| {
             Some(ColorTargetState {
                 format,

@@ -57,6 +57,29 @@ pub struct KindTraits {
 }
 
 impl KindTraits {
+    /// Those of a kind.
+    pub fn of<K: PatchKind>() -> Self {
+        let evaluated = super::evaluated::<K>();
+        Self {
+            layout: K::LAYOUT,
+            tessellator: Tessellator {
+                domain: K::LAYOUT.domain,
+                spacing: K::SPACING,
+                winding: K::WINDING,
+                mode: K::MODE,
+            },
+            animated: K::ANIMATED,
+            moves: K::MOVES && !evaluated,
+            evaluated,
+            uv_range: K::UV_RANGE,
+            vertex_shaded: K::VERTEX_SHADED,
+            amplified: K::AMPLIFIED,
+            double_sided: K::DOUBLE_SIDED,
+            shadows: K::SHADOWS,
+            bounded: K::BOUNDED && K::SHADOWS && K::AMPLIFIED == 0,
+        }
+    }
+
     /// Of a vertex in the pool, without its place in the last frame.
     pub const fn vertex_bytes(&self) -> u64 {
         if self.evaluated {

@@ -1,0 +1,91 @@
+//! A stranger's kinds of patches: every rule that the stage has, with the functions that stand where the user's go.
+
+use bevy::prelude::*;
+use bevy::render::render_resource::AsBindGroup;
+use bevy::shader::Shader;
+use dolomite::tessellation::render::{PatchKind, PatchShader, StageVariant, stage_variants};
+use dolomite::tessellation::{Drawing, Mode, PatchLayout, Spacing, Winding};
+
+const LIBRARY: &str = "rules::functions";
+
+/// The library that the kinds name: the stage's own examples of a user's functions, in one module.
+pub fn library() -> Shader {
+    let files = ["user", "user_amplify", "user_bounds", "user_material"];
+    let bodies = files.map(|file| {
+        let source = dolomite_shaders::find(&format!("stage/{file}.wgsl")).source;
+        source.split_once('\n').map_or(source, |(_, body)| body)
+    });
+    let source = format!("#define_import_path {LIBRARY}\n{}", bodies.concat());
+    Shader::from_wgsl(source, "rules.wgsl")
+}
+
+const LAYOUTS: [PatchLayout; 4] = [
+    PatchLayout::TRIANGLE,
+    PatchLayout::QUAD,
+    PatchLayout::lines(4),
+    PatchLayout::QUAD.with_split_sides(),
+];
+const SPACINGS: [Spacing; 3] = [
+    Spacing::Equal,
+    Spacing::FractionalEven,
+    Spacing::FractionalOdd,
+];
+
+/// The kind with these rules: layout, spacing, and how its vertices come into the draw.
+#[derive(Resource, AsBindGroup, Clone)]
+struct Rules<const LAYOUT: usize, const SPACING: usize, const VERTICES: usize> {}
+
+const STORED: usize = 0;
+const MOVES: usize = 1;
+const EVALUATED: usize = 2;
+const AMPLIFIED: usize = 3;
+
+impl<const LAYOUT: usize, const SPACING: usize, const VERTICES: usize> PatchKind
+    for Rules<LAYOUT, SPACING, VERTICES>
+{
+    const LAYOUT: PatchLayout = LAYOUTS[LAYOUT];
+    const SPACING: Spacing = SPACINGS[SPACING];
+    // Both of these exchange constants alone; each of them meets each layout and each spacing.
+    const WINDING: Winding = [Winding::Ccw, Winding::Cw][(LAYOUT + SPACING + VERTICES) % 2];
+    const MODE: Mode = [Mode::Exact, Mode::D3d][(LAYOUT + SPACING + VERTICES / 2) % 2];
+    const DRAWING: Drawing = [Drawing::Stored, Drawing::Evaluated][(VERTICES == EVALUATED) as usize];
+    const MOVES: bool = VERTICES == MOVES;
+    const VERTEX_SHADED: bool = SPACING == 1;
+    const AMPLIFIED: u32 = if VERTICES == AMPLIFIED { 3 } else { 0 };
+    const CUSTOM_MATERIAL: bool = true;
+    const BOUNDED: bool = true;
+
+    fn shader() -> PatchShader {
+        PatchShader::Library(LIBRARY)
+    }
+}
+
+fn layouts<const SPACING: usize, const VERTICES: usize>() -> Vec<StageVariant> {
+    [
+        stage_variants::<Rules<0, SPACING, VERTICES>>(),
+        stage_variants::<Rules<1, SPACING, VERTICES>>(),
+        stage_variants::<Rules<2, SPACING, VERTICES>>(),
+        stage_variants::<Rules<3, SPACING, VERTICES>>(),
+    ]
+    .concat()
+}
+
+fn spacings<const VERTICES: usize>() -> Vec<StageVariant> {
+    [
+        layouts::<0, VERTICES>(),
+        layouts::<1, VERTICES>(),
+        layouts::<2, VERTICES>(),
+    ]
+    .concat()
+}
+
+/// What their pipelines may ask for.
+pub fn variants() -> Vec<StageVariant> {
+    [
+        spacings::<STORED>(),
+        spacings::<MOVES>(),
+        spacings::<EVALUATED>(),
+        spacings::<AMPLIFIED>(),
+    ]
+    .concat()
+}
