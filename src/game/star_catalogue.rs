@@ -3,7 +3,7 @@
 //! Made by an integer hash from nothing: the same in every run, on every machine.
 
 use bevy::math::{Vec3, ops};
-use dolomite_tessellation::{PatchLayout, PatchMesh, PatchMeshError, shapes};
+use dolomite::tessellation::{PatchLayout, PatchMesh, PatchMeshError, shapes};
 
 use super::galaxy::{self, pcg};
 use super::twilight::smooth;
