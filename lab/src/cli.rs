@@ -283,7 +283,8 @@ fn write_topic(path: &Path, report: &Report, words: &[String]) -> Result<(), Cli
     let asked = STUDIES
         .iter()
         .find(|study| study.name == report.study)
-        .map_or(&[][..], |study| study.asked);
+        .map(|study| study.asked)
+        .unwrap_or_default();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let adapter = Gpu::new().map_or_else(|_| "no adapter".to_owned(), |gpu| gpu.name);
     let profile = if cfg!(debug_assertions) {

@@ -29,6 +29,8 @@ pub const POOLS: [u32; 2] = [1 << 18, 1 << 19];
 const HOLES: usize = 8;
 /// Places handed to a core at once.
 const CHUNK: usize = 1 << 13;
+const NO_PLACES: &[DVec3] = &[];
+const NO_GROUND: &[DVec2] = &[];
 /// A vertex of the border lies on it to f32, 16 km from the anchor: 2⁻¹¹ m, and once more of rounding.
 const ON_BORDER: f64 = 2e-3;
 
@@ -103,13 +105,13 @@ pub fn judge(
     let mesh = GroundMesh::new(surface.positions.clone(), surface.triangles.clone(), &view);
     let chunks: Vec<(&[DVec3], &[DVec2])> = known
         .chunks(CHUNK)
-        .map(|chunk| (chunk, &[][..]))
-        .chain(ground.chunks(CHUNK).map(|chunk| (&[][..], chunk)))
+        .map(|chunk| (chunk, NO_GROUND))
+        .chain(ground.chunks(CHUNK).map(|chunk| (NO_PLACES, chunk)))
         .collect();
     let parts = on_all_cores(&chunks, |(known, ground)| {
         let mut all = errors(truth, &view, limit, known);
         let (covered, bare): (Vec<_>, Vec<_>) =
-            ground.iter().partition(|xz| mesh.triangle(***xz).is_some());
+            ground.iter().partition(|xz| mesh.triangle(**xz).is_some());
         let covered: Vec<DVec3> = covered
             .into_iter()
             .filter_map(|&xz| Some(DVec3::new(xz.x, mesh.height(xz)?, xz.y)))
