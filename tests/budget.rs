@@ -3,23 +3,23 @@
 
 #[path = "support/app.rs"]
 mod app;
-#[path = "support/material.rs"]
-mod material;
+#[path = "support/camera.rs"]
+mod camera;
+#[path = "support/hills.rs"]
+mod hills;
 
 use std::time::Duration;
 
-use bevy::camera::RenderTarget;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::diagnostic::{Diagnostic, DiagnosticMeasurement, DiagnosticPath, DiagnosticsStore};
 use bevy::math::DVec2;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use bevy::render::render_resource::TextureFormat;
 use dolomite::DolomitePlugins;
 use dolomite::ground::TerrainView;
 use dolomite::ground::detail::budget::{Budget, BudgetReport, FrameTime};
 use dolomite::ground::detail::{Detail, Metric};
-use dolomite::terrain::{Fractal, Ground, GroundRect, Layer, Source, Terrain, TerrainData};
+use dolomite::terrain::{Fractal, Ground};
 use dolomite::tessellation::render::StageStats;
 
 /// Where the made-up time is published.
@@ -48,40 +48,31 @@ impl Scene {
         let mut app = app::app(Duration::ZERO, |app| {
             app.add_plugins(DolomitePlugins);
         })?;
-        let hills = Fractal {
+        let noise = Fractal {
             octaves: 8,
             amplitude: 60.0,
             wavelength: 200.0,
             ..Fractal::default()
         };
-        let ground = Terrain::new(TerrainData {
-            extent: GroundRect::square(DVec2::ZERO, 2048.0),
-            layers: vec![Layer {
-                source: Source::Fractal(hills),
-                mask: None,
-            }],
+        let hills = hills::Hills {
+            centre: DVec2::ZERO,
+            side: 2048.0,
+            noise,
             base: 40.0,
-            sea_level: None,
-        })
-        .expect("valid");
-        let material = material::material(&mut app);
-        app.world_mut().spawn((ground.clone(), material));
-        let image = Image::new_target_texture(96, 54, TextureFormat::Rgba8UnormSrgb, None);
-        let target = app.world_mut().resource_mut::<Assets<Image>>().add(image);
+            sea: None,
+        };
+        let ground = hills.spawn(&mut app);
         let eye = Vec3::new(
             20.0,
             ground.height(DVec2::new(20.0, 30.0)) as f32 + 12.0,
             30.0,
         );
-        let camera = app.world_mut().spawn((
-            Camera3d::default(),
-            Msaa::Off,
+        let view = (
             (DepthPrepass, DeferredPrepass),
-            RenderTarget::Image(target.into()),
             TerrainView::default(),
             Transform::from_translation(eye).looking_to(Vec3::new(0.3, -0.2, -1.0), Vec3::Y),
-        ));
-        let camera = camera.id();
+        );
+        let (camera, _) = camera::camera(&mut app, UVec2::new(96, 54), view);
         app.world_mut()
             .resource_mut::<DiagnosticsStore>()
             .add(Diagnostic::new(SPAN));
