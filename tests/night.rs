@@ -4,7 +4,6 @@
 mod adapter;
 
 use bevy::math::UVec2;
-use bevy::prelude::*;
 use bevy::render::RenderApp;
 use dolomite::tessellation::Patches;
 use dolomite::tessellation::render::{StageCensus, StageStats, census};

@@ -1,6 +1,7 @@
 //! Plugins in apps that nobody of ours wrote: added before Bevy's, added twice, or without what they need.
 //! In any order the same is drawn.
 
+#[expect(dead_code, reason = "plugins are added before Bevy's here")]
 #[path = "support/app.rs"]
 mod app;
 #[path = "support/camera.rs"]
@@ -89,35 +90,45 @@ mod gpu {
 
     #[test]
     fn patches_are_drawn_in_any_order_of_plugins() {
-        let plugin = || PatchPlugin(Globe {});
-        let Some(mut usual) = app(|_| (), |app| drop(app.add_plugins(plugin()))) else {
-            return;
+        let add = |app: &mut App| {
+            app.add_plugins(PatchPlugin(Globe {}));
         };
-        let usual = globe(&mut usual);
-        let mut before = app(|app| drop(app.add_plugins(plugin())), |_| ()).expect("Vulkan");
-        assert_eq!(globe(&mut before), usual);
+        same_in_any_order(add, globe);
     }
 
     #[test]
     fn ground_is_drawn_in_any_order_of_plugins() {
-        let Some(mut usual) = app(|_| (), |app| drop(app.add_plugins(DolomitePlugins))) else {
+        let add = |app: &mut App| {
+            app.add_plugins(DolomitePlugins);
+        };
+        same_in_any_order(add, ground);
+    }
+
+    /// Draws with what `add` adds behind Bevy's plugins, and before them.
+    fn same_in_any_order(add: fn(&mut App), draw: fn(&mut App) -> u32) {
+        let Some(mut usual) = app(|_| (), add) else {
             return;
         };
-        let usual = ground(&mut usual);
-        let mut before = app(|app| drop(app.add_plugins(DolomitePlugins)), |_| ()).expect("Vulkan");
-        assert_eq!(ground(&mut before), usual);
+        let usual = draw(&mut usual);
+        let mut before = app(add, |_| ()).expect("Vulkan was there just now");
+        assert_eq!(draw(&mut before), usual);
     }
 
     #[test]
     fn crowds_join_in_any_order_and_more_than_once() {
-        let plugin = |app: &mut App| drop(app.add_plugins(CrowdPlugin));
-        let nothing: fn(&mut App) = |_| ();
-        for (name, ours, after) in [
-            ("before", plugin as fn(&mut App), nothing),
-            ("after", nothing, plugin as fn(&mut App)),
-            ("twice", plugin as fn(&mut App), plugin as fn(&mut App)),
+        for (name, before, after) in [
+            ("before", true, false),
+            ("after", false, true),
+            ("twice", true, true),
         ] {
-            let Some(mut app) = app(ours, after) else {
+            let add = |is: bool| {
+                move |app: &mut App| {
+                    if is {
+                        app.add_plugins(CrowdPlugin);
+                    }
+                }
+            };
+            let Some(mut app) = app(add(before), add(after)) else {
                 return;
             };
             camera::camera(&mut app, UVec2::splat(32), ());
@@ -125,10 +136,8 @@ mod gpu {
                 app.update();
                 assert_eq!(app.should_exit(), None, "{name}: rendering stopped");
             }
-            assert!(
-                app.world().contains_resource::<Assets<CrowdMaterial>>(),
-                "{name}"
-            );
+            let there = app.world().contains_resource::<Assets<CrowdMaterial>>();
+            assert!(there, "{name}");
         }
     }
 }

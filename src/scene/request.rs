@@ -3,18 +3,18 @@
 use bevy::prelude::*;
 use dolomite::terrain::RawFormat;
 
-use super::{BUILT_IN, NamedScene};
+use super::NamedScene;
 
 /// What the player asked for.
 #[derive(Resource, Clone)]
 pub struct SceneRequest {
-    /// A name of [`BUILT_IN`] or of `named`, a scene file (`.ron`), or a height map.
+    /// A name of [`BUILT_IN`](super::BUILT_IN) or of `named`, a scene file (`.ron`), or a height map.
     pub scene: String,
     /// How to read it where it is a height map.
     pub map: MapOptions,
     /// Amplitude of the detail below the sample spacing, metres; `None`: the scene's own.
     pub detail: Option<f32>,
-    /// Scenes that have names besides those of [`BUILT_IN`].
+    /// Scenes that have names besides those of [`BUILT_IN`](super::BUILT_IN).
     pub named: Vec<NamedScene>,
 }
 
