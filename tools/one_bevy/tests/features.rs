@@ -13,7 +13,8 @@ type Units = BTreeMap<String, BTreeSet<String>>;
 
 /// What people and CI build: a name, the packages, and whether tests and examples are among it. The tests of each
 /// plugin come to these.
-const SELECTIONS: [(&str, &[&str], bool); 5] = [
+const SELECTIONS: [(&str, &[&str], bool); 6] = [
+    ("Bevy alone", &["-p", "dolomite_one_bevy"], false),
     ("./scripts/play", &["-p", "dolomite_game"], false),
     ("the lab", &["-p", "dolomite_lab"], false),
     ("the workspace", &["--workspace"], false),
