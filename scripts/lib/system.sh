@@ -2,7 +2,8 @@
 # Shared by scripts/play, scripts/test, scripts/soak and .ci/run (sourced, not run): looks for the compiler
 # and the system libraries, installs what is missing where it may, and else prints the exact line to type.
 #
-#   need_system LIST   LIST is `build`, `test` or `play`; returns when all is there, exits 1 if not
+#   need_system LIST   LIST is `build`, `test`, `play` or `wayland` (a window without X11 or XWayland);
+#                      returns when all is there, exits 1 if not
 #   need_cargo         sets CARGO (an array: the command) to a cargo that is new enough, or exits 1
 #   say_adapter        one line when only software Vulkan is to be expected
 #   say_build WHAT PROFILE   one line about what will be built, and how long that takes
@@ -28,9 +29,9 @@ die() { say "error: $*"; exit 1; }
 #   so:NAME     the dynamic loader knows it
 #   driver      a Vulkan device's driver
 #
-# Found by reading what the build scripts ask pkg-config for: libudev-sys (gamepads, by gilrs) and
-# wayland-sys. nv-flip-sys, the image comparison of the tests, is C++. The window (winit) opens the
-# libraries of X11, Wayland and the keyboard's layout while it runs. ALSA is not among them: the game has no
+# Found by reading what the build scripts ask pkg-config for: libudev-sys (gamepads, by gilrs) and, with the
+# feature `wayland`, wayland-sys. nv-flip-sys, the image comparison of the tests, is C++. The window (winit)
+# opens the libraries of X11 and the keyboard's layout while it runs. ALSA is not among them: the game has no
 # sound yet. cargo itself needs the certificates.
 #
 # The names were checked against: Debian 12 by installing them (.ci/empty-root does so again); Fedora and
@@ -44,7 +45,6 @@ build  cmd:c++              g++                  gcc-c++              gcc       
 build  link                 libc6-dev            glibc-devel          glibc              glibc-devel
 build  cmd:pkg-config       pkg-config           pkgconf-pkg-config   pkgconf            pkgconf-pkg-config
 build  pc:libudev           libudev-dev          systemd-devel        systemd            libudev-devel
-build  pc:wayland-client    libwayland-dev       wayland-devel        wayland            wayland-devel
 vulkan so:libvulkan.so.1    libvulkan1           vulkan-loader        vulkan-icd-loader  libvulkan1
 vulkan driver               mesa-vulkan-drivers  mesa-vulkan-drivers  vulkan-swrast      libvulkan_lvp
 window so:libX11.so.6       libx11-6             libX11               libx11             libX11-6
@@ -54,7 +54,8 @@ window so:libXcursor.so.1   libxcursor1          libXcursor           libxcursor
 window so:libXi.so.6        libxi6               libXi                libxi              libXi6
 window so:libxkbcommon.so.0 libxkbcommon0        libxkbcommon         libxkbcommon       libxkbcommon0
 window so:libxkbcommon-x11.so.0 libxkbcommon-x11-0 libxkbcommon-x11   libxkbcommon-x11   libxkbcommon-x11-0
-window so:libwayland-client.so.0 libwayland-client0 libwayland-client wayland            libwayland-client0
+wayland pc:wayland-client   libwayland-dev       wayland-devel        wayland            wayland-devel
+wayland so:libwayland-client.so.0 libwayland-client0 libwayland-client wayland           libwayland-client0
 '
 
 # as_root COMMAND...: as root, or by sudo where it asks for no password; 1 where neither may be had.
@@ -152,15 +153,15 @@ has() {
   esac
 }
 
-# find_missing LIST: sets MISSING to the packages that LIST (build, test, play) needs and that are not here,
+# find_missing LIST: sets MISSING to the packages that LIST (build, test, play, wayland) needs and that are not here,
 # and ROWS to how many rows of the table were looked at.
 find_missing() {
   local list=$1 kind check apt dnf pacman zypper package
   local -a checks=() packages=() debian=()
   while read -r kind check apt dnf pacman zypper; do
-    [[ -n $kind ]] || continue
+    [[ -n $kind && $list:$kind != build:vulkan ]] || continue
     case $list:$kind in
-      *:build | test:vulkan | play:vulkan | play:window) ;;
+      *:build | *:vulkan | play:window | wayland:window | wayland:wayland) ;;
       *) continue ;;
     esac
     case $MANAGER in
@@ -214,7 +215,7 @@ find_missing() {
 
 need_system() {
   case $1 in
-    build | test | play) ;;
+    build | test | play | wayland) ;;
     *) die "need_system: no list named $1" ;;
   esac
   if [[ -n ${DOLOMITE_NO_SYSTEM_CHECK:-} ]]; then
@@ -341,7 +342,16 @@ say_build() {
   say "compile only what has changed."
 }
 
-# has_display: whether a window can be opened.
-has_display() {
-  [[ $(uname -s) != Linux || -n ${WAYLAND_DISPLAY:-}${WAYLAND_SOCKET:-}${DISPLAY:-} ]]
+# display: sets DISPLAY_KIND to what a window can be opened on: x11, wayland, none; `other` where it is not Linux.
+# shellcheck disable=SC2034 # DISPLAY_KIND is read by who sources this file
+display() {
+  if [[ $(uname -s) != Linux ]]; then
+    DISPLAY_KIND=other
+  elif [[ -n ${DISPLAY:-} ]]; then
+    DISPLAY_KIND=x11
+  elif [[ -n ${WAYLAND_DISPLAY:-}${WAYLAND_SOCKET:-} ]]; then
+    DISPLAY_KIND=wayland
+  else
+    DISPLAY_KIND=none
+  fi
 }

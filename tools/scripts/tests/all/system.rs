@@ -7,16 +7,15 @@ use crate::support::{Apt, Said, System};
 use std::collections::BTreeSet;
 
 /// What `./scripts/test` needs of Debian beside the compilers.
-const TEST: [&str; 5] = [
+const TEST: [&str; 4] = [
     "libc6-dev",
     "libudev-dev",
-    "libwayland-dev",
     "libvulkan1",
     "mesa-vulkan-drivers",
 ];
 
 /// What `./scripts/play` needs beside those, but for the driver, which may be another.
-const WINDOW: [&str; 8] = [
+const WINDOW: [&str; 7] = [
     "libx11-6",
     "libx11-xcb1",
     "libxcb1",
@@ -24,7 +23,6 @@ const WINDOW: [&str; 8] = [
     "libxi6",
     "libxkbcommon0",
     "libxkbcommon-x11-0",
-    "libwayland-client0",
 ];
 
 fn set<'a>(names: &[&'a str]) -> BTreeSet<&'a str> {
@@ -88,7 +86,7 @@ fn all_known_nothing_is_installed_and_that_is_said() {
     let said = system.need("test");
     went_on(&said);
     assert_eq!(said.calls, "");
-    said.line("all 9 that `test` needs are there");
+    said.line("all 8 that `test` needs are there");
 }
 
 #[test]
@@ -112,7 +110,7 @@ fn a_compiler_s_packages_are_named_where_the_commands_are_not_there() {
     system.debian(&["libudev-dev"], Apt::Fails);
     let said = system.need("build");
     stopped(&said);
-    let wanted = ["gcc", "g++", "libc6-dev", "pkg-config", "libwayland-dev"];
+    let wanted = ["gcc", "g++", "libc6-dev", "pkg-config"];
     assert_eq!(said.words("missing "), set(&wanted));
 }
 
@@ -120,9 +118,10 @@ fn a_compiler_s_packages_are_named_where_the_commands_are_not_there() {
 fn a_failing_apt_get_ends_with_the_line_to_type() {
     let system = System::new();
     system.debian(&["libudev-dev"], Apt::Fails);
-    let said = system.need("build");
+    let said = system.need("test");
     stopped(&said);
-    let line = "  sudo apt-get update && sudo apt-get install -y libc6-dev libwayland-dev";
+    let line =
+        "  sudo apt-get update && sudo apt-get install -y libc6-dev libvulkan1 mesa-vulkan-drivers";
     assert_eq!(said.line("sudo apt-get"), line);
 }
 
@@ -130,11 +129,11 @@ fn a_failing_apt_get_ends_with_the_line_to_type() {
 fn what_apt_get_claims_is_looked_at() {
     let system = System::new();
     system.debian(&["libudev-dev"], Apt::Lies);
-    let said = system.need("build");
+    let said = system.need("test");
     stopped(&said);
     assert_eq!(
         said.words("still missing: "),
-        set(&["libc6-dev", "libwayland-dev"])
+        set(&["libc6-dev", "libvulkan1", "mesa-vulkan-drivers"])
     );
 }
 
@@ -157,7 +156,7 @@ fn without_root_and_sudo_the_line_to_type_is_printed() {
     let said = system.need("build");
     stopped(&said);
     assert_eq!(said.calls, "");
-    let line = "  sudo apt-get update && sudo apt-get install -y libudev-dev libwayland-dev";
+    let line = "  sudo apt-get update && sudo apt-get install -y libudev-dev";
     assert_eq!(said.line("sudo apt-get"), line);
     said.line("not root");
 }
@@ -210,8 +209,8 @@ fn line_of(manager: &str) -> String {
 fn fedora_gets_the_line_for_dnf() {
     assert_eq!(
         line_of("dnf"),
-        "sudo dnf install -y systemd-devel wayland-devel libX11 libX11-xcb libxcb libXcursor libXi \
-         libxkbcommon libxkbcommon-x11 libwayland-client"
+        "sudo dnf install -y systemd-devel libX11 libX11-xcb libxcb libXcursor libXi \
+         libxkbcommon libxkbcommon-x11"
     );
 }
 
@@ -219,7 +218,7 @@ fn fedora_gets_the_line_for_dnf() {
 fn arch_gets_the_line_for_pacman() {
     assert_eq!(
         line_of("pacman"),
-        "sudo pacman -Syu --needed systemd wayland libx11 libxcb libxcursor libxi libxkbcommon \
+        "sudo pacman -Syu --needed systemd libx11 libxcb libxcursor libxi libxkbcommon \
          libxkbcommon-x11"
     );
 }
@@ -228,8 +227,8 @@ fn arch_gets_the_line_for_pacman() {
 fn opensuse_gets_the_line_for_zypper() {
     assert_eq!(
         line_of("zypper"),
-        "sudo zypper install -y libudev-devel wayland-devel libX11-6 libX11-xcb1 libxcb1 libXcursor1 libXi6 \
-         libxkbcommon0 libxkbcommon-x11-0 libwayland-client0"
+        "sudo zypper install -y libudev-devel libX11-6 libX11-xcb1 libxcb1 libXcursor1 libXi6 \
+         libxkbcommon0 libxkbcommon-x11-0"
     );
 }
 
@@ -243,7 +242,7 @@ fn a_bare_fedora_is_told_of_compilers_and_driver() {
     stopped(&said);
     assert_eq!(
         said.line("sudo dnf").trim(),
-        "sudo dnf install -y gcc gcc-c++ pkgconf-pkg-config systemd-devel wayland-devel mesa-vulkan-drivers"
+        "sudo dnf install -y gcc gcc-c++ pkgconf-pkg-config systemd-devel mesa-vulkan-drivers"
     );
 }
 
@@ -263,14 +262,14 @@ fn another_system_that_has_everything_goes_on_and_says_so() {
     system.command("pkg-config", "exit 0");
     let said = system.run("has_vulkan_driver() { return 0; }; need_system test; echo went on");
     went_on(&said);
-    said.line("all 8 that `test` needs are there");
+    said.line("all 7 that `test` needs are there");
 }
 
 #[test]
 fn an_unknown_system_is_told_what_debian_calls_it() {
     let said = bare("emerge").need("build");
     stopped(&said);
-    said.line("packages of Debian hold: libudev-dev libwayland-dev");
+    said.line("packages of Debian hold: libudev-dev");
 }
 
 #[test]
@@ -334,7 +333,7 @@ fn without_a_display_the_game_is_built_and_that_is_said() {
 fn with_a_display_or_without_a_window_the_game_is_started() {
     for (arguments, display) in [
         ("--scene mountain", "DISPLAY=:0"),
-        ("--scene mountain", "WAYLAND_DISPLAY=wayland-0"),
+        ("--scene mountain", "DISPLAY=:0 WAYLAND_DISPLAY=wayland-0"),
         ("shot --out a.png", ""),
         ("-- --help", ""),
     ] {
@@ -345,4 +344,22 @@ fn with_a_display_or_without_a_window_the_game_is_started() {
         assert_eq!(said.calls, calls);
         assert!(!said.text.contains("no display"), "{said:#?}");
     }
+}
+
+#[test]
+fn wayland_alone_has_a_feature_of_its_own() {
+    let said = play("--scene mountain", "WAYLAND_DISPLAY=wayland-0");
+    assert_eq!(said.code, 0, "{said:#?}");
+    let calls = "build --release --features wayland\n\
+                 run --release --quiet --features wayland -- --scene mountain\n";
+    assert_eq!(said.calls, calls);
+    // And it links a library that X11 does not.
+    let system = System::new();
+    system.debian(&[&TEST[..], &WINDOW[..]].concat(), Apt::Works);
+    let said = system.need("wayland");
+    went_on(&said);
+    assert_eq!(
+        said.words("missing "),
+        set(&["libwayland-dev", "libwayland-client0"])
+    );
 }
