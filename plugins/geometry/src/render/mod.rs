@@ -46,7 +46,7 @@ pub use shader::{ModuleShaders, shader_asset};
 pub use space::{ViewFrame, Viewpoint};
 pub use stats::{GeometryFault, GeometryShared, GeometryStats, PoolStats};
 #[doc(hidden)]
-pub use variants::draw_variants;
+pub use variants::{DRAW_FILE, ShaderVariant, draw_variants};
 pub use view::{GeometryView, ShadowSlot};
 
 use crate::GeometryCamera;

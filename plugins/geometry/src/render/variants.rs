@@ -6,6 +6,20 @@ use bevy::shader::ShaderDefVal;
 
 use super::producer::DrawTraits;
 
+/// A shader that a pipeline asks for.
+#[derive(Clone, Debug)]
+pub struct ShaderVariant {
+    /// Path below `shaders/src`.
+    pub file: &'static str,
+    /// Its text, a producer's functions named in it.
+    pub source: String,
+    /// What is set while it is composed.
+    pub defs: Vec<ShaderDefVal>,
+}
+
+/// The entry file of draws.
+pub const DRAW_FILE: &str = "geometry/draw.wgsl";
+
 /// What the shader of a view's draw depends on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Look {
@@ -75,10 +89,24 @@ pub fn shadow_defs(own: &[ShaderDefVal], traits: &DrawTraits) -> Vec<ShaderDefVa
     )
 }
 
-/// Every set of definitions that a pipeline of a producer's draws may ask for, whatever views and lights there
-/// are; `own` are those of its functions.
+/// Every shader that a pipeline of a producer's draws may ask for, whatever views and lights there are: `source` is
+/// that of its [`DrawShader`](super::DrawShader), `own` are the definitions of its functions.
 #[must_use]
-pub fn draw_variants(own: &[ShaderDefVal], traits: &DrawTraits) -> Vec<Vec<ShaderDefVal>> {
+pub fn draw_variants(
+    source: &str,
+    own: &[ShaderDefVal],
+    traits: &DrawTraits,
+) -> Vec<ShaderVariant> {
+    let sets = definitions(own, traits).into_iter();
+    let variants = sets.map(|defs| ShaderVariant {
+        file: DRAW_FILE,
+        source: source.to_owned(),
+        defs,
+    });
+    variants.collect()
+}
+
+fn definitions(own: &[ShaderDefVal], traits: &DrawTraits) -> Vec<Vec<ShaderDefVal>> {
     let mut all = Vec::new();
     if traits.shadows {
         all.push(shadow_defs(own, traits));
@@ -119,7 +147,7 @@ mod tests {
     #[test]
     fn every_variant_differs() {
         let traits = DrawTraits::default();
-        let all = draw_variants(&["OWN".into()], &traits);
+        let all = definitions(&["OWN".into()], &traits);
         // One for shadow maps; four G-buffers and two pictures, with lines and without.
         assert_eq!(all.len(), 1 + 2 * (4 + 2));
         assert!(all.iter().all(|defs| defs.contains(&"OWN".into())));
@@ -128,10 +156,6 @@ mod tests {
             topology: LineList,
             ..traits
         };
-        assert_eq!(
-            draw_variants(&[], &quiet).len(),
-            4 + 2,
-            "segments are lines"
-        );
+        assert_eq!(definitions(&[], &quiet).len(), 4 + 2, "segments are lines");
     }
 }

@@ -11,11 +11,13 @@ use bevy::render::render_resource::{
     ComputePipelineDescriptor, PipelineCache, ShaderStages,
 };
 use bevy::shader::{Shader, ShaderDefVal};
-use dolomite_geometry::render::{DrawShader, ModuleShaders, pipeline_fault, shader_asset};
+use dolomite_geometry::render::{
+    DRAW_FILE, DrawShader, ModuleShaders, pipeline_fault, shader_asset,
+};
 
 use super::kind::{PatchKind, PatchShader};
 use super::prepare::Kind;
-use super::variants::{DRAW, draw_source, kind_defs, pass_defs, pass_source};
+use super::variants::{draw_source, kind_defs, pass_defs, pass_source};
 use crate::layout::StageParams;
 use crate::passes::{PASSES, SHADOW_RANGES, StagePass, pass_count};
 
@@ -54,7 +56,7 @@ impl KindShaders {
         Some(Self {
             passes,
             draw: DrawShader {
-                handle: add(DRAW, draw_source::<K>()),
+                handle: add(DRAW_FILE, draw_source::<K>()),
                 defs: defs.clone(),
             },
             ranges,

@@ -3,6 +3,7 @@
 
 use bevy::prelude::*;
 use bevy::shader::ShaderDefVal;
+pub use dolomite_geometry::render::ShaderVariant as StageVariant;
 use dolomite_geometry::render::{DrawShader, draw_variants};
 
 use super::kind::{PatchKind, PatchShader};
@@ -11,17 +12,6 @@ use crate::Tessellator;
 use crate::passes::{
     PASSES, PassRules, SHADOW_RANGES, StagePass, defs, evaluated_source, pass_count,
 };
-
-/// A shader that a pipeline of a kind asks for.
-#[derive(Clone, Debug)]
-pub struct StageVariant {
-    /// Path below `shaders/src`.
-    pub file: &'static str,
-    /// Its text, the user's functions named in it.
-    pub source: String,
-    /// What is set while it is composed.
-    pub defs: Vec<ShaderDefVal>,
-}
 
 /// The kinds of an app, for whoever checks their shaders: name, and [`stage_variants`].
 #[derive(Resource, Clone, Debug, Default)]
@@ -41,17 +31,9 @@ pub fn stage_variants<K: PatchKind>() -> Vec<StageVariant> {
             defs: pass_defs(&own, pass),
         })
         .collect();
-    let draws = draw_variants(&own, &traits).into_iter();
-    all.extend(draws.map(|defs| StageVariant {
-        file: DRAW,
-        source: draw_source::<K>(),
-        defs,
-    }));
+    all.extend(draw_variants(&draw_source::<K>(), &own, &traits));
     all
 }
-
-/// The entry file of draws.
-pub(super) const DRAW: &str = "geometry/draw.wgsl";
 
 /// How other files import the kind's functions.
 fn functions<K: PatchKind>() -> String {

@@ -26,7 +26,7 @@ use bevy::shader::Shader;
 use dolomite_geometry::GeometryCamera;
 use dolomite_geometry::render::{
     DrawShader, DrawTraits, GeometrySystems, ModuleShaders, Producer, ProducerKey, Producers,
-    Viewpoint, build_render, shader_asset,
+    ShaderVariant, Viewpoint, build_render, draw_variants, shader_asset,
 };
 use dolomite_terrain::Terrain;
 
@@ -135,24 +135,16 @@ pub fn build<K: DetailKind>(app: &mut App) {
         return;
     }
     let Some(shaders) = shaders(app) else { return };
-    let material = format!("{}::", K::MATERIAL);
-    let source = DrawShader::source(Some(&material), None, None);
     let name = type_name::<K>();
     let file = format!("geometry/draw.wgsl#detail of {name}");
     let Some(mut assets) = app.world_mut().get_resource_mut::<Assets<Shader>>() else {
         return;
     };
     let draw = DrawShader {
-        handle: assets.add(shader_asset(source, &file)),
+        handle: assets.add(shader_asset(draw_source::<K>(), &file)),
         defs: Vec::new(),
     };
-    let traits = DrawTraits {
-        vertex_shaded: K::VERTEX_SHADED,
-        shadows: K::SHADOWS,
-        others: true,
-        uv_range: K::UV_RANGE,
-        ..default()
-    };
+    let traits = draw_traits::<K>();
     let nothing = BindGroupLayoutDescriptor::new("detail_inputs", &[]);
     let producer = Producer::new(name, traits, draw, nothing);
     let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -175,6 +167,27 @@ pub fn build<K: DetailKind>(app: &mut App) {
             ),
         )
         .add_systems(Core3d, pass::choose::<K>.in_set(GeometrySystems::Make));
+}
+
+fn draw_traits<K: DetailKind>() -> DrawTraits {
+    DrawTraits {
+        vertex_shaded: K::VERTEX_SHADED,
+        shadows: K::SHADOWS,
+        others: true,
+        uv_range: K::UV_RANGE,
+        ..default()
+    }
+}
+
+fn draw_source<K: DetailKind>() -> String {
+    DrawShader::source(Some(&format!("{}::", K::MATERIAL)), None, None)
+}
+
+/// Every shader that a pipeline of the kind's draws may ask for; those of the passes are the same for all kinds.
+#[doc(hidden)]
+#[must_use]
+pub fn detail_variants<K: DetailKind>() -> Vec<ShaderVariant> {
+    draw_variants(&draw_source::<K>(), &[], &draw_traits::<K>())
 }
 
 /// What all kinds share.
