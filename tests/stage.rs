@@ -70,7 +70,7 @@ impl PatchKind for Waving {
 /// A white flag that moves up and down by half its height twice a second.
 const WAVING: &str = "
 #import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex, patch_point, stage}
-#import dolomite::stage::draw_types::{Shaded, Surface}
+#import dolomite::geometry::draw_types::{Shaded, Surface}
 fn control(input: Patch, view: StageView) -> PatchLevels {
     return PatchLevels(vec4(5.0), vec2(5.0));
 }

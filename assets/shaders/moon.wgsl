@@ -2,7 +2,7 @@
 // their rays are made by hashes. Local space: radius 1, +z towards the eye, +y north, +x east.
 
 #import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex, edge_level, in_view, patch_point, stage, stage_position}
-#import dolomite::stage::draw_types::{Shaded, Surface, stage_draw}
+#import dolomite::geometry::draw_types::{Shaded, Surface, geometry_draw}
 
 struct MoonLight {
     // Exposed luminance of the highlands; w: exposed luminance of 1 in the map of the sky.
@@ -176,7 +176,7 @@ fn material(surface: Surface) -> Shaded {
     let small = 0.006;
     let slope = (relief(normalize(n + east * small)) - relief(normalize(n - east * small))) / (2.0 * small);
     let lit = clamp(1.0 + 0.5 * slope * (1.0 - 0.6 * sea), 0.6, 1.35) * mix(0.82, 1.0, n.z);
-    let direction = normalize(surface.position - stage_draw.camera);
+    let direction = normalize(surface.position - geometry_draw.camera);
     // Cube maps are left-handed.
     let sky = textureSampleLevel(sky_map, sky_sampler, direction * vec3(1.0, 1.0, -1.0), 0.0).xyz;
     let seen = sky * moon_light.shine.w + moon_light.shine.xyz * albedo * lit * covered;

@@ -1,7 +1,7 @@
 // A sphere displaced by noise: triangle patches of an octahedron.
 // Entity parameters: 0.y displacement in radii, 0.z waves around it.
 
-#import dolomite::stage::draw_types::{Shaded, Surface}
+#import dolomite::geometry::draw_types::{Shaded, Surface}
 #import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex, edge_level, entity_params, in_view, patch_point, stage_position}
 
 // Integer hash (Jarzynski and Olano 2020, pcg3d), one gradient of length about 1 for a lattice point.

@@ -11,7 +11,7 @@
 // turns, and its edge is not seen.
 
 #import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex, in_view, patch_point, stage, stage_position}
-#import dolomite::stage::draw_types::{Shaded, Surface, stage_draw}
+#import dolomite::geometry::draw_types::{Shaded, Surface, geometry_draw}
 
 struct StarLight {
     // Exposed illuminance of a star of magnitude 0, for each class of colour.
@@ -95,7 +95,7 @@ fn through_air(sine: f32) -> vec3<f32> {
 }
 
 fn material(surface: Surface) -> Shaded {
-    let direction = normalize(surface.position - stage_draw.camera);
+    let direction = normalize(surface.position - geometry_draw.camera);
     // What a pixel covers, in the sky and of the octahedron's outline.
     let solid_angle = length(cross(dpdx(direction), dpdy(direction)));
     let along = dpdx(surface.uv);

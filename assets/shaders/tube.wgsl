@@ -2,7 +2,7 @@
 // Control point: position, radius. Entity parameter 0.x: material.
 
 #import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex, edge_level, entity_params, in_view, patch_point, stage_position}
-#import dolomite::stage::amplify_types::StoredVertex
+#import dolomite::geometry::amplify_types::StoredVertex
 
 // Position and radius between control points 1 and 2 (Catmull and Rom 1974, uniform, tension 1/2).
 fn curve(input: Patch, t: f32) -> vec4<f32> {

@@ -2,7 +2,7 @@
 //! that came back, and the true surface.
 
 use bevy::math::{DVec2, UVec2};
-use dolomite_ground::detail::ring::Ring;
+use dolomite_geometry::ring::Ring;
 use dolomite_ground::detail::{DetailCells, Metric};
 use dolomite_lab::scenes::cameras::{Kind, camera};
 use dolomite_lab::studies::ground::measure::{check, ground, params, places};

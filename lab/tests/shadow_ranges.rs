@@ -94,7 +94,7 @@ fn bounds(input: Patch, view: StageView) -> vec4<f32> {
             Binding::Read(&data),
             Binding::Read(&work),
             Binding::Write(&mut ranges),
-            Binding::Uniform(bytemuck::cast_slice(&planes)),
+            Binding::Read(bytemuck::cast_slice(&planes)),
         ]],
         [4, 1, 1],
     )

@@ -25,7 +25,7 @@ use bevy::pbr::DefaultOpaqueRendererMethod;
 use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
-use dolomite::ground::detail::budget::{Budget, FrameTime};
+use dolomite::ground::detail::budget::{Budget, FrameTime, frame_time};
 use dolomite::ground::detail::{Detail, Metric};
 use dolomite::ground::{MaterialBands, TerrainMaterial, TerrainView};
 use dolomite::terrain::Ground;
@@ -252,7 +252,7 @@ fn follow_switches(
         if asked.as_ref() != budget {
             let mut camera = commands.entity(entity);
             match asked {
-                Some(asked) => camera.insert((asked, FrameTime::of_ground())),
+                Some(asked) => camera.insert((asked, frame_time())),
                 None => camera.remove::<(Budget, FrameTime)>(),
             };
         }

@@ -4,7 +4,8 @@
 use crate::gpu::Gpu;
 use crate::stage::{StageError, StagePasses, StageRun, layout};
 use bytemuck::{Zeroable, bytes_of};
-use dolomite_tessellation::layout::{EVALUATED_BYTES, StageDraw, VERTEX_BYTES};
+use dolomite_geometry::layout::{EVALUATED_BYTES, GeometryDraw, VERTEX_BYTES};
+use dolomite_geometry::render::{DrawCall, DrawSource, record_draw};
 use dolomite_tessellation::{Domain, Drawing};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
@@ -39,8 +40,7 @@ impl<'a> Draw<'a> {
         run: &'a StageRun<'a>,
     ) -> Result<Self, StageError> {
         let device = gpu.device();
-        let defs = passes.defs();
-        let module = dolomite_shaders::compose("stage/draw.wgsl", &defs)?;
+        let module = passes.draw_module(&[], &[])?;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("stage_draw"),
             source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
@@ -123,11 +123,11 @@ impl<'a> Draw<'a> {
             view_formats: &[],
         });
         // Everything within the picture: a hundredth of the size, from the middle.
-        let mut draw = StageDraw::zeroed();
+        let mut draw = GeometryDraw::zeroed();
         for k in 0..3 {
-            draw.clip_from_stage[k][k] = 0.01;
+            draw.clip_from_anchor[k][k] = 0.01;
         }
-        draw.clip_from_stage[3] = [0.0, 0.0, 0.5, 1.0];
+        draw.clip_from_anchor[3] = [0.0, 0.0, 0.5, 1.0];
         draw.uv_range = 1.0;
         let draw = device.create_buffer_init(&BufferInitDescriptor {
             label: None,
@@ -187,13 +187,15 @@ impl<'a> Draw<'a> {
                 occlusion_query_set: None,
                 multiview_mask: None,
             });
-            pass.set_pipeline(&self.pipeline);
-            for (index, group) in (0_u32..).zip(&self.groups) {
-                pass.set_bind_group(index, group, &[]);
-            }
-            pass.set_vertex_buffer(0, self.run.vertices.slice(..));
-            pass.set_index_buffer(self.run.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed_indirect(self.run.arguments(), 0);
+            let [given, nothing, view] = &self.groups;
+            let call = DrawCall {
+                pipeline: &self.pipeline,
+                groups: [given, nothing, view],
+                slot: None,
+                pools: self.run.pools(),
+                source: DrawSource::Indexed,
+            };
+            record_draw(&mut pass, &call, None);
         }
         let start = Instant::now();
         self.gpu.queue().submit([encoder.finish()]);

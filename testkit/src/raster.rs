@@ -3,7 +3,7 @@
 use crate::gpu::{Gpu, GpuError};
 use crate::stage::StageRun;
 use bytemuck::cast_slice;
-use dolomite_tessellation::layout::VERTEX_BYTES;
+use dolomite_geometry::layout::VERTEX_BYTES;
 use wgpu::{
     BufferUsages, Extent3d, FragmentState, LoadOp, Operations, RenderPassColorAttachment,
     RenderPassDescriptor, RenderPipelineDescriptor, StoreOp, TextureDescriptor, TextureDimension,
@@ -145,7 +145,7 @@ impl Raster {
         pass.set_bind_group(0, &group, &[]);
         pass.set_vertex_buffer(0, run.vertices.slice(..));
         pass.set_index_buffer(run.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed_indirect(run.arguments(), 0);
+        pass.draw_indexed_indirect(run.pools().work, 0);
         drop(pass);
         encoder.copy_texture_to_buffer(
             self.target.as_image_copy(),

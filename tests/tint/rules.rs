@@ -10,9 +10,14 @@ const LIBRARY: &str = "rules::functions";
 
 /// The library that the kinds name: the stage's own examples of a user's functions, in one module.
 pub fn library() -> Shader {
-    let files = ["user", "user_amplify", "user_bounds", "user_material"];
+    let files = [
+        "stage/user.wgsl",
+        "geometry/user_amplify.wgsl",
+        "stage/user_bounds.wgsl",
+        "geometry/user_material.wgsl",
+    ];
     let bodies = files.map(|file| {
-        let source = dolomite_shaders::find(&format!("stage/{file}.wgsl")).source;
+        let source = dolomite_shaders::find(file).source;
         source.split_once('\n').map_or(source, |(_, body)| body)
     });
     let source = format!("#define_import_path {LIBRARY}\n{}", bodies.concat());

@@ -11,6 +11,8 @@ use bevy::shader::{Shader, ShaderDefVal, ShaderImport};
 use dolomite::DolomitePlugins;
 use dolomite::ground::detail::layout::{DEPTH_PASSES, LAST_PASSES, Second, all_without};
 use dolomite::ground::detail::probe::ANSWER_PASS;
+use dolomite::ground::render::GroundKind;
+use dolomite::ground::render::detail::detail_variants;
 use dolomite::tessellation::render::{KindVariants, StageVariant, stage_variants};
 use dolomite_classic::render::{BoundedClassicKind, ClassicKind};
 use dolomite_game::game::sky::SkyPlugin;
@@ -89,7 +91,8 @@ pub fn all() -> Option<Asked> {
         stage(name, list());
     }
     stage("classic", stage_variants::<ClassicKind>());
-    stage("bounded classic", stage_variants::<BoundedClassicKind>());
+    stage("bounded classic", detail_variants::<BoundedClassicKind>());
+    stage("detail of the ground", detail_variants::<GroundKind>());
     stage("examples", examples::variants());
     stage("rules", rules::variants());
     for (file, _, second, _) in DEPTH_PASSES.iter().chain(&LAST_PASSES) {

@@ -28,6 +28,7 @@
 
 pub use dolomite_character as character;
 pub use dolomite_fbx as fbx;
+pub use dolomite_geometry as geometry;
 pub use dolomite_ground as ground;
 pub use dolomite_terrain as terrain;
 pub use dolomite_tessellation as tessellation;

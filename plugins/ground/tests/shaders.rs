@@ -1,4 +1,4 @@
-//! Every tessellation shader is valid WGSL, and its structs lie in memory as Rust's do.
+//! The ground's shaders are valid WGSL, and their structs lie in memory as Rust's do.
 
 use std::mem::offset_of;
 
@@ -44,106 +44,13 @@ macro_rules! same_layout {
 }
 
 #[test]
-#[should_panic(expected = "size of StageView")]
+#[should_panic(expected = "size of DetailPass")]
 fn a_changed_struct_is_seen() {
-    struct StageView {
-        planes: [[f32; 4]; 6],
+    struct DetailPass {
+        depth: u32,
+        more: [u32; 7],
     }
-    same_layout!(&composed("stage/control.wgsl"), StageView { planes });
-}
-
-#[test]
-fn the_stages_records_lie_as_in_rust() {
-    use dolomite_tessellation::layout::{MaterialRow, StageDraw, StageParams, StageView};
-    let control = composed("stage/control.wgsl");
-    same_layout!(
-        &control,
-        StageView {
-            planes,
-            sweep,
-            eye,
-            pixels_per_radian,
-            anchor,
-            pixels_per_edge,
-            time,
-            previous_time,
-            orthographic,
-            camera,
-        }
-    );
-    same_layout!(
-        &control,
-        StageParams {
-            view,
-            corners,
-            edges,
-            patches,
-            max_vertices,
-            max_primitives,
-            corner_table,
-            edge_table,
-            patch_table,
-            points,
-            point_size,
-            uv_range,
-            amplified,
-            split,
-        }
-    );
-    let draw = composed("stage/user_material.wgsl");
-    same_layout!(
-        &draw,
-        MaterialRow {
-            base_color,
-            emissive,
-            surface,
-        }
-    );
-    let draw = composed("stage/draw.wgsl");
-    same_layout!(
-        &draw,
-        StageDraw {
-            clip_from_stage,
-            previous_clip_from_stage,
-            camera,
-            time,
-            anchor,
-            uv_range,
-            viewport,
-            flags,
-            pad,
-            numbers,
-        }
-    );
-}
-
-#[test]
-fn the_stages_passes_keep_to_webgpus_limits() {
-    for (path, defs) in [
-        ("stage/control.wgsl", [].as_slice()),
-        ("stage/measure.wgsl", &[]),
-        ("stage/plan.wgsl", &[]),
-        ("stage/place_items.wgsl", &[]),
-        ("stage/emit_vertices.wgsl", &["STAGE_READ", "STAGE_MOVES"]),
-        ("stage/shadow_ranges.wgsl", &["STAGE_READ"]),
-        ("stage/emit_grid.wgsl", &["STAGE_READ"]),
-        ("stage/emit_strips.wgsl", &["STAGE_READ"]),
-        (
-            "stage/emit_strips.wgsl",
-            &["STAGE_READ", "STAGE_QUADS", "STAGE_SPLIT"],
-        ),
-    ] {
-        let module = dolomite_shaders::compose(path, defs).expect(path);
-        let storage = module
-            .global_variables
-            .iter()
-            .filter(|(_, v)| matches!(v.space, naga::AddressSpace::Storage { .. }))
-            .count();
-        // Eight in all: two are left for the data of a kind.
-        assert!(storage <= 6, "{path} binds {storage} storage buffers");
-        let size = module.entry_points[0].workgroup_size;
-        assert!(size.iter().product::<u32>() <= 256, "{path}");
-    }
+    same_layout!(&composed("detail/look.wgsl"), DetailPass { depth, more });
 }
 
 #[cfg(feature = "render")]
@@ -169,8 +76,8 @@ fn the_grounds_look_lies_as_in_rust() {
 
 #[test]
 fn the_records_of_the_level_of_detail_lie_as_in_rust() {
-    use dolomite_tessellation::detail::layout::{DetailParams, DetailPass, Link, VIEW_CELL_BYTES};
-    use dolomite_tessellation::detail::{Cell, DetailView, HorizonView};
+    use dolomite_ground::detail::layout::{DetailParams, DetailPass, Link, VIEW_CELL_BYTES};
+    use dolomite_ground::detail::{Cell, DetailView, HorizonView};
     let look = composed("detail/look.wgsl");
     same_layout!(
         &look,
@@ -260,8 +167,8 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
 
 #[test]
 fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
-    use dolomite_tessellation::detail::layout::{DEPTH_PASSES, LAST_PASSES};
-    use dolomite_tessellation::detail::probe::ANSWER_PASS;
+    use dolomite_ground::detail::layout::{DEPTH_PASSES, LAST_PASSES};
+    use dolomite_ground::detail::probe::ANSWER_PASS;
     let files = DEPTH_PASSES
         .iter()
         .map(|(file, ..)| file)
@@ -280,8 +187,8 @@ fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
 
 #[test]
 fn the_records_of_ground_answers_lie_as_in_rust() {
+    use dolomite_ground::detail::probe::{ANSWER_GROUP, ANSWER_PASS, AnswerHead, Asked};
     use dolomite_terrain::ProbeAnswer;
-    use dolomite_tessellation::detail::probe::{ANSWER_GROUP, ANSWER_PASS, AnswerHead, Asked};
     let module = composed(ANSWER_PASS.0);
     same_layout!(&module, Asked { frame, count });
     // A list without end lies behind the head.
@@ -307,4 +214,19 @@ fn the_records_of_ground_answers_lie_as_in_rust() {
         }
     );
     assert_eq!(module.entry_points[0].workgroup_size, [ANSWER_GROUP, 1, 1]);
+}
+
+#[test]
+fn the_levels_own_words_of_the_head_are_behind_those_of_geometry() {
+    use dolomite_geometry::layout::{HEAD_WORDS, OWN};
+    use dolomite_ground::detail::layout::{HEAD_COARSENING, HEAD_LEFT, HEAD_USED};
+    let source = dolomite_shaders::find("detail/finish.wgsl").source;
+    for (name, word) in [
+        ("HEAD_COARSENING", HEAD_COARSENING),
+        ("HEAD_LEFT", HEAD_LEFT),
+        ("HEAD_USED", HEAD_USED),
+    ] {
+        assert!(source.contains(&format!("const {name}: u32 = {word}u;")));
+        assert!((OWN..HEAD_WORDS).contains(&(word as u64)), "{name}");
+    }
 }

@@ -1,9 +1,8 @@
-//! What is spawned: patches, and the camera setting that tessellates them.
+//! What is spawned: patches.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use bevy::math::DVec3;
 use bevy::prelude::*;
 
 use super::PatchMesh;
@@ -51,44 +50,6 @@ impl<K: Send + Sync + 'static> Clone for Patches<K> {
             params: self.params,
             camera: self.camera,
             kind: PhantomData,
-        }
-    }
-}
-
-/// Makes a camera tessellate and draw the patches in the world.
-///
-/// The camera also needs Bevy's deferred G-buffer: `DepthPrepass`, `DeferredPrepass` and `Msaa::Off`
-/// (with the `render` feature they are required automatically, except `Msaa`).
-#[derive(Component, Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "render",
-    require(
-        bevy::core_pipeline::prepass::DepthPrepass,
-        bevy::core_pipeline::prepass::DeferredPrepass
-    )
-)]
-pub struct StageCamera {
-    /// Length of an edge that control functions aim at, pixels; 1 to 1000.
-    pub pixels_per_edge: f32,
-    /// The point that detail follows, world space; the camera's own place without.
-    pub focus: Option<DVec3>,
-    /// How far outside the frustum patches may stand and still cast their shadow into it, metres;
-    /// 0 and above.
-    pub shadow_reach: f32,
-    /// Draw filled triangles. Default true.
-    pub fill: bool,
-    /// Draw the edges of triangles as lines, over the fill or alone. Default false.
-    pub lines: bool,
-}
-
-impl Default for StageCamera {
-    fn default() -> Self {
-        Self {
-            pixels_per_edge: 8.0,
-            focus: None,
-            shadow_reach: 50.0,
-            fill: true,
-            lines: false,
         }
     }
 }

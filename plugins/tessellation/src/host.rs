@@ -4,10 +4,10 @@
 use std::sync::Arc;
 
 use bevy::math::{Vec2, Vec3};
+use dolomite_geometry::vertex::pack;
 
 use super::layout::{StageView, WorkHead};
 use super::tables::Instance;
-use super::vertex::pack;
 use super::{Levels, PatchMesh, Tessellator};
 
 /// A patch of an entity.

@@ -26,7 +26,7 @@
 //! | [`coordinate`] | where an inner vertex lies |
 //! | [`patches`] | patches with control points; which corners and edges they share |
 //! | [`tables`], [`layout`] | what the passes on the GPU read and write |
-//! | [`vertex`] | the words of a stored vertex |
+//! | [`passes`] | which these are |
 //! | [`HostFunctions`] | functions of a kind in Rust: the stage without dispatches |
 //! | [`half_edge`] | whether triangles form a manifold with the border that they should have |
 
@@ -37,6 +37,7 @@ mod host;
 pub mod layout;
 pub mod level;
 mod mesh;
+pub mod passes;
 pub mod patches;
 pub mod place;
 #[cfg(feature = "render")]
@@ -47,9 +48,9 @@ pub mod shapes;
 pub mod tables;
 mod tessellate;
 mod topology;
-pub mod vertex;
 
-pub use components::{Patches, StageCamera};
+pub use components::Patches;
+pub use dolomite_geometry::GeometryCamera as StageCamera;
 pub use host::{HostFunctions, HostPatch, HostTessellation, HostVertex, tessellate_host};
 pub use level::Levels;
 pub use mesh::{MeshTessellation, MeshVertex};

@@ -1,6 +1,7 @@
 //! Patches with control points, and which corners and edges they share.
 
 use bevy::platform::collections::HashMap;
+pub use dolomite_geometry::layout::BINDING_LIMIT;
 use thiserror::Error;
 
 use super::Domain;
@@ -169,9 +170,6 @@ pub enum PatchMeshError {
         limit: u64,
     },
 }
-
-/// Largest storage buffer that WebGPU promises, bytes.
-pub const BINDING_LIMIT: u64 = 128 << 20;
 
 /// Patches over shared control points. Immutable: share it by `Arc` among any number of entities.
 #[derive(Clone, Debug, PartialEq)]

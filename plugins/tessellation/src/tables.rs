@@ -9,8 +9,9 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
+use dolomite_geometry::layout::EVALUATED_BYTES;
 
-use super::layout::{EVALUATED_BYTES, SEGMENT_BYTES, StageParams};
+use super::layout::{SEGMENT_BYTES, StageParams};
 use super::patches::{BINDING_LIMIT, WHOLE};
 use super::{PatchLayout, PatchMesh};
 
@@ -25,7 +26,8 @@ pub struct Instance {
     /// Parameters, as `entity_params` gives them.
     pub params: [[f32; 4]; 4],
     /// Number of the only camera that sees it ([`StageView`](super::layout::StageView)'s `camera`);
-    /// 0: all do. The rest is unused.
+    /// 0: all do. Then the layers that it is in, 16 bits each ([`layer_words`]); both 0: in all. The last is
+    /// unused.
     pub camera: [f32; 4],
 }
 
@@ -43,6 +45,30 @@ impl Instance {
         [0.0, 1.0, 0.0, 0.0],
         [0.0, 0.0, 1.0, 0.0],
     ];
+}
+
+/// Layers 0 to 31, one a bit, as two numbers that are exact as f32.
+#[must_use]
+pub const fn layer_words(layers: u32) -> [f32; 2] {
+    [(layers & 0xffff) as f32, (layers >> 16) as f32]
+}
+
+impl Instance {
+    /// The same, in these layers.
+    #[must_use]
+    pub const fn in_layers(mut self, layers: u32) -> Self {
+        let [low, high] = layer_words(layers);
+        self.camera[1] = low;
+        self.camera[2] = high;
+        self
+    }
+
+    /// Whether a camera that sees `layers` sees the entity, as `entity_seen` in `api.wgsl` has it.
+    #[must_use]
+    pub const fn is_in(&self, layers: u32) -> bool {
+        let own = self.camera[1] as u32 | ((self.camera[2] as u32) << 16);
+        own == 0 || own & layers != 0
+    }
 }
 
 /// The buffers of a kind's entities.

@@ -4,7 +4,7 @@
 // lab/classic/src/functions.rs.
 
 #import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex, edge_level, entity_params, patch_point, stage_position}
-#import dolomite::stage::draw_types::{Shaded, Surface}
+#import dolomite::geometry::draw_types::{Shaded, Surface}
 #import dolomite::classic::look::{coloured, lit}
 
 // 1024 x 1024 samples, row by row; a storage buffer, because the weights of filtered textures have

@@ -2,7 +2,7 @@
 
 // Colours of the classic scene: not part of what is compared.
 
-#import dolomite::stage::draw_types::Shaded
+#import dolomite::geometry::draw_types::Shaded
 
 // Where the light stands, metres.
 const LIGHT: vec3<f32> = vec3(300.0, 500.0, 200.0);

@@ -5,7 +5,7 @@
 #import dolomite::detail::types::NO_CELL
 #import dolomite::detail::roots::root_corners
 #import dolomite::detail::vertices::{ROOT_CORNER, Vertex, cell_ground, vertex_number}
-#import dolomite::stage::vertex::VERTEX_WORDS
+#import dolomite::geometry::vertex::VERTEX_WORDS
 #import dolomite::terrain::fixed::{Fixed, GroundPoint, fixed_metres, fixed_sub, ground_x, ground_z, metres_fixed}
 
 struct Asked {

@@ -6,7 +6,7 @@
 #import dolomite::detail::cull::{CULL, KEEP_OTHERS, Drawn, draw_at, is_hidden}
 #import dolomite::detail::lattice::{cell_half, cell_quarter}
 #import dolomite::detail::vertices::{appears, corner_of, is_drawn, middle_of, vertex_number}
-#import dolomite::stage::vertex::VERTEX_WORDS
+#import dolomite::geometry::vertex::VERTEX_WORDS
 
 @group(1) @binding(0) var<storage, read> vertices: array<u32>;
 @group(1) @binding(1) var<storage, read_write> indices: array<u32>;

@@ -1,15 +1,15 @@
-// Arguments of the draws and what is reported, one thread; the words are those of the stage's head.
+// Arguments of the draws and what is reported, one thread.
 
 #import dolomite::detail::bindings::{counts, detail, COARSENING, LEFT, OTHERS, TRIANGLES, USED, VERTICES}
 #import dolomite::detail::room::corner_count
-#import dolomite::stage::work::{AMPLIFIED, INDEXED, OTHERS as HEAD_OTHERS, PLAIN, PRIMITIVES, SHARE, WANTED_PRIMITIVES, WANTED_VERTICES, WHOLE}
+#import dolomite::geometry::head::{AMPLIFIED, INDEXED, OTHERS as HEAD_OTHERS, PLAIN, PRIMITIVES, VERTICES as HEAD_VERTICES, WANTED_PRIMITIVES, WANTED_VERTICES}
 
 @group(1) @binding(0) var<storage, read_write> head: array<u32>;
 
-// Words of the head that the stage leaves free.
-const HEAD_COARSENING: u32 = 26u;
-const HEAD_LEFT: u32 = 27u;
-const HEAD_USED: u32 = 28u;
+// The level of detail's own words of the head.
+const HEAD_COARSENING: u32 = 24u;
+const HEAD_LEFT: u32 = 25u;
+const HEAD_USED: u32 = 26u;
 
 @compute @workgroup_size(1)
 fn finish() {
@@ -25,11 +25,10 @@ fn finish() {
     head[AMPLIFIED + 1u] = triangles;
     head[PLAIN] = 3u * triangles;
     head[PLAIN + 1u] = 1u;
-    head[12u] = vertices;
+    head[HEAD_VERTICES] = vertices;
     head[PRIMITIVES] = triangles;
     head[WANTED_VERTICES] = vertices;
     head[WANTED_PRIMITIVES] = triangles + others;
-    head[SHARE] = WHOLE;
     head[HEAD_COARSENING] = atomicLoad(&counts[COARSENING]);
     head[HEAD_LEFT] = atomicLoad(&counts[LEFT]);
     head[HEAD_USED] = atomicLoad(&counts[USED]);

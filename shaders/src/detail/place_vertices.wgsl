@@ -8,7 +8,7 @@
 #import dolomite::detail::room::corner_count
 #import dolomite::detail::roots::root_corner
 #import dolomite::detail::vertices::{CENTRE, Vertex, appears, arrived, cell_error_ratio, cell_ground, corner_of, vertex_number}
-#import dolomite::stage::vertex::{VERTEX_WORDS, pack_normal}
+#import dolomite::geometry::vertex::{VERTEX_WORDS, pack_normal}
 #import dolomite::terrain::fixed::ground_relative
 
 // As the stage draws them: see vertex.wgsl.

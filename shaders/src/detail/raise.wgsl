@@ -3,7 +3,7 @@
 
 #import dolomite::detail::bindings::{counts, detail, MORPHING, GROUP}
 #import dolomite::detail::records::{RECORD, records}
-#import dolomite::stage::vertex::VERTEX_WORDS
+#import dolomite::geometry::vertex::VERTEX_WORDS
 
 @group(1) @binding(1) var<storage, read_write> vertices: array<u32>;
 

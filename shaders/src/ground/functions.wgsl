@@ -9,12 +9,12 @@
 // ground of all, metres.
 
 #import dolomite::stage::api::{Patch, PatchLevels, StageView, Vertex, edge_level, entity_origin, entity_params, patch_point, stage_position}
-#import dolomite::stage::draw_types::{Shaded, Surface, stage_draw}
+#import dolomite::geometry::draw_types::{Shaded, Surface}
 #import dolomite::terrain::fixed::{GroundPoint, ground_offset}
 #import dolomite::terrain::bindings::terrain
 #import dolomite::terrain::height::terrain_height
-#import dolomite::ground::types::{GroundView, DEPTH_RANGE}
-#import dolomite::ground::material::ground_surface
+#import dolomite::ground::types::DEPTH_RANGE
+#import dolomite::ground::surface::material as ground_material
 
 // The bed of water deeper than this cannot be seen, metres: the surface above it is flat.
 const OPAQUE_DEPTH: f32 = 12.0;
@@ -107,7 +107,5 @@ fn evaluate(input: Patch, at: vec3<f32>) -> Vertex {
 }
 
 fn material(surface: Surface) -> Shaded {
-    let given = stage_draw.numbers;
-    let view = GroundView(stage_draw.camera, stage_draw.time, stage_draw.anchor.xz, given[0].xy, given[0].zw, given[1].xy);
-    return ground_surface(view, surface, stage_draw.anchor.y);
+    return ground_material(surface);
 }

@@ -3,7 +3,7 @@
 // What the ground is made of, by height, slope and the sea, and how it looks there.
 // Slopes are rise over run; heights and lengths metres.
 
-#import dolomite::stage::draw_types::{Shaded, Surface}
+#import dolomite::geometry::draw_types::{Shaded, Surface}
 #import dolomite::ground::types::{GroundLook, GroundView, DEPTH_RANGE}
 #import dolomite::ground::texturing::{Texel, mix_texels, sample_once, sample_varied, value_noise}
 #import dolomite::ground::water::water_surface

@@ -49,7 +49,8 @@ struct StageParams {
     amplified: u32,
     // 1 where sides may be split.
     split: u32,
-    pad_a: u32,
+    // Layers that the camera of this view sees, one a bit.
+    layers: u32,
     pad_b: u32,
     pad_c: u32,
 }
@@ -93,7 +94,8 @@ struct Vertex {
 @group(0) @binding(2) var<storage, read> stage_data: array<vec4<f32>>;
 
 // Three rows of the matrix to the world, three of the last frame's, four of parameters, one that
-// begins with the number of the only camera that sees it, or 0.
+// begins with the number of the only camera that sees it, or 0, and then holds its layers, 16 bits each;
+// both 0: in all.
 const ENTITY_SIZE: u32 = 11u;
 const ENTITY_CAMERA: u32 = 10u;
 // Words of a patch in the tables: entity, number, first index, first point, corners, edges; where
@@ -141,8 +143,9 @@ fn entity_origin(input: Patch) -> vec3<f32> {
 
 // Whether the camera of this view may see the entity.
 fn entity_seen(input: Patch) -> bool {
-    let only = stage_data[input.entity * ENTITY_SIZE + ENTITY_CAMERA].x;
-    return only == 0.0 || only == stage.view.camera;
+    let seen_by = stage_data[input.entity * ENTITY_SIZE + ENTITY_CAMERA];
+    let layers = u32(seen_by.y) | (u32(seen_by.z) << 16u);
+    return (seen_by.x == 0.0 || seen_by.x == stage.view.camera) && (layers == 0u || (layers & stage.layers) != 0u);
 }
 
 // From the entity's local space to the stage's.

@@ -6,7 +6,8 @@
 #import dolomite::stage::level::{clamp_inner, clamp_level, clamp_outer, discarded}
 #import dolomite::stage::rules::stage_rules
 #import dolomite::stage::shape::corner_count
-#import dolomite::stage::work::{COLUMNS, DISCARDED, EDGE_NUMBER, corner_word, edge_word, inner_word}
+#import dolomite::geometry::head::DISCARDED
+#import dolomite::stage::work::{COLUMNS, EDGE_NUMBER, corner_word, edge_word, inner_word}
 #import dolomite::stage::user::control
 
 @group(0) @binding(3) var<storage, read_write> work: array<atomic<u32>>;

@@ -7,7 +7,8 @@
 #import dolomite::stage::rules::stage_rules
 #import dolomite::stage::shape::{Pair, cell_pair, grid_triangles, ring_pair}
 #import dolomite::stage::triangle::{indices, store_triangle}
-#import dolomite::stage::work::{COLUMNS, PRIMITIVES, offset_word, thread_before, thread_word}
+#import dolomite::geometry::head::PRIMITIVES
+#import dolomite::stage::work::{COLUMNS, offset_word, thread_before, thread_word}
 
 @compute @workgroup_size(256)
 fn emit_grid(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {

@@ -6,8 +6,9 @@
 #import dolomite::stage::counts::work
 #import dolomite::stage::rules::stage_rules
 #import dolomite::stage::source::{Source, source_coordinate, source_of}
-#import dolomite::stage::vertex::{VERTEX_WORDS, pack_normal}
-#import dolomite::stage::work::{COLUMNS, VERTICES, item_count, offset_word, thread_before, thread_word}
+#import dolomite::geometry::vertex::{VERTEX_WORDS, pack_normal}
+#import dolomite::geometry::head::VERTICES
+#import dolomite::stage::work::{COLUMNS, item_count, offset_word, thread_before, thread_word}
 #import dolomite::stage::user::evaluate
 
 @group(0) @binding(4) var<storage, read_write> vertices: array<u32>;

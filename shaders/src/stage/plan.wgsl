@@ -5,7 +5,8 @@
 #import dolomite::stage::api::stage
 #import dolomite::stage::counts::{item_size, work}
 #import dolomite::stage::rules::stage_rules
-#import dolomite::stage::work::{AMPLIFIED, BLOCK, COLUMNS, GRID_DISPATCH, INDEXED, LOWERED, LOWERINGS, PLAIN, PRIMITIVES, SHARE, VERTEX_DISPATCH, VERTICES, WANTED_PRIMITIVES, WANTED_VERTICES, block_word, item_count, offset_word, share_after, thread_before}
+#import dolomite::geometry::head::{AMPLIFIED, INDEXED, LOWERED, PLAIN, PRIMITIVES, VERTICES, WANTED_PRIMITIVES, WANTED_VERTICES}
+#import dolomite::stage::work::{BLOCK, COLUMNS, GRID_DISPATCH, LOWERINGS, SHARE, VERTEX_DISPATCH, block_word, item_count, offset_word, share_after, thread_before}
 
 const THREADS: u32 = 256u;
 // Sums stop here instead of wrapping round.

@@ -13,18 +13,14 @@ const GROUPS: u32 = 64u;
 // before it casts its shadow too.
 const PLANES: u32 = 5u;
 
-struct ShadowViews {
-    planes: array<vec4<f32>, 80>,
-}
-
 // draw_indexed_indirect for each group of each shadow view: index count, 1, first index, 0, 0.
 @group(0) @binding(4) var<storage, read_write> ranges: array<u32>;
-@group(0) @binding(5) var<uniform> shadow_views: ShadowViews;
+@group(0) @binding(5) var<storage, read> shadow_planes: array<vec4<f32>>;
 
 fn meets(shadow_view: u32, sphere: vec4<f32>) -> bool {
     var inside = true;
     for (var k = 0u; k < PLANES; k++) {
-        let plane = shadow_views.planes[shadow_view * PLANES + k];
+        let plane = shadow_planes[shadow_view * PLANES + k];
         inside = inside && dot(plane.xyz, sphere.xyz) + plane.w >= -sphere.w;
     }
     return inside;

@@ -2,7 +2,7 @@
 
 // What the passes of the stage leave to each other in one buffer, in words:
 //
-//   head      40  draw and dispatch arguments, counters
+//   head      40  draw and dispatch arguments, counters: geometry/head.wgsl, then the stage's own
 //   corners    1  each: 1 where a patch uses it
 //   edges      1  each: the greatest level that a patch beside it asks for, 0 without
 //   inner      4  each patch: inner levels (isolines: lines, segments), 0 where it is discarded; as
@@ -20,28 +20,12 @@
 #import dolomite::stage::types::{Rules, ONE, EQUAL, FRACTIONAL_EVEN, FRACTIONAL_ODD, D3D}
 #import dolomite::stage::api::StageParams
 
-// draw_indexed_indirect: index count, 1, 0, 0, 0.
-const INDEXED: u32 = 0u;
-// draw_indirect: vertices of an amplified primitive, primitives, 0, 0.
-const AMPLIFIED: u32 = 5u;
-// dispatch_workgroups_indirect of emit_vertices.
-const VERTEX_DISPATCH: u32 = 9u;
-// Counters.
-const VERTICES: u32 = 12u;
-const PRIMITIVES: u32 = 13u;
-const DISCARDED: u32 = 14u;
-const LOWERED: u32 = 15u;
-// What the pools would have to hold without lowering.
-const WANTED_VERTICES: u32 = 16u;
-const WANTED_PRIMITIVES: u32 = 17u;
+// Words of the head that are the stage's own, behind those of geometry/head.wgsl.
+// dispatch_workgroups_indirect of emit_vertices, and of emit_grid.
+const VERTEX_DISPATCH: u32 = 24u;
+const GRID_DISPATCH: u32 = 27u;
 // What is left of every level, in 1/1024.
-const SHARE: u32 = 18u;
-// dispatch_workgroups_indirect of emit_grid.
-const GRID_DISPATCH: u32 = 19u;
-// draw_indirect of the same primitives, their indices fetched by the shader: index count, 1, 0, 0.
-const PLAIN: u32 = 22u;
-// draw_indexed_indirect of what the camera does not see, for shadows: of external geometry.
-const OTHERS: u32 = 32u;
+const SHARE: u32 = 30u;
 const HEAD: u32 = 40u;
 #ifdef STAGE_SPLIT
 const INNER_WORDS: u32 = 5u;

@@ -4,9 +4,9 @@ use super::layouts::{READ, UNIFORM, WRITE};
 use super::{DetailError, DetailStage};
 use crate::gpu::Gpu;
 use bytemuck::{bytes_of, cast_slice, pod_collect_to_vec, pod_read_unaligned};
+use dolomite_geometry::ring::{Ring, Staging};
 use dolomite_ground::detail::layout::DetailParams;
 use dolomite_ground::detail::probe::{ANSWER_GROUP, ANSWER_PASS, AnswerHead, Asked};
-use dolomite_ground::detail::ring::{Ring, Staging};
 use dolomite_terrain::{GroundPoint, ProbeAnswer};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
@@ -38,10 +38,9 @@ impl Staging for Staged {
         slice.map_async(wgpu::MapMode::Read, move |mapped| done(mapped.is_ok()));
     }
 
-    fn take(&self, bytes: u64) -> Vec<u8> {
-        let taken = self.0.slice(..bytes).get_mapped_range().to_vec();
+    fn take(&self, bytes: u64, read: &mut dyn FnMut(&[u8])) {
+        read(&self.0.slice(..bytes).get_mapped_range());
         self.0.unmap();
-        taken
     }
 }
 

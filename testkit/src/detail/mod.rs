@@ -1,4 +1,5 @@
-//! The passes of the level of detail without Bevy's renderer, as `dolomite_tessellation` records them.
+//! The passes of the level of detail without Bevy's renderer, recorded by
+//! [`dolomite_ground::render::detail::record`] as in an app.
 
 mod answers;
 mod layouts;
@@ -8,7 +9,8 @@ mod times;
 pub use answers::{DetailAnswers, Staged};
 
 use crate::gpu::{Gpu, GpuError};
-use bytemuck::{bytes_of, cast_slice, pod_collect_to_vec};
+use bytemuck::{bytes_of, cast_slice, pod_collect_to_vec, pod_read_unaligned};
+use dolomite_geometry::layout::{GeometryHead, HEAD_WORDS};
 use dolomite_ground::detail::DetailCells;
 use dolomite_ground::detail::lattice::MAX_DEPTH;
 use dolomite_ground::detail::layout::{
@@ -16,7 +18,7 @@ use dolomite_ground::detail::layout::{
     DetailPass, HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, Pass, Second,
     VIEW_CELL_BYTES, without,
 };
-use dolomite_tessellation::layout::OTHERS_ARGUMENTS;
+use dolomite_ground::render::detail::record::SLOT;
 use layouts::{Layouts, group};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
@@ -59,8 +61,8 @@ pub struct DetailRun {
 /// One ground's passes and buffers.
 pub struct DetailStage<'a> {
     gpu: &'a Gpu,
-    depth_passes: Vec<ComputePipeline>,
-    last_passes: Vec<ComputePipeline>,
+    /// Those of a depth, then those that close a choice.
+    passes: Vec<ComputePipeline>,
     layouts: Layouts,
     beginning: Beginning,
     terrain: BindGroup,
@@ -87,9 +89,6 @@ struct Chosen {
     indices: Buffer,
     head: Buffer,
 }
-
-/// Bytes between the slots of a uniform buffer.
-const SLOT: u64 = 256;
 
 impl<'a> DetailStage<'a> {
     /// Compiles the passes and makes buffers with room for `capacity` cells.
@@ -131,9 +130,8 @@ impl<'a> DetailStage<'a> {
                 },
             ))
         };
-        let all = |passes: &[Pass]| passes.iter().map(pipeline).collect::<Result<_, _>>();
-        let depth_passes = all(&DEPTH_PASSES)?;
-        let last_passes = all(&LAST_PASSES)?;
+        let passes = DEPTH_PASSES.iter().chain(&LAST_PASSES);
+        let passes = passes.map(pipeline).collect::<Result<_, _>>()?;
         let beginning = Beginning::new(cells);
         let empty = |size: u64| {
             gpu.device().create_buffer(&wgpu::BufferDescriptor {
@@ -192,8 +190,7 @@ impl<'a> DetailStage<'a> {
         );
         Ok(Self {
             gpu,
-            depth_passes,
-            last_passes,
+            passes,
             layouts,
             arguments: [0, 1].map(|_| empty(ARGUMENT_BYTES)),
             closing: empty(CLOSING_BYTES),
@@ -227,11 +224,12 @@ impl<'a> DetailStage<'a> {
         gpu.queue().submit([encoder.finish()]);
         gpu.finish()?;
         let time = start.elapsed();
-        let head: Vec<u32> = pod_collect_to_vec(&gpu.read(&head)?);
+        let head: GeometryHead = pod_read_unaligned(&gpu.read(&head)?);
         let words: Vec<u32> = pod_collect_to_vec(&gpu.read(&vertices)?);
         let numbers: Vec<u32> = pod_collect_to_vec(&gpu.read(&indices)?);
-        let (vertices, triangles) = (head[12] as usize, head[13] as usize);
-        let others = &head[OTHERS_ARGUMENTS as usize / 4..];
+        let (vertices, triangles) = (head.vertices as usize, head.primitives as usize);
+        let others = head.others;
+        let head: [u32; HEAD_WORDS as usize] = bytemuck::cast(head);
         let listed = |first: usize, count: usize| {
             let triples = numbers.chunks_exact(3).skip(first).take(count);
             triples

@@ -1,14 +1,12 @@
-//! The passes of a choice in the order in which they are recorded.
+//! A choice, recorded as in an app.
 
 use super::layouts::group;
-use super::{Chosen, DetailStage, SLOT, times};
+use super::{Chosen, DetailStage, times};
 use bytemuck::{bytes_of, cast_slice};
-use dolomite_ground::detail::layout::{
-    Beginning, DEPTH_PASSES, DetailParams, DetailPass, Groups, LAST_PASSES, RECORD_BYTES, Second,
-    arguments_at,
-};
-use dolomite_tessellation::layout::{HEAD_WORDS, VERTEX_BYTES};
-use wgpu::{BindGroupLayout, Buffer, BufferUsages, ComputePass};
+use dolomite_geometry::layout::{HEAD_WORDS, VERTEX_BYTES};
+use dolomite_ground::detail::layout::{Beginning, DetailParams, DetailPass, Groups, RECORD_BYTES};
+use dolomite_ground::render::detail::record::{DetailBound, record_step, steps};
+use wgpu::{BindGroupLayout, Buffer, BufferUsages};
 
 impl DetailStage<'_> {
     /// Records a choice.
@@ -73,14 +71,18 @@ impl DetailStage<'_> {
         let to_triangles = bind(&layouts.triangles, &[&vertices, &indices]);
         let to_head = bind(&layouts.head, &[&head]);
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        let mut steps = Vec::new();
-        for depth in 0..=params.depth {
-            let passes = self.depth_passes.iter().zip(DEPTH_PASSES);
-            steps.extend(passes.map(|(pipeline, pass)| (depth, pipeline, pass)));
-        }
-        let last = self.last_passes.iter().zip(LAST_PASSES);
-        steps.extend(last.map(|(pipeline, pass)| (params.depth, pipeline, pass)));
-        steps.retain(|(_, _, (.., count))| params.needs(*count));
+        let [even, odd] = &to_arguments;
+        let bound = DetailBound {
+            shared: &shared,
+            ground: &self.terrain,
+            arguments: [even, odd],
+            vertices: &to_vertices,
+            triangles: &to_triangles,
+            head: &to_head,
+            indirect: [&self.arguments[0], &self.arguments[1]],
+            closing: &self.closing,
+        };
+        let steps: Vec<_> = steps(params.depth, params.needs(Groups::Horizon)).collect();
         let mut timer = self
             .times
             .take()
@@ -93,36 +95,15 @@ impl DetailStage<'_> {
                     .forget_lifetime(),
             );
         }
-        for (depth, pipeline, (_, entry, second, count)) in steps {
-            let turn = (depth & 1) as usize;
-            let record = |pass: &mut ComputePass| {
-                pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, &shared, &[depth * SLOT as u32]);
-                let second = match second {
-                    Second::Nothing => None,
-                    Second::Ground => Some(&self.terrain),
-                    Second::Arguments => Some(&to_arguments[turn]),
-                    Second::Vertices => Some(&to_vertices),
-                    Second::Triangles => Some(&to_triangles),
-                    Second::Head => Some(&to_head),
-                };
-                if let Some(second) = second {
-                    pass.set_bind_group(1, second, &[]);
-                }
-                match count {
-                    Groups::One => pass.dispatch_workgroups(1, 1, 1),
-                    Groups::Kept | Groups::Horizon => {
-                        pass.dispatch_workgroups_indirect(&self.closing, 0)
-                    }
-                    Groups::Make | Groups::Look => {
-                        let at = arguments_at(depth, count);
-                        pass.dispatch_workgroups_indirect(&self.arguments[turn], at);
-                    }
-                }
-            };
+        for step in &steps {
+            let pipeline = &self.passes[step.pipeline];
+            let (_, entry, ..) = step.pass;
             match (&mut timer, &mut one) {
-                (Some(timer), _) => record(&mut timer.begin(&mut encoder, entry, depth)),
-                (None, Some(pass)) => record(pass),
+                (Some(timer), _) => {
+                    let mut pass = timer.begin(&mut encoder, entry, step.depth);
+                    record_step(&mut pass, pipeline, &bound, step);
+                }
+                (None, Some(pass)) => record_step(pass, pipeline, &bound, step),
                 (None, None) => {}
             }
         }

@@ -1,5 +1,6 @@
 //! The passes of the tessellation stage without Bevy's renderer: control, measure, plan, place and
-//! the three of emission, as `dolomite_tessellation` records them, with the functions of `shaders/src/stage/user.wgsl`.
+//! the three of emission, recorded by [`dolomite_tessellation::render::record`] as in an app, with the
+//! functions of `shaders/src/stage/user.wgsl`.
 
 mod passes;
 mod record;
@@ -9,9 +10,9 @@ pub use passes::{StageOptions, StagePasses};
 
 use crate::gpu::{Gpu, GpuError};
 use bytemuck::{Zeroable, bytes_of, cast_slice, pod_collect_to_vec, pod_read_unaligned};
-use dolomite_tessellation::layout::{
-    EVALUATED_BYTES, StageParams, StageView, VERTEX_BYTES, WorkHead,
-};
+use dolomite_geometry::layout::{EVALUATED_BYTES, VERTEX_BYTES};
+use dolomite_geometry::render::Pools;
+use dolomite_tessellation::layout::{StageParams, StageView, WorkHead};
 use dolomite_tessellation::tables::{Instance, Tables};
 use dolomite_tessellation::{Domain, Drawing, PatchLayout, PatchMesh};
 use std::sync::Arc;
@@ -296,9 +297,15 @@ impl<'a> StageRun<'a> {
         head.vertices as u64 * self.vertex_bytes() + head.indexed[0] as u64 * 4
     }
 
-    /// The buffer that begins with the arguments of the indexed draw.
-    pub const fn arguments(&self) -> &Buffer {
-        &self.work
+    /// What draws read.
+    #[must_use]
+    pub const fn pools(&self) -> Pools<'_> {
+        Pools {
+            vertices: &self.vertices,
+            previous: None,
+            indices: &self.indices,
+            work: &self.work,
+        }
     }
 
     /// Counters and arguments of the last run.

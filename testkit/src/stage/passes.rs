@@ -2,8 +2,14 @@
 
 use super::StageError;
 use crate::gpu::{Gpu, GpuError};
-use dolomite_tessellation::{Domain, Drawing, Mode, Spacing, Tessellator, Winding};
+use dolomite_geometry::render::DrawShader;
+use dolomite_shaders::ShaderFile;
+use dolomite_tessellation::passes::{
+    PASSES, PassRules, StagePass, defs, evaluated_source, pass_count,
+};
+use dolomite_tessellation::{Domain, Drawing, Tessellator};
 use std::borrow::Cow;
+use std::sync::LazyLock;
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType,
     BufferBindingType, ComputePipeline, ShaderStages,
@@ -14,9 +20,8 @@ pub struct StagePasses {
     pub(super) work_layout: BindGroupLayout,
     pub(super) emit_layout: BindGroupLayout,
     pub(super) data_layout: Option<BindGroupLayout>,
-    pub(super) passes: [ComputePipeline; 6],
-    /// Not of isolines.
-    pub(super) strips: Option<ComputePipeline>,
+    /// In the order of [`PASSES`].
+    pub(super) passes: Vec<ComputePipeline>,
     pub(crate) tessellator: Tessellator,
     pub(crate) drawing: Drawing,
     split: bool,
@@ -30,7 +35,7 @@ pub struct StageOptions<'a> {
     /// Whether the patches' sides may be split.
     pub split: bool,
     /// Files in place of those whose paths they have, above all of `stage/user.wgsl`.
-    pub functions: &'a [dolomite_shaders::ShaderFile],
+    pub functions: &'a [ShaderFile],
     /// Buffers that the functions read, bound in this order at group 1.
     pub data: &'a [BufferBindingType],
 }
@@ -65,7 +70,7 @@ impl StagePasses {
         gpu: &Gpu,
         tessellator: Tessellator,
         drawing: Drawing,
-        functions: &[dolomite_shaders::ShaderFile],
+        functions: &[ShaderFile],
     ) -> Result<Self, StageError> {
         let options = StageOptions {
             drawing,
@@ -98,23 +103,30 @@ impl StagePasses {
         let work_layout = layout(&[uniform, read, read, write]);
         let emit_layout = layout(&[uniform, read, read, read, write, write]);
         let data_layout = (!data.is_empty()).then(|| layout(data));
-        let mut defs = defs(&tessellator, drawing);
-        if split {
-            defs.push("STAGE_SPLIT");
-        }
-        let pass = |file: &str, entry: &str, layout: &BindGroupLayout, more: &[&'static str]| {
-            let defs = [defs.as_slice(), more].concat();
-            let module = dolomite_shaders::compose_with(file, &defs, functions)?;
+        let rules = PassRules {
+            evaluated: drawing == Drawing::Evaluated,
+            split,
+            ..Default::default()
+        };
+        let defs = defs(&tessellator, rules);
+        let pass = |pass: &StagePass| {
+            let layout = if pass.emits {
+                &emit_layout
+            } else {
+                &work_layout
+            };
+            let defs: Vec<_> = defs.iter().copied().chain(pass.def()).collect();
+            let module = dolomite_shaders::compose_with(pass.file, &defs, functions)?;
             let module = gpu
                 .device()
                 .create_shader_module(wgpu::ShaderModuleDescriptor {
-                    label: Some(entry),
+                    label: Some(pass.entry),
                     source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
                 });
             let layout = gpu
                 .device()
                 .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                    label: Some(entry),
+                    label: Some(pass.entry),
                     bind_group_layouts: &[Some(layout), data_layout.as_ref()]
                         [..1 + usize::from(data_layout.is_some())],
                     immediate_size: 0,
@@ -122,27 +134,19 @@ impl StagePasses {
             let pipeline = gpu
                 .device()
                 .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                    label: Some(entry),
+                    label: Some(pass.entry),
                     layout: Some(&layout),
                     module: &module,
-                    entry_point: Some(entry),
+                    entry_point: Some(pass.entry),
                     compilation_options: Default::default(),
                     cache: None,
                 });
             Ok::<_, StageError>(pipeline)
         };
-        let emission = |file, entry| pass(file, entry, &emit_layout, &["STAGE_READ"]);
-        let passes = [
-            pass("stage/control.wgsl", "control_patches", &work_layout, &[])?,
-            pass("stage/measure.wgsl", "measure", &work_layout, &[])?,
-            pass("stage/plan.wgsl", "plan", &work_layout, &[])?,
-            pass("stage/place_items.wgsl", "place_items", &work_layout, &[])?,
-            emission("stage/emit_vertices.wgsl", "emit_vertices")?,
-            emission("stage/emit_grid.wgsl", "emit_grid")?,
-        ];
-        let strips = (tessellator.domain != Domain::Isolines)
-            .then(|| emission("stage/emit_strips.wgsl", "emit_strips"))
-            .transpose()?;
+        let passes = PASSES[..pass_count(tessellator.domain)]
+            .iter()
+            .map(pass)
+            .collect::<Result<Vec<_>, _>>()?;
         if let Some(error) = bevy::tasks::block_on(scope.pop()) {
             return Err(GpuError::Validation(error.to_string()).into());
         }
@@ -151,20 +155,49 @@ impl StagePasses {
             emit_layout,
             data_layout,
             passes,
-            strips,
             tessellator,
             drawing,
             split,
         })
     }
 
-    /// Shader definitions of its passes and draws.
-    pub(crate) fn defs(&self) -> Vec<&'static str> {
-        let mut defs = defs(&self.tessellator, self.drawing);
-        if self.split {
-            defs.push("STAGE_SPLIT");
+    /// `geometry/draw.wgsl` for what the passes emit, with more definitions and with `functions` in place of
+    /// the files whose paths they have.
+    ///
+    /// # Errors
+    /// If the shader is wrong.
+    pub fn draw_module(
+        &self,
+        more: &[&'static str],
+        functions: &[ShaderFile],
+    ) -> Result<naga::Module, StageError> {
+        static EVALUATED: LazyLock<String> =
+            LazyLock::new(|| DrawShader::source(None, None, Some(&evaluated_source(None))));
+        let mut defs = self.defs();
+        let mut functions = functions.to_vec();
+        if self.drawing == Drawing::Evaluated {
+            defs.push("GEOMETRY_EVALUATED");
+            functions.push(ShaderFile {
+                path: "geometry/draw.wgsl",
+                source: EVALUATED.as_str(),
+            });
         }
-        defs
+        if self.tessellator.domain == Domain::Isolines {
+            defs.push("GEOMETRY_SEGMENTS");
+        }
+        defs.extend(more);
+        let module = dolomite_shaders::compose_with("geometry/draw.wgsl", &defs, &functions)?;
+        Ok(module)
+    }
+
+    /// Shader definitions of its passes.
+    fn defs(&self) -> Vec<&'static str> {
+        let rules = PassRules {
+            evaluated: self.drawing == Drawing::Evaluated,
+            split: self.split,
+            ..Default::default()
+        };
+        defs(&self.tessellator, rules)
     }
 }
 
@@ -192,27 +225,4 @@ pub(crate) fn layout(
             label: None,
             entries: &entries,
         })
-}
-
-fn defs(tessellator: &Tessellator, drawing: Drawing) -> Vec<&'static str> {
-    let mut defs = match tessellator.domain {
-        Domain::Triangles => vec![],
-        Domain::Quads => vec!["STAGE_QUADS", "STAGE_FOUR_POINTS"],
-        Domain::Isolines => vec!["STAGE_ISOLINES", "STAGE_FOUR_POINTS"],
-    };
-    match tessellator.spacing {
-        Spacing::Equal => {}
-        Spacing::FractionalEven => defs.push("STAGE_FRACTIONAL_EVEN"),
-        Spacing::FractionalOdd => defs.push("STAGE_FRACTIONAL_ODD"),
-    }
-    if tessellator.mode == Mode::D3d {
-        defs.push("STAGE_D3D");
-    }
-    if tessellator.winding == Winding::Cw {
-        defs.push("STAGE_CLOCKWISE");
-    }
-    if drawing == Drawing::Evaluated {
-        defs.push("STAGE_EVALUATED");
-    }
-    defs
 }

@@ -1,8 +1,6 @@
 //! The classic surface with its error bounded in pixels: the same samples as a terrain, drawn by the
 //! level of detail with the same colours.
 
-use std::sync::Arc;
-
 use bevy::asset::RenderAssetUsages;
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
@@ -10,11 +8,10 @@ use bevy::render::storage::ShaderBuffer;
 use dolomite_terrain::Terrain;
 
 use super::ClassicSettings;
-use crate::{CLASSIC_LAYOUT, ClassicHeights};
+use crate::ClassicHeights;
+use dolomite_geometry::GeometryPlugin;
 use dolomite_ground::render::HeightUniform;
 use dolomite_ground::render::detail::{self, DetailKind};
-use dolomite_tessellation::render::{PatchKind, PatchPlugin, PatchPool, PatchShader};
-use dolomite_tessellation::{PatchLayout, PatchMesh, Patches};
 
 /// The kind: the height function, and who chooses.
 #[derive(Resource, AsBindGroup, Clone, Default)]
@@ -27,33 +24,16 @@ pub struct BoundedClassicKind {
     heights: HeightUniform,
     terrain: Option<Terrain>,
     relief: f32,
+    shown: bool,
     on_host: bool,
 }
 
-impl PatchKind for BoundedClassicKind {
-    const LAYOUT: PatchLayout = CLASSIC_LAYOUT;
-    const CUSTOM_MATERIAL: bool = true;
+impl DetailKind for BoundedClassicKind {
+    type Cameras = ();
+    const MATERIAL: &'static str = "dolomite::classic::bounded";
     const VERTEX_SHADED: bool = true;
     const SHADOWS: bool = false;
 
-    fn shader() -> PatchShader {
-        PatchShader::Library("dolomite::classic::bounded")
-    }
-
-    fn given(&self) -> bool {
-        true
-    }
-
-    fn pool(&self) -> PatchPool {
-        let vertices = MOST_VERTICES;
-        PatchPool {
-            vertices,
-            primitives: 2 * vertices,
-        }
-    }
-}
-
-impl DetailKind for BoundedClassicKind {
     fn ground(&self) -> Option<&Terrain> {
         self.terrain.as_ref()
     }
@@ -62,13 +42,14 @@ impl DetailKind for BoundedClassicKind {
         self.relief
     }
 
+    fn is_shown(&self) -> bool {
+        self.shown
+    }
+
     fn on_host(&self) -> bool {
         self.on_host
     }
 }
-
-/// Most vertices of a view: the surface is rough down to its samples, of which there are a million.
-const MOST_VERTICES: u32 = 1 << 19;
 
 /// The surface as a terrain, uploaded when it is first shown.
 #[derive(Resource)]
@@ -76,28 +57,32 @@ struct Surface(ClassicHeights);
 
 /// Adds the kind, which shows nothing until the settings ask for it.
 pub(super) fn build(app: &mut App, heights: &ClassicHeights) {
-    app.add_plugins(PatchPlugin(BoundedClassicKind::default()))
+    app.add_plugins(GeometryPlugin)
+        .init_resource::<BoundedClassicKind>()
         .insert_resource(Surface(heights.clone()))
         .add_systems(
             PostUpdate,
             follow.run_if(resource_exists_and_changed::<ClassicSettings>),
         );
+}
+
+/// The render half, when all plugins have been built.
+pub(super) fn finish(app: &mut App) {
     detail::build::<BoundedClassicKind>(app);
 }
 
-/// Shows or removes the surface.
+/// Shows or hides the surface.
 fn follow(
     settings: Res<ClassicSettings>,
     surface: Res<Surface>,
     mut kind: ResMut<BoundedClassicKind>,
     buffers: Option<ResMut<Assets<ShaderBuffer>>>,
-    shown: Query<Entity, With<Patches<BoundedClassicKind>>>,
-    mut commands: Commands,
 ) {
-    if !settings.is_bounded() {
-        for entity in &shown {
-            commands.entity(entity).despawn();
-        }
+    let shown = settings.is_bounded();
+    if kind.shown != shown {
+        kind.shown = shown;
+    }
+    if !shown {
         return;
     }
     if kind.on_host != settings.host {
@@ -116,12 +101,5 @@ fn follow(
         let bounds = terrain.bounds(&terrain.extent());
         kind.relief = bounds.max - bounds.min;
         kind.terrain = Some(terrain);
-    }
-    if shown.is_empty() {
-        // The stage draws for an entity; its patch is not looked at.
-        let points = vec![[0.0; 4]; CLASSIC_LAYOUT.points as usize];
-        let indices = (0..CLASSIC_LAYOUT.points).collect();
-        let mesh = PatchMesh::new(CLASSIC_LAYOUT, points, indices).expect("one whole patch");
-        commands.spawn(Patches::<BoundedClassicKind>::new(Arc::new(mesh)));
     }
 }

@@ -145,6 +145,10 @@ impl Plugin for ClassicPlugin {
                 .spawn(Patches::<ClassicKind>::new(mesh).with(0, self.settings.params()));
         }
     }
+
+    fn finish(&self, app: &mut App) {
+        bounded::finish(app);
+    }
 }
 
 /// All patches, for when they are shown again.

@@ -1,6 +1,6 @@
 //! Who controls: ours, and the rivals that anyone would try first.
 
-use dolomite_ground::detail::budget::{Budget, BudgetController, NextFrame, TimeSample};
+use dolomite_geometry::budget::{Budget, BudgetController, NextFrame, TimeSample};
 
 /// Chooses a tolerance for each frame.
 pub trait Control {

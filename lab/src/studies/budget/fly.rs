@@ -2,7 +2,7 @@
 
 use super::control::Control;
 use super::plant::{Event, Plant, RATE};
-use dolomite_ground::detail::budget::{Budget, DemandCurve, NextFrame, TimeSample};
+use dolomite_geometry::budget::{Budget, DemandCurve, NextFrame, TimeSample};
 use dolomite_testkit::metrics::{ErrorStats, Hash64};
 use std::time::Instant;
 

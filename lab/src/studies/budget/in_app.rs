@@ -9,7 +9,8 @@ use bevy::diagnostic::{Diagnostic, DiagnosticMeasurement, DiagnosticPath, Diagno
 use bevy::ecs::entity::Entity;
 use bevy::platform::time::Instant;
 use bevy::transform::components::GlobalTransform;
-use dolomite_ground::detail::budget::{Budget, BudgetPlugin, FrameTime, NextFrame, TimeSample};
+use dolomite_geometry::budget::{Budget, FrameTime, NextFrame, TimeSample};
+use dolomite_ground::detail::budget::{DetailBudgetPlugin, frame_time};
 use dolomite_ground::detail::{Detail, Metric};
 use std::time::Duration;
 
@@ -32,9 +33,9 @@ impl InApp {
     #[must_use]
     pub fn new(budget: Budget) -> Self {
         let mut app = App::new();
-        app.add_plugins((MinimalPlugins, BudgetPlugin))
+        app.add_plugins((MinimalPlugins, DetailBudgetPlugin))
             .init_resource::<DiagnosticsStore>();
-        let source = FrameTime::of_ground();
+        let source = frame_time();
         let paths = match &source {
             FrameTime::Diagnostics { paths, .. } => paths.clone(),
             _ => Vec::new(),

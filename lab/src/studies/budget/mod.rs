@@ -10,7 +10,7 @@ use crate::csv::{ErrorNumbers, Row};
 use crate::plot::{Axes, Chart, Curve};
 use crate::study::{Asked, Figure, Options, Report, Study};
 use control::{Control, Ours, PidControl};
-use dolomite_ground::detail::budget::Budget;
+use dolomite_geometry::budget::Budget;
 use fly::{BAND, START, Trace, Verdict, demands, fly, judge};
 use in_app::InApp;
 use plant::{MadeUp, NOISE, Plant};

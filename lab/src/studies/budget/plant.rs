@@ -4,7 +4,7 @@
 //! edges, bent towards what the finest level has; time is not proportional to vertices; what the
 //! demand curve foretells is off by some percent, differently in each place.
 
-use dolomite_ground::detail::budget::DemandCurve;
+use dolomite_geometry::budget::DemandCurve;
 use dolomite_testkit::random::Random;
 
 /// Frames a second of the flight.

@@ -3,7 +3,7 @@
 use super::control::{Fixed, PerLeg, Pid, PidControl};
 use super::fly::{Verdict, fly, judge};
 use super::plant::Plant;
-use dolomite_ground::detail::budget::{Budget, DemandCurve};
+use dolomite_geometry::budget::{Budget, DemandCurve};
 use dolomite_testkit::metrics::ErrorStats;
 
 /// A flight with its curves, and the budget on it.

@@ -6,7 +6,7 @@
 
 use super::measure::{params, places};
 use crate::scenes::camera::Camera;
-use dolomite_ground::detail::ring::Ring;
+use dolomite_geometry::ring::Ring;
 use dolomite_ground::detail::{DetailCells, Metric};
 use dolomite_terrain::Terrain;
 use dolomite_testkit::detail::{DetailError, DetailStage};

@@ -60,7 +60,7 @@ pub const COSTLY: &[ShaderFile] = &[
     ROCK,
     user!("one_level", "rock"),
     file(
-        "stage/user_material.wgsl",
+        "geometry/user_material.wgsl",
         include_str!("functions/rock_material.wgsl"),
     ),
 ];
@@ -79,12 +79,15 @@ mod tests {
             (ROCKY, vec!["STAGE_QUADS", "STAGE_FOUR_POINTS"]),
             (CHEAPEST, vec!["GBUFFER"]),
             (COSTLY, vec!["GBUFFER"]),
-            (COSTLY, vec!["GBUFFER", "STAGE_EVALUATED"]),
+            (
+                COSTLY,
+                vec!["GBUFFER", "STAGE_EVALUATED", "GEOMETRY_EVALUATED"],
+            ),
         ] {
             for file in [
                 "stage/control.wgsl",
                 "stage/emit_vertices.wgsl",
-                "stage/draw.wgsl",
+                "geometry/draw.wgsl",
             ] {
                 if let Err(error) = compose_with(file, &defs, set) {
                     panic!("{defs:?}: {error}");

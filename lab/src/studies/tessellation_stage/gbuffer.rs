@@ -2,11 +2,12 @@
 //! the stage's own `draw.wgsl`.
 
 use bytemuck::{Zeroable, bytes_of, cast_slice};
-use dolomite_shaders::{ShaderFile, compose_with};
-use dolomite_tessellation::Drawing;
-use dolomite_tessellation::layout::{
-    EVALUATED_BYTES, MATERIAL_ROWS, MaterialRow, StageDraw, VERTEX_BYTES,
+use dolomite_geometry::layout::{
+    EVALUATED_BYTES, GeometryDraw, MATERIAL_ROWS, MaterialRow, VERTEX_BYTES,
 };
+use dolomite_geometry::render::{DrawCall, DrawSource, record_draw};
+use dolomite_shaders::ShaderFile;
+use dolomite_tessellation::Drawing;
 use dolomite_testkit::gpu::{Gpu, GpuError};
 use dolomite_testkit::stage::{StageError, StagePasses, StageRun, layout};
 use std::borrow::Cow;
@@ -113,10 +114,10 @@ impl<'a> Draws<'a> {
             })
         };
         let materials = buffer(cast_slice(&rows));
-        let view = |clip_from_stage: [[f32; 4]; 4]| {
-            let mut draw = StageDraw::zeroed();
-            draw.clip_from_stage = clip_from_stage;
-            draw.previous_clip_from_stage = clip_from_stage;
+        let view = |clip_from_anchor: [[f32; 4]; 4]| {
+            let mut draw = GeometryDraw::zeroed();
+            draw.clip_from_anchor = clip_from_anchor;
+            draw.previous_clip_from_anchor = clip_from_anchor;
             draw.uv_range = 1.0;
             group(gpu, &layouts[2], &[&buffer(bytes_of(&draw)), &materials])
         };
@@ -216,13 +217,14 @@ impl<'a> Draws<'a> {
             occlusion_query_set: None,
             multiview_mask: None,
         });
-        pass.set_pipeline(pipeline);
-        for (index, group) in (0_u32..).zip([&self.given, &self.nothing, view]) {
-            pass.set_bind_group(index, group, &[]);
-        }
-        pass.set_vertex_buffer(0, run.vertices.slice(..));
-        pass.set_index_buffer(run.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed_indirect(run.arguments(), 0);
+        let call = DrawCall {
+            pipeline,
+            groups: [&self.given, &self.nothing, view],
+            slot: None,
+            pools: run.pools(),
+            source: DrawSource::Indexed,
+        };
+        record_draw(&mut pass, &call, None);
     }
 
     /// Pixels of the main view that the last frame's main draw covers.
@@ -266,9 +268,8 @@ fn pipeline(
     main: bool,
 ) -> Result<RenderPipeline, StageError> {
     let device = gpu.device();
-    let mut defs = passes.defs();
-    defs.push(if main { "GBUFFER" } else { "STAGE_SHADOW" });
-    let module = compose_with("stage/draw.wgsl", &defs, functions)?;
+    let def = if main { "GBUFFER" } else { "GEOMETRY_SHADOW" };
+    let module = passes.draw_module(&[def], functions)?;
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("stage_draw"),
         source: wgpu::ShaderSource::Naga(Cow::Owned(module)),

@@ -8,7 +8,6 @@ use bevy::tasks::{ComputeTaskPool, TaskPool};
 use dolomite_terrain::{Ground, GroundPoint, Planes, Terrain};
 
 use crate::detail::Detail;
-use crate::detail::budget::BudgetPlugin;
 
 use super::lattice::{Lattice, Node, clamped, selection_height};
 use super::patches::GroundPatches;
@@ -36,11 +35,14 @@ impl Plugin for GroundPlugin {
                 .in_set(TerrainCoverSystems)
                 .after(bevy::transform::TransformSystems::Propagate),
         );
-        if !app.is_plugin_added::<BudgetPlugin>() {
-            app.add_plugins(BudgetPlugin);
-        }
+        app.add_plugins(crate::detail::budget::DetailBudgetPlugin);
         #[cfg(feature = "render")]
         crate::render::build(app);
+    }
+
+    #[cfg(feature = "render")]
+    fn finish(&self, app: &mut App) {
+        crate::render::finish(app);
     }
 }
 

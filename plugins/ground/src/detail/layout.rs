@@ -149,12 +149,12 @@ pub const MAKE: usize = 64;
 pub const GROUP: u32 = 64;
 /// Most workgroups of a dispatch.
 pub const MOST_GROUPS: u32 = 65_535;
-/// Word of the stage's head that holds the coarsening, as f32.
-pub const HEAD_COARSENING: usize = 26;
-/// Word of the stage's head that holds the greatest demand that finest cells leave, as f32.
-pub const HEAD_LEFT: usize = 27;
-/// Word of the stage's head that holds how many cells are kept.
-pub const HEAD_USED: usize = 28;
+/// Word of the head that holds the coarsening, as f32.
+pub const HEAD_COARSENING: usize = 24;
+/// Word of the head that holds the greatest demand that finest cells leave, as f32.
+pub const HEAD_LEFT: usize = 25;
+/// Word of the head that holds how many cells are kept.
+pub const HEAD_USED: usize = 26;
 
 /// How many workgroups a pass has. All but one are counted on the GPU, from what the passes before found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -184,7 +184,7 @@ pub enum Second {
     Vertices,
     /// Vertices, read; indices, written.
     Triangles,
-    /// Head of the stage's work, written.
+    /// Head of the producer's work, written.
     Head,
 }
 

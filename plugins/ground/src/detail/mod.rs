@@ -18,7 +18,7 @@
 //!
 //! | part | what it does |
 //! |---|---|
-//! | [`budget`] | a controller that moves the tolerance so that a time is held |
+//! | [`budget`] | holds a time by the tolerance |
 //! | [`settings`] | metrics and their knobs |
 //! | [`lattice`] | places, cells and their neighbours, in integers |
 //! | [`mod@cell`] | heights and error bounds of a cell, from a few samples |
@@ -30,7 +30,6 @@
 //! | [`horizon`] | which of these other ground hides |
 //! | [`layout`] | the same on the GPU: records and passes |
 //! | [`probe`] | the triangle under a place: ground answers |
-//! | [`ring`] | answers on their way back, without waiting |
 
 pub mod budget;
 pub mod cell;
@@ -41,7 +40,6 @@ pub mod lattice;
 pub mod layout;
 pub mod mesh;
 pub mod probe;
-pub mod ring;
 pub mod select;
 pub mod settings;
 pub mod view;

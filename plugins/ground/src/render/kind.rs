@@ -7,10 +7,10 @@ use bevy::render::storage::ShaderBuffer;
 use dolomite_terrain::{GpuTerrainUniform, Terrain};
 
 use super::detail::DetailKind;
-use crate::cover::GROUND_LAYOUT;
 use crate::cover::functions::DEPTH_RANGE;
-use dolomite_tessellation::render::{PatchKind, PatchPool, PatchShader, Viewpoint};
+use crate::cover::{GROUND_LAYOUT, TerrainView};
 use dolomite_tessellation::PatchLayout;
+use dolomite_tessellation::render::{PatchKind, PatchPool, PatchShader, Viewpoint};
 
 /// The ground: its height function, its textures, its look. Kept by the plugin.
 #[derive(Resource, AsBindGroup, Clone, Default)]
@@ -39,8 +39,8 @@ pub struct GroundKind {
     pub(super) heights_apart: f32,
     /// What the buffers hold.
     pub(super) terrain: Option<Terrain>,
-    /// Whether its triangles come from the level of detail instead of patches.
-    pub(super) given: bool,
+    /// Whether the terrain can be drawn: its textures are there.
+    pub(super) shown: bool,
     /// Most that a view asks for.
     pub(super) pool: PatchPool,
 }
@@ -96,9 +96,19 @@ impl PatchKind for GroundKind {
         PatchShader::Library("dolomite::ground::functions")
     }
 
+    fn view_numbers(&self, view: &Viewpoint) -> [Vec4; 4] {
+        self.numbers(view)
+    }
+
+    fn pool(&self) -> PatchPool {
+        self.pool
+    }
+}
+
+impl GroundKind {
     /// Texture coordinates of the anchor, as fractions of a tile: far from the origin f32 would not
     /// hold them.
-    fn view_numbers(&self, view: &Viewpoint) -> [Vec4; 4] {
+    fn numbers(&self, view: &Viewpoint) -> [Vec4; 4] {
         let anchor = DVec2::new(view.anchor.x, view.anchor.z);
         let offset = |tile: f64| (anchor / tile - (anchor / tile).floor()).as_vec2();
         let tile = f64::from(self.look.tile.max(0.01));
@@ -111,22 +121,25 @@ impl PatchKind for GroundKind {
             Vec4::ZERO,
         ]
     }
-
-    fn given(&self) -> bool {
-        self.given
-    }
-
-    fn pool(&self) -> PatchPool {
-        self.pool
-    }
 }
 
 impl DetailKind for GroundKind {
+    type Cameras = With<TerrainView>;
+    const MATERIAL: &'static str = "dolomite::ground::surface";
+
     fn ground(&self) -> Option<&Terrain> {
         self.terrain.as_ref()
     }
 
     fn relief(&self) -> f32 {
         self.heights_apart
+    }
+
+    fn is_shown(&self) -> bool {
+        self.shown
+    }
+
+    fn view_numbers(&self, view: &Viewpoint) -> [Vec4; 4] {
+        self.numbers(view)
     }
 }

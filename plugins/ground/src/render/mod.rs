@@ -21,22 +21,27 @@ pub use detail::probe::{AnswerCensus, DrawnProbeStats, answer_census};
 pub use kind::{GroundKind, GroundLook, HeightUniform};
 pub use relief::TerrainRelief;
 
-use crate::detail::Detail;
 use crate::cover::lattice::clamped;
 use crate::cover::{
     GROUND_LAYOUT, TerrainCover, TerrainCoverSystems, TerrainMaterial, TerrainView,
 };
+use crate::detail::Detail;
+use dolomite_geometry::GeometryPlugin;
+use dolomite_tessellation::Patches;
 use dolomite_tessellation::render::{PatchPlugin, PatchPool};
-use dolomite_tessellation::{PatchMesh, Patches};
 use relief::RELIEF_SIDE;
 use texture::ReadyArrays;
 
-/// Adds the GPU half to an app that renders; does nothing to one that does not.
+/// Adds the main world's side of the GPU half.
 pub(crate) fn build(app: &mut App) {
-    if app.get_sub_app(RenderApp).is_none() {
+    app.add_plugins((GeometryPlugin, PatchPlugin(GroundKind::default())));
+}
+
+/// Adds the rest to an app that renders, when all plugins have been built; does nothing to one that does not.
+pub(crate) fn finish(app: &mut App) {
+    if app.get_sub_app(RenderApp).is_none() || app.world().contains_resource::<ReadyArrays>() {
         return;
     }
-    app.add_plugins(PatchPlugin(GroundKind::default()));
     detail::build::<GroundKind>(app);
     detail::probe::build(app);
     app.init_resource::<ReadyArrays>()
@@ -77,10 +82,13 @@ fn update_kind(
     mut buffers: ResMut<Assets<ShaderBuffer>>,
     terrains: Query<GroundQuery>,
     views: Query<&TerrainView>,
-    details: Query<(), (With<TerrainView>, With<Detail>)>,
+    ready: Res<ReadyArrays>,
     mut due: Local<Due>,
 ) {
     let Some((terrain, material, relief)) = terrains.iter().next() else {
+        if kind.shown {
+            kind.shown = false;
+        }
         return;
     };
     let relief_changed =
@@ -91,9 +99,9 @@ fn update_kind(
     if views.is_empty() {
         return;
     }
-    let given = !details.is_empty();
-    if kind.given != given {
-        kind.given = given;
+    let shown = ready.has(&material);
+    if kind.shown != shown {
+        kind.shown = shown;
     }
     let pool = views
         .iter()
@@ -153,23 +161,14 @@ fn look(
     }
 }
 
-/// A patch that nobody looks at.
-fn one_quad() -> Arc<PatchMesh> {
-    let points = vec![[0.0; 4]; GROUND_LAYOUT.points as usize];
-    let indices = (0..GROUND_LAYOUT.points).collect();
-    let whole = [[dolomite_tessellation::patches::WHOLE; 4]];
-    let mesh = PatchMesh::with_middles(GROUND_LAYOUT, points, indices, &whole);
-    Arc::new(mesh.expect("one patch of the layout's own size"))
-}
-
 /// Gives every view the patches of its cover, as an entity that it alone sees.
 fn place_patches(
     mut commands: Commands,
     terrains: Query<&TerrainMaterial, With<Terrain>>,
     kind: Res<GroundKind>,
-    mut any: Local<Option<Arc<PatchMesh>>>,
     ready: Res<ReadyArrays>,
-    covers: Query<(Entity, Ref<TerrainCover>), With<TerrainView>>,
+    // The level of detail draws for the others.
+    covers: Query<(Entity, Ref<TerrainCover>), (With<TerrainView>, Without<Detail>)>,
     mut grounds: Query<(
         Entity,
         &GroundOf,
@@ -192,12 +191,7 @@ fn place_patches(
     }
     for (camera, cover) in &covers {
         let found = grounds.iter_mut().find(|(_, of, ..)| of.0 == camera);
-        // The level of detail needs an entity that the stage draws for, and no patches.
-        let mesh = if kind.given {
-            any.get_or_insert_with(one_quad)
-        } else {
-            &cover.patches.mesh
-        };
+        let mesh = &cover.patches.mesh;
         let other = |patches: &Patches<GroundKind>| !Arc::ptr_eq(&patches.mesh, mesh);
         if found
             .as_ref()

@@ -1,109 +1,78 @@
-//! What comes from the main world: entities of each kind, cameras, the sun.
+//! What comes from the main world: entities of each kind.
 
 use std::any::TypeId;
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
 use bevy::render::Extract;
-use bevy::render::sync_world::RenderEntity;
 use bevy::shader::Shader;
+use dolomite_geometry::render::{Producers, camera_number};
 
 use super::kind::PatchKind;
 use super::prepare::StageKinds;
 use crate::tables::Instance;
-use crate::{PatchMesh, Patches, StageCamera};
-
-/// A camera that tessellates, in the render world.
-#[derive(Component, Clone)]
-pub struct ExtractedStageCamera {
-    pub settings: StageCamera,
-    /// What entities that one camera alone sees name it by; see [`camera_number`].
-    pub number: f32,
-}
-
-/// A number above 0 for a camera, exact as f32: entity indices stay below 2²⁴.
-fn camera_number(camera: Entity) -> f32 {
-    (camera.index_u32() + 1) as f32
-}
-
-/// What all kinds share.
-#[derive(Resource, Default)]
-pub struct StageScene {
-    /// Seconds, wrapped at an hour, of this frame and the last.
-    pub time: [f32; 2],
-    /// Direction that the sunlight travels, where it casts shadows.
-    pub sun: Option<Vec3>,
-}
-
-pub fn scene(
-    mut scene: ResMut<StageScene>,
-    time: Extract<Option<Res<Time>>>,
-    lights: Extract<Query<(&DirectionalLight, &GlobalTransform)>>,
-) {
-    let now = time
-        .as_ref()
-        .map_or(0.0, |time| time.elapsed_secs_wrapped());
-    scene.time = [now, scene.time[0]];
-    scene.sun = lights
-        .iter()
-        .filter(|(light, _)| light.shadow_maps_enabled)
-        .map(|(_, transform)| *transform.forward())
-        .next();
-}
-
-pub fn cameras(
-    mut commands: Commands,
-    cameras: Extract<Query<(Entity, RenderEntity, &StageCamera)>>,
-    mut removed: Extract<RemovedComponents<StageCamera>>,
-    entities: Extract<Query<RenderEntity>>,
-) {
-    for entity in removed
-        .read()
-        .filter_map(|entity| entities.get(entity).ok())
-    {
-        if let Ok(mut entity) = commands.get_entity(entity) {
-            entity.remove::<ExtractedStageCamera>();
-        }
-    }
-    for (camera, entity, settings) in &cameras {
-        commands.entity(entity).insert(ExtractedStageCamera {
-            settings: settings.clone(),
-            number: camera_number(camera),
-        });
-    }
-}
+use crate::{PatchMesh, Patches};
 
 type AnyChange<K> = Or<(
     Changed<Patches<K>>,
     Changed<GlobalTransform>,
     Changed<InheritedVisibility>,
+    Changed<RenderLayers>,
 )>;
+
+type Placed<'a, K> = (
+    Entity,
+    &'a Patches<K>,
+    &'a GlobalTransform,
+    &'a InheritedVisibility,
+    Option<&'a RenderLayers>,
+);
+
+/// Layers that the stage tells apart.
+const LAYERS: usize = 32;
+
+/// The layers of an entity or a camera, one a bit; and whether it is in others too.
+pub fn layer_bits(layers: &RenderLayers) -> (u32, bool) {
+    layers.iter().fold((0, false), |(bits, more), layer| {
+        if layer < LAYERS {
+            (bits | 1 << layer, more)
+        } else {
+            (bits, true)
+        }
+    })
+}
 
 /// The entities of a kind, when any of them changed.
 pub fn kind<K: PatchKind>(
     mut kinds: ResMut<StageKinds>,
+    mut producers: ResMut<Producers>,
     settings: Extract<Option<Res<K>>>,
-    entities: Extract<Query<(Entity, &Patches<K>, &GlobalTransform, &InheritedVisibility)>>,
+    entities: Extract<Query<Placed<K>>>,
     changed: Extract<Query<(), (With<Patches<K>>, AnyChange<K>)>>,
     mut removed: Extract<RemovedComponents<Patches<K>>>,
+    mut unlayered: Extract<RemovedComponents<RenderLayers>>,
     mut files: Extract<MessageReader<AssetEvent<Shader>>>,
     mut moved: Local<bool>,
     mut before: Local<HashMap<Entity, [[f32; 4]; 3]>>,
+    mut told: Local<bool>,
 ) {
     let Some(kind) = kinds.0.get_mut(&TypeId::of::<K>()) else {
+        return;
+    };
+    let Some(producer) = producers.get_mut(kind.key) else {
         return;
     };
     if let Some(settings) = settings.as_ref()
         && (settings.is_changed() || kind.version == 0)
     {
         kind.pool = settings.pool();
-        kind.still = settings.still();
-        kind.given = settings.given();
+        producer.still = settings.still();
         let stored = !K::MOVES && !super::evaluated::<K>() && K::AMPLIFIED == 0;
         kind.host = settings.host().filter(|_| stored);
-        kind.materials = settings.materials();
-        kind.materials_changed = true;
+        producer.materials = settings.materials();
+        producer.materials_changed = true;
         kind.version += 1;
     }
     // The user's functions were changed: what they made is out of date.
@@ -113,7 +82,8 @@ pub fn kind<K: PatchKind>(
         kind.version += 1;
     }
     // After a move everything is read once more, so that the last frame's place is this one's.
-    let any = !changed.is_empty() || removed.read().count() > 0;
+    let gone = removed.read().count() + unlayered.read().count();
+    let any = !changed.is_empty() || gone > 0;
     if !(any || *moved) {
         return;
     }
@@ -121,7 +91,7 @@ pub fn kind<K: PatchKind>(
     let mut now = HashMap::with_capacity(before.len());
     kind.instances.clear();
     let mut skipped = 0;
-    for (entity, patches, transform, visibility) in &entities {
+    for (entity, patches, transform, visibility, layers) in &entities {
         if !visibility.get() || patches.mesh.patches() == 0 {
             continue;
         }
@@ -129,20 +99,30 @@ pub fn kind<K: PatchKind>(
             skipped += 1;
             continue;
         }
+        let (bits, more) = layers.map_or((1, false), layer_bits);
+        if more && !std::mem::replace(&mut *told, true) {
+            warn!(
+                "{}: patches are drawn in render layers 0 to {}; those beyond are passed over",
+                kind.name,
+                LAYERS - 1
+            );
+        }
+        if bits == 0 {
+            continue;
+        }
         let rows = rows(transform);
         let previous = before.get(&entity).copied().unwrap_or(rows);
         // Others do not read where they were.
         *moved |= (K::MOVES || super::evaluated::<K>()) && previous != rows;
         now.insert(entity, rows);
-        kind.instances.push((
-            patches.mesh.clone(),
-            Instance {
-                rows,
-                previous,
-                params: patches.params.map(|param| param.to_array()),
-                camera: [patches.camera.map_or(0.0, camera_number), 0.0, 0.0, 0.0],
-            },
-        ));
+        let instance = Instance {
+            rows,
+            previous,
+            params: patches.params.map(|param| param.to_array()),
+            camera: [patches.camera.map_or(0.0, camera_number), 0.0, 0.0, 0.0],
+        };
+        kind.instances
+            .push((patches.mesh.clone(), instance.in_layers(bits)));
     }
     *before = now;
     if kind.other_layout != skipped {
@@ -173,4 +153,21 @@ fn rows(transform: &GlobalTransform) -> [[f32; 4]; 3] {
 /// Meshes are told apart by their place in memory.
 pub fn same_meshes(a: &[Arc<PatchMesh>], b: &[(Arc<PatchMesh>, Instance)]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, (b, _))| Arc::ptr_eq(a, b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_are_bits() {
+        assert_eq!(layer_bits(&RenderLayers::default()), (1, false));
+        assert_eq!(layer_bits(&RenderLayers::none()), (0, false));
+        let many = RenderLayers::from_layers(&[1, 17, 31, 40]);
+        let (bits, more) = layer_bits(&many);
+        assert_eq!((bits, more), (1 << 1 | 1 << 17 | 1 << 31, true));
+        let instance = Instance::IDENTITY.in_layers(bits);
+        assert!(instance.is_in(1 << 31) && instance.is_in(1 << 17) && !instance.is_in(1));
+        assert!(Instance::IDENTITY.is_in(0), "without layers: in all");
+    }
 }

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
+use dolomite_geometry::render::{GeometryPool, Viewpoint};
 
+use super::PatchMaterial;
 use super::variants::{KindVariants, stage_variants};
-use super::view::Viewpoint;
 use crate::{Drawing, HostFunctions, Mode, PatchLayout, Spacing, Winding};
 
 /// Where the functions of a kind stand.
@@ -82,7 +83,7 @@ pub trait PatchKind: AsBindGroup + Resource + Clone {
         vec![PatchMaterial::default()]
     }
 
-    /// Numbers that depend on the view, which `material` reads as `stage_draw.numbers`: made anew in
+    /// Numbers that depend on the view, which `material` reads as `geometry_draw.numbers`: made anew in
     /// each frame, in f64 where it matters.
     fn view_numbers(&self, _view: &Viewpoint) -> [Vec4; 4] {
         [Vec4::ZERO; 4]
@@ -102,49 +103,9 @@ pub trait PatchKind: AsBindGroup + Resource + Clone {
         false
     }
 
-    /// Whether another plugin writes the vertices and indices of each view, in place of the stage's
-    /// passes; the stage then draws them, and knows nothing of the patches.
-    #[doc(hidden)]
-    fn given(&self) -> bool {
-        false
-    }
-
     /// Most that one view keeps of this kind.
     fn pool(&self) -> PatchPool {
         PatchPool::default()
-    }
-}
-
-/// A material of patches.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PatchMaterial {
-    /// Diffuse colour of dielectrics, specular colour of metals.
-    pub base_color: LinearRgba,
-    /// Light that it sends out, cd/m².
-    pub emissive: LinearRgba,
-    /// Perceptual roughness, 0.089 to 1.
-    pub roughness: f32,
-    /// 0 or 1.
-    pub metallic: f32,
-    /// Specular strength of dielectrics; 0.5 is 4 % at normal incidence.
-    pub reflectance: f32,
-    /// Whether the base colour is shown as it is, without light.
-    pub unlit: bool,
-    /// Whether the camera's distance fog lies over it.
-    pub fog: bool,
-}
-
-impl Default for PatchMaterial {
-    fn default() -> Self {
-        Self {
-            base_color: LinearRgba::rgb(0.5, 0.5, 0.5),
-            emissive: LinearRgba::BLACK,
-            roughness: 0.6,
-            metallic: 0.0,
-            reflectance: 0.5,
-            unlit: false,
-            fog: true,
-        }
     }
 }
 
@@ -181,20 +142,40 @@ impl Default for PatchPool {
     }
 }
 
+impl From<PatchPool> for GeometryPool {
+    fn from(pool: PatchPool) -> Self {
+        Self {
+            vertices: pool.vertices,
+            primitives: pool.primitives,
+        }
+    }
+}
+
 /// Adds a kind of patches to an app: `app.add_plugins(PatchPlugin(kind))`.
 ///
-/// Brings the stage itself along, once. Does nothing but keep the resource in an app that does not
-/// render.
+/// Brings the stage itself along, once. May be added before or after Bevy's plugins, and more than once: the
+/// resource of the last time counts. Does nothing but keep the resource in an app that does not render.
 pub struct PatchPlugin<K>(pub K);
 
 impl<K: PatchKind> Plugin for PatchPlugin<K> {
     fn build(&self, app: &mut App) {
+        super::add_geometry(app);
         app.insert_resource(self.0.clone());
-        let list = (core::any::type_name::<K>(), stage_variants::<K> as fn() -> _);
-        app.world_mut()
-            .get_resource_or_init::<KindVariants>()
-            .0
-            .push(list);
+        let list = (
+            core::any::type_name::<K>(),
+            stage_variants::<K> as fn() -> _,
+        );
+        let mut known = app.world_mut().get_resource_or_init::<KindVariants>();
+        if !known.0.iter().any(|(name, _)| *name == list.0) {
+            known.0.push(list);
+        }
+    }
+
+    fn finish(&self, app: &mut App) {
         super::add_kind::<K>(app, PhantomData);
+    }
+
+    fn is_unique(&self) -> bool {
+        false
     }
 }

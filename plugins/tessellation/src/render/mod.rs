@@ -1,67 +1,95 @@
 //! The programmable tessellation stage: control and evaluate functions in WGSL, any patches, drawn
-//! into Bevy's G-buffer and shadow maps.
+//! by [`dolomite_geometry`] into Bevy's G-buffer and shadow maps.
 //!
 //! A frame, in order: `extract` copies what changed; `prepare` uploads it and decides which kinds of
 //! which views have to be tessellated anew; `pass` records, in `Core3d` before Bevy's own prepass,
-//! control → measure → plan → place → emit (only after a change), the G-buffer draw and the shadow
-//! draws; after the submit the counters are fetched.
-//!
-//! A camera without `DeferredPrepass` draws patches straight into its picture instead, in the base
-//! colour that their material gives and without light: for kinds that need none, or whose material
-//! function computes it. (`StageCamera` requires the prepasses; remove them from the entity.)
+//! control → measure → plan → place → emit (only after a change). What comes out is drawn by
+//! [`dolomite_geometry::render`], and counted there.
 //!
 //! Each view tessellates for itself: levels depend on it. Shadow views draw what their camera
-//! tessellated. Nothing exists on the GPU until a [`StageCamera`](crate::StageCamera) and
+//! tessellated. Nothing exists on the GPU until a [`GeometryCamera`](dolomite_geometry::GeometryCamera) and
 //! [`Patches`](crate::Patches) of a kind are in the world.
 
-pub mod camera;
-mod direct;
-pub mod extract;
+mod extract;
 mod host;
-pub mod kind;
-pub mod library;
-pub mod pass;
-pub mod pipeline;
-pub mod prepare;
-pub mod ranges;
-pub mod readback;
-pub mod stats;
+mod kind;
+mod pass;
+mod pipeline;
+mod prepare;
+mod ranges;
+pub mod record;
 mod variants;
-pub mod view;
-pub mod view_buffers;
+mod view;
 
 use std::any::TypeId;
 use std::marker::PhantomData;
 
 use bevy::asset::LoadState;
-use bevy::core_pipeline::core_3d::main_opaque_pass_3d;
-use bevy::core_pipeline::prepass::node::early_prepass;
-use bevy::core_pipeline::{Core3d, Core3dSystems};
-use bevy::pbr::{EARLY_SHADOW_PASS, per_view_shadow_pass};
 use bevy::prelude::*;
-use bevy::render::{Extract, ExtractSchedule, Render, RenderApp, RenderSystems};
+use bevy::render::{Extract, ExtractSchedule, Render, RenderApp};
+use dolomite_geometry::GeometryPlugin;
+use dolomite_geometry::render::{
+    DrawTraits, GeometryShared, GeometrySystems, Producer, ProducerKey, Producers, build_render,
+};
 
-pub use kind::{PatchKind, PatchMaterial, PatchPlugin, PatchPool, PatchShader};
-pub use prepare::StageKinds;
-use stats::StageShared;
+pub use dolomite_geometry::render::{
+    GeometryCensus as StageCensus, GeometryFault as StageFault, GeometryMaterial as PatchMaterial,
+    GeometryStats as StageStats, Viewpoint, census,
+};
+pub use kind::{PatchKind, PatchPlugin, PatchPool, PatchShader};
 
-use crate::Drawing;
-pub use stats::{StageFault, StageStats};
 #[doc(hidden)]
 pub use variants::{KindVariants, StageVariant, stage_variants};
-pub use view::Viewpoint;
 
-/// Adds a kind to an app that renders; does nothing to one that does not.
+use crate::{Domain, Drawing};
+
+/// Brings what draws along, once.
+fn add_geometry(app: &mut App) {
+    app.add_plugins(GeometryPlugin);
+}
+
+/// How the triangles and segments of a kind are drawn.
+fn draw_traits<K: PatchKind>() -> DrawTraits {
+    use bevy::mesh::PrimitiveTopology::{LineList, TriangleList};
+    DrawTraits {
+        topology: match K::LAYOUT.domain {
+            Domain::Isolines => LineList,
+            _ => TriangleList,
+        },
+        evaluated: evaluated::<K>(),
+        moves: K::MOVES && !evaluated::<K>(),
+        vertex_shaded: K::VERTEX_SHADED,
+        amplified: K::AMPLIFIED,
+        double_sided: K::DOUBLE_SIDED,
+        shadows: K::SHADOWS,
+        others: false,
+        bounded: K::BOUNDED && K::SHADOWS && K::AMPLIFIED == 0,
+        uv_range: K::UV_RANGE,
+    }
+}
+
+/// Adds a kind to an app that renders, when all plugins have been built; does nothing to one that does not,
+/// or that has the kind already.
 fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
-    if app.get_sub_app(RenderApp).is_none() {
+    build_render(app);
+    let key = ProducerKey::of::<K>();
+    let known = |app: &App| {
+        let producers = app
+            .get_sub_app(RenderApp)?
+            .world()
+            .get_resource::<Producers>()?;
+        Some(producers.get(key).is_some())
+    };
+    if known(app) != Some(false) {
         return;
     }
-    build(app);
     let name = core::any::type_name::<K>();
-    let shaders = pipeline::KindShaders::new::<K>(app, name);
+    let Some(shaders) = pipeline::KindShaders::new::<K>(app, name) else {
+        return;
+    };
     if let Some(file) = shaders.user.clone() {
         let watch =
-            move |server: Res<AssetServer>, shared: Res<StageShared>, mut told: Local<bool>| {
+            move |server: Res<AssetServer>, shared: Res<GeometryShared>, mut told: Local<bool>| {
                 let Some(LoadState::Failed(fault)) = server.get_load_state(&file) else {
                     *told = false;
                     return;
@@ -77,31 +105,32 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
     let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
         return;
     };
+    build_stage(render_app);
+    let traits = draw_traits::<K>();
+    let producer = Producer::new(name, traits, shaders.draw.clone(), pipeline::given_layout());
     let kind = prepare::Kind {
         name,
-        traits: prepare::KindTraits::of::<K>(),
+        key,
+        layout: K::LAYOUT,
+        tessellator: variants::tessellator::<K>(),
+        animated: K::ANIMATED,
+        traits,
         shaders,
         pool: PatchPool::default(),
         host: None,
-        still: false,
-        given: false,
-        materials: Vec::new(),
-        materials_changed: true,
         instances: Vec::new(),
         instances_changed: false,
         other_layout: 0,
         version: 0,
-        data_layout: None,
-        data: None,
         data_due: true,
-        numbers: None,
         pipelines: None,
         buffers: None,
         views: Default::default(),
     };
-    render_app
-        .world_mut()
-        .resource_mut::<StageKinds>()
+    let world = render_app.world_mut();
+    world.resource_mut::<Producers>().insert(key, producer);
+    world
+        .resource_mut::<prepare::StageKinds>()
         .0
         .insert(TypeId::of::<K>(), kind);
     render_app
@@ -109,14 +138,14 @@ fn add_kind<K: PatchKind>(app: &mut App, _: PhantomData<K>) {
         .add_systems(
             Render,
             prepare::data::<K>
-                .in_set(RenderSystems::PrepareResources)
+                .in_set(GeometrySystems::Want)
                 .before(prepare::buffers),
         );
 }
 
 /// Whether the draws evaluate the kind's vertices.
-fn evaluated<K: PatchKind>() -> bool {
-    K::DRAWING == Drawing::Evaluated && K::AMPLIFIED == 0
+const fn evaluated<K: PatchKind>() -> bool {
+    matches!(K::DRAWING, Drawing::Evaluated) && K::AMPLIFIED == 0
 }
 
 /// The user's resource, when it changed.
@@ -127,76 +156,25 @@ fn extract_settings<K: PatchKind>(mut commands: Commands, settings: Extract<Opti
 }
 
 /// What all kinds share, once.
-fn build(app: &mut App) {
-    if app.world().contains_resource::<StageStats>() {
+fn build_stage(render_app: &mut SubApp) {
+    if render_app
+        .world()
+        .contains_resource::<prepare::StageKinds>()
+    {
         return;
     }
-    let shared = StageShared::default();
-    app.init_resource::<StageStats>()
-        .insert_resource(shared.clone())
-        .add_systems(PreUpdate, stats::publish);
-    stats::register(app);
-    let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
-        return;
-    };
+    use bevy::core_pipeline::Core3d;
     render_app
-        .insert_resource(shared)
-        .init_resource::<StageKinds>()
-        .init_resource::<extract::StageScene>()
-        .add_systems(ExtractSchedule, (extract::scene, extract::cameras))
+        .init_resource::<prepare::StageKinds>()
         .add_systems(
             Render,
             (
-                (prepare::buffers, prepare::views, host::tessellate)
+                prepare::buffers.in_set(GeometrySystems::Want),
+                (prepare::views, host::tessellate)
                     .chain()
-                    .in_set(RenderSystems::PrepareResources),
-                pass::bind_groups.in_set(RenderSystems::PrepareBindGroups),
-                stats::collect.in_set(RenderSystems::Cleanup),
+                    .in_set(GeometrySystems::Prepare),
+                pass::bind_groups.in_set(GeometrySystems::Bind),
             ),
         )
-        .add_systems(
-            Core3d,
-            (
-                (pass::tessellate, pass::draw_gbuffer)
-                    .chain()
-                    .in_set(Core3dSystems::Prepass)
-                    .before(early_prepass),
-                direct::draw
-                    .in_set(Core3dSystems::MainPass)
-                    .before(main_opaque_pass_3d),
-                pass::draw_shadows
-                    .after(pass::tessellate)
-                    .before(per_view_shadow_pass::<EARLY_SHADOW_PASS>),
-            ),
-        );
-}
-
-/// What the stage holds on the GPU.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct StageCensus {
-    /// Pipelines queued, of all kinds.
-    pub pipelines: usize,
-    /// Kinds that hold buffers.
-    pub kinds: usize,
-    /// Views of kinds that hold buffers.
-    pub views: usize,
-}
-
-/// Counts what the stage holds in a render world: all 0 as long as no camera has a
-/// [`StageCamera`](crate::StageCamera) or no patches are in the world.
-pub fn census(render_world: &World) -> StageCensus {
-    let mut census = StageCensus::default();
-    for kind in render_world
-        .get_resource::<StageKinds>()
-        .into_iter()
-        .flat_map(|kinds| kinds.0.values())
-    {
-        census.pipelines += kind
-            .pipelines
-            .as_ref()
-            .map_or(0, pipeline::KindPipelines::count);
-        census.kinds += usize::from(kind.buffers.is_some());
-        census.views += kind.views.len();
-    }
-    census
+        .add_systems(Core3d, pass::tessellate.in_set(GeometrySystems::Make));
 }

@@ -1,95 +1,109 @@
-//! What control functions and draws are told of a view: in f64 until it is relative to the anchor.
+//! What control functions are told of a view, and the stage's own buffers there.
 
-use bevy::math::{DMat4, DVec3, DVec4};
+use std::collections::HashMap;
+
 use bevy::prelude::*;
-use bevy::render::view::ExtractedView;
+use bevy::render::render_resource::{BindGroup, Buffer, BufferDescriptor, BufferId, BufferUsages};
+use bevy::render::renderer::{RenderDevice, RenderQueue};
+use bytemuck::{Zeroable, bytes_of};
+use dolomite_geometry::render::{GeometryView, ViewFrame};
 
-use super::camera::Camera;
-use super::extract::ExtractedStageCamera;
-use crate::layout::StageView;
+use crate::Domain;
+use crate::layout::{BLOCK, StageParams, StageView};
 
-/// What [`PatchKind::view_numbers`](super::PatchKind::view_numbers) is told of a view.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Viewpoint {
-    /// World position that stage space is counted from, whole metres.
-    pub anchor: DVec3,
-    /// World position of the camera, metres.
-    pub camera: DVec3,
-    /// Seconds, wrapped at an hour.
-    pub time: f32,
-}
-
-/// Where positions of the stage are counted from.
-pub struct StageSpace {
-    /// World space, whole metres near the camera.
-    pub anchor: DVec3,
-}
-
-impl StageSpace {
-    /// The space of a camera at `position`.
-    pub fn new(position: DVec3) -> Self {
-        Self {
-            anchor: position.floor(),
-        }
-    }
-
-    /// What kinds are told of a view.
-    pub fn viewpoint(&self, camera: &Camera, time: f32) -> Viewpoint {
-        Viewpoint {
-            anchor: self.anchor,
-            camera: camera.position,
-            time,
-        }
-    }
-
-    /// From stage space to clip space.
-    pub fn clip_from_stage(&self, clip_from_world: DMat4) -> [[f32; 4]; 4] {
-        (clip_from_world * DMat4::from_translation(self.anchor))
-            .as_mat4()
-            .to_cols_array_2d()
-    }
-}
-
-/// The view as control functions see it. `time` is that of this frame and the last.
-pub fn stage_view(
-    view: &ExtractedView,
-    camera: &Camera,
-    space: &StageSpace,
-    stage: &ExtractedStageCamera,
-    sun: Option<Vec3>,
-    time: [f32; 2],
-) -> StageView {
-    let clip = camera.steady_clip_from_world * DMat4::from_translation(space.anchor);
-    let rows = clip.transpose();
-    let (x, y, z, w) = (rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis);
-    // Inside: -w <= x <= w, -w <= y <= w, 0 <= z <= w (Gribb and Hartmann, 2001).
-    let planes = [w + x, w - x, w + y, w - y, w - z, z].map(|plane: DVec4| {
-        let length = plane.truncate().length();
-        let unit = if length > 0.0 { plane / length } else { plane };
-        unit.as_vec4().to_array()
-    });
-    let settings = &stage.settings;
-    let focus = settings
-        .focus
-        .filter(|focus| focus.is_finite())
-        .unwrap_or(camera.position);
-    let orthographic = view.clip_from_view.w_axis.w == 1.0;
-    let reach = settings.shadow_reach.max(0.0);
+/// The view as control functions see it.
+pub fn stage_view(frame: &ViewFrame, animated: bool) -> StageView {
+    let [time, previous_time] = if animated { frame.time } else { [0.0; 2] };
     StageView {
-        planes,
-        sweep: sun
-            .map_or(Vec3::ZERO, |sun| sun * reach)
-            .extend(0.0)
-            .to_array(),
-        eye: (focus - space.anchor).as_vec3().to_array(),
-        // Perspective: half the picture's height in pixels over the tangent of half the field of
-        // view. Orthographic: pixels a metre, the same formula.
-        pixels_per_radian: 0.5 * view.viewport.w as f32 * view.clip_from_view.y_axis.y,
-        anchor: space.anchor.as_vec3().to_array(),
-        pixels_per_edge: settings.pixels_per_edge.clamp(1.0, 1000.0),
-        time: time[0],
-        previous_time: time[1],
-        orthographic: f32::from(u8::from(orthographic)),
-        camera: stage.number,
+        planes: frame.planes,
+        sweep: frame.sweep.extend(0.0).to_array(),
+        eye: frame.eye.to_array(),
+        pixels_per_radian: frame.pixels_per_radian,
+        anchor: frame.anchor.as_vec3().to_array(),
+        pixels_per_edge: frame.pixels_per_edge,
+        time,
+        previous_time,
+        orthographic: f32::from(u8::from(frame.orthographic)),
+        camera: frame.number,
     }
+}
+
+/// One kind in one view: what of it is the stage's own.
+pub struct StageViewState {
+    pub params: StageParams,
+    pub version: u64,
+    pub uniform: Buffer,
+    pub groups: Option<StageGroups>,
+    /// The buffers that the groups hold.
+    pub bound: Vec<BufferId>,
+}
+
+/// States by view.
+pub type StageViews = HashMap<Entity, StageViewState>;
+
+/// Bind groups of the passes.
+pub struct StageGroups {
+    pub work: BindGroup,
+    pub emit: BindGroup,
+    pub ranges: Option<BindGroup>,
+}
+
+impl StageViewState {
+    pub fn new(device: &RenderDevice) -> Self {
+        Self {
+            params: StageParams::zeroed(),
+            version: 0,
+            uniform: device.create_buffer(&BufferDescriptor {
+                label: Some("stage_params"),
+                size: size_of::<StageParams>() as u64,
+                usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+            groups: None,
+            bound: Vec::new(),
+        }
+    }
+
+    /// Takes over this frame's inputs; unsettles the view if any of them changed. Where the draws
+    /// evaluate, the time is theirs alone; of a view that nothing depends on, the anchor counts.
+    pub fn update(
+        &mut self,
+        queue: &RenderQueue,
+        state: &mut GeometryView,
+        params: &StageParams,
+        version: u64,
+        [evaluated, still]: [bool; 2],
+    ) {
+        let what_counts = |params: &StageParams| {
+            let mut params = *params;
+            if evaluated {
+                [params.view.time, params.view.previous_time] = [0.0; 2];
+            }
+            if still {
+                params.view = StageView {
+                    anchor: params.view.anchor,
+                    camera: params.view.camera,
+                    ..Zeroable::zeroed()
+                };
+            }
+            params
+        };
+        if what_counts(&self.params) != what_counts(params) || self.version != version {
+            state.settled = false;
+            self.version = version;
+        }
+        if self.params != *params {
+            self.params = *params;
+            queue.write_buffer(&self.uniform, 0, bytes_of(params));
+        }
+    }
+}
+
+/// Workgroups of the passes: of 64 patches, of a block of items, of 256 halves of sides.
+pub const fn workgroups(params: &StageParams, domain: Domain) -> [u32; 3] {
+    [
+        params.patches.div_ceil(64),
+        params.items().div_ceil(BLOCK),
+        params.strip_threads(domain).div_ceil(256),
+    ]
 }

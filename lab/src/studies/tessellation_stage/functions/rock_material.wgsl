@@ -1,8 +1,8 @@
-#define_import_path dolomite::stage::user_material
+#define_import_path dolomite::geometry::user_material
 
 // The very function of assets/shaders/rock.wgsl.
 
-#import dolomite::stage::draw_types::{Shaded, Surface}
+#import dolomite::geometry::draw_types::{Shaded, Surface}
 #import dolomite::lab::rock
 
 fn material(surface: Surface) -> Shaded {

@@ -2,37 +2,37 @@
 
 use bevy::math::{UVec2, Vec2, Vec3};
 use bevy::render::renderer::RenderQueue;
-use bytemuck::{Zeroable, bytes_of, cast_slice};
+use bytemuck::{Zeroable, cast_slice};
 use dolomite_terrain::GroundPoint;
 
 use super::prepare::DetailState;
+use crate::cover::functions::DEPTH_RANGE;
+use crate::detail::layout::{HEAD_COARSENING, HEAD_LEFT, HEAD_USED};
 use crate::detail::mesh::mesh;
 use crate::detail::select::select;
 use crate::detail::{DetailVertex, DetailView, Horizon};
-use crate::cover::functions::DEPTH_RANGE;
-use dolomite_tessellation::render::prepare::ViewKind;
-use dolomite_tessellation::render::stats::StageShared;
-use dolomite_tessellation::layout::WorkHead;
-use dolomite_tessellation::vertex::pack;
+use dolomite_geometry::layout::{GeometryHead, OWN};
+use dolomite_geometry::render::{GeometryShared, GeometryView};
+use dolomite_geometry::vertex::pack;
 
 /// Fills the pools of a view that changed.
 pub(super) fn choose(
     own: &mut DetailState,
     view: DetailView,
-    state: &mut ViewKind,
+    state: &mut GeometryView,
     queue: &RenderQueue,
-    shared: &StageShared,
+    shared: &GeometryShared,
 ) {
-    let params = state.params();
-    let most = params
-        .max_vertices
-        .min(params.max_primitives / 2)
+    let pool = state.pool;
+    let most = pool
+        .vertices
+        .min(pool.primitives / 2)
         .min(own.detail.max_vertices);
-    let anchor_height = params.view.anchor[1];
+    let anchor_height = state.frame.anchor.y as f32;
     let selection = select(&mut own.ground, &view, most);
     let made = mesh(&own.ground, &selection);
     // Corners of the roots are not among the vertices that the selection counts.
-    let room = params.max_vertices as usize;
+    let room = pool.vertices as usize;
     let stored: Vec<[u32; 5]> = made
         .vertices
         .iter()
@@ -43,7 +43,7 @@ pub(super) fn choose(
         .triangles
         .iter()
         .filter(|triangle| triangle.iter().all(|&corner| (corner as usize) < room))
-        .take(params.max_primitives as usize)
+        .take(pool.primitives as usize)
         .copied()
         .collect();
     let mut seen = triangles.len();
@@ -60,30 +60,24 @@ pub(super) fn choose(
     }
     let count = 3 * seen as u32;
     let others = 3 * triangles.len() as u32 - count;
-    let head = WorkHead {
+    let mut head = GeometryHead {
         indexed: [count, 1, 0, 0, 0],
         plain: [count, 1, 0, 0],
         vertices: stored.len() as u32,
         primitives: count / 3,
         wanted_vertices: made.vertices.len() as u32,
         wanted_primitives: made.triangles.len() as u32,
-        coarsening: selection.coarsening.to_bits(),
-        left: selection.held.to_bits(),
-        kept_cells: own.ground.len() as u32,
         others: [others, 1, count, 0, 0],
-        ..WorkHead::zeroed()
+        ..GeometryHead::zeroed()
     };
-    let (vertices, indices): (&[u8], &[u8]) = (cast_slice(&stored), cast_slice(&triangles));
-    queue.write_buffer(&state.vertices, 0, vertices);
-    queue.write_buffer(&state.indices, 0, indices);
-    queue.write_buffer(&state.work, 0, bytes_of(&head));
-    shared.count_upload((vertices.len() + indices.len()) as u64);
-    state.counters.set(head);
-    state.settled = true;
-    state.filled = true;
+    head.own[HEAD_COARSENING - OWN as usize] = selection.coarsening.to_bits();
+    head.own[HEAD_LEFT - OWN as usize] = selection.held.to_bits();
+    head.own[HEAD_USED - OWN as usize] = own.ground.len() as u32;
+    let (vertices, indices) = (cast_slice(&stored), cast_slice(&triangles));
+    state.upload(queue, shared, [vertices, indices], head);
 }
 
-/// A vertex as the stage stores it: `store` in `emit_vertices.wgsl`.
+/// A vertex as it is stored, see `place_vertices.wgsl`.
 fn stored(vertex: &DetailVertex, view: &DetailView, sea: f32, anchor_height: f32) -> [u32; 5] {
     let anchor = GroundPoint {
         cell: view.anchor(),

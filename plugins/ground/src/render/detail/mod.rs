@@ -1,39 +1,73 @@
 //! The level of detail of the ground on the GPU: what [`crate::detail`] does, in compute passes that write
-//! the vertices and triangles which the stage then draws.
+//! the vertices and triangles which [`dolomite_geometry`] then draws.
 //!
-//! A [`DetailKind`] whose triangles are given is drawn so; a camera's [`Detail`] says how fine. What it
-//! takes is made when the first such camera looks; a view that did not change dispatches nothing.
+//! A camera's [`Detail`] says how fine. What it takes is made when the first such camera looks; a view that
+//! did not change dispatches nothing.
 
 mod host;
 mod pass;
 mod pipeline;
 mod prepare;
 pub(crate) mod probe;
+pub mod record;
 mod view;
 
+use std::any::type_name;
 use std::marker::PhantomData;
 
-use bevy::core_pipeline::prepass::node::early_prepass;
-use bevy::core_pipeline::{Core3d, Core3dSystems};
-use bevy::pbr::{EARLY_SHADOW_PASS, per_view_shadow_pass};
+use bevy::camera::visibility::RenderLayers;
+use bevy::core_pipeline::Core3d;
+use bevy::ecs::query::QueryFilter;
 use bevy::prelude::*;
+use bevy::render::render_resource::{AsBindGroup, BindGroupLayoutDescriptor};
 use bevy::render::sync_world::RenderEntity;
-use bevy::render::{Extract, ExtractSchedule, Render, RenderApp, RenderSystems};
+use bevy::render::{Extract, ExtractSchedule, Render, RenderApp};
+use bevy::shader::Shader;
+use dolomite_geometry::GeometryCamera;
+use dolomite_geometry::render::{
+    DrawShader, DrawTraits, GeometrySystems, ModuleShaders, Producer, ProducerKey, Producers,
+    ShaderVariant, Viewpoint, build_render, draw_variants, shader_asset,
+};
 use dolomite_terrain::Terrain;
 
 use crate::detail::Detail;
-use dolomite_tessellation::render::PatchKind;
-use dolomite_tessellation::render::library::{ModuleShaders, shader};
-use dolomite_tessellation::render::pass as stage_pass;
 
-/// A kind of the stage whose triangles the level of detail makes, as long as [`PatchKind::given`] says so.
+/// A ground whose triangles the level of detail makes: what is bound, what it looks like, who sees it. A
+/// resource of the main world.
+///
 /// Its data begin with what `terrain_height` reads: layers at binding 0, their data at 1, the uniform at 2.
-pub trait DetailKind: PatchKind {
-    /// The ground.
+pub trait DetailKind: AsBindGroup + Resource + Clone {
+    /// The cameras that see it, of those with a [`Detail`] and a [`GeometryCamera`].
+    type Cameras: QueryFilter + 'static;
+    /// Import path of the shader library with its function `material(surface: Surface) -> Shaded`.
+    const MATERIAL: &'static str;
+    /// Greatest |u| of a vertex: its depth below the sea, metres.
+    const UV_RANGE: f32 = crate::cover::functions::DEPTH_RANGE;
+    /// Whether, in a view without G-buffer, `material` runs at the vertices.
+    const VERTEX_SHADED: bool = false;
+    /// Whether it is drawn into shadow maps.
+    const SHADOWS: bool = true;
+
+    /// The ground; without one nothing is drawn.
     fn ground(&self) -> Option<&Terrain>;
 
     /// From the lowest to the highest ground, metres.
     fn relief(&self) -> f32;
+
+    /// Whether it is drawn at all. What is not keeps no buffer.
+    fn is_shown(&self) -> bool {
+        true
+    }
+
+    /// Layers of which a camera has to see one.
+    fn layers(&self) -> RenderLayers {
+        RenderLayers::default()
+    }
+
+    /// Numbers of the view that `material` reads as `geometry_draw.numbers`.
+    fn view_numbers(&self, _view: &Viewpoint) -> [Vec4; 4] {
+        [Vec4::ZERO; 4]
+    }
 
     /// Whether the CPU chooses and places, and uploads what it made.
     fn on_host(&self) -> bool {
@@ -41,27 +75,39 @@ pub trait DetailKind: PatchKind {
     }
 }
 
-/// How a camera sees the ground, in the render world.
-#[derive(Component, Clone, Copy)]
-struct ExtractedDetail(Detail);
+/// Which producer draws the detail of a kind.
+struct DetailOf<K>(PhantomData<fn() -> K>);
+
+/// Key of the producer that draws the detail of a kind.
+#[must_use]
+pub fn detail_key<K: 'static>() -> ProducerKey {
+    ProducerKey::of::<DetailOf<K>>()
+}
 
 /// The ground of a kind, in the render world.
 #[derive(Resource)]
 struct ExtractedGround<K> {
+    /// The newest resource, until it is bound.
+    kind: Option<K>,
+    /// Whether it has just changed.
+    newer: bool,
     terrain: Option<Terrain>,
     /// From the lowest to the highest ground, metres.
     relief: f32,
     on_host: bool,
-    kind: PhantomData<fn() -> K>,
+    /// Who sees it, and how.
+    cameras: Vec<(Entity, Detail)>,
 }
 
 impl<K> Default for ExtractedGround<K> {
     fn default() -> Self {
         Self {
+            kind: None,
+            newer: false,
             terrain: None,
             relief: 0.0,
             on_host: false,
-            kind: PhantomData,
+            cameras: Vec::new(),
         }
     }
 }
@@ -73,63 +119,110 @@ struct DetailShaders {
     _modules: ModuleShaders,
 }
 
-/// Adds the systems of a kind to an app that renders.
+/// Adds the systems of a kind to an app that renders, from `Plugin::finish` on; does nothing where they are.
+/// The app needs [`GeometryPlugin`](dolomite_geometry::GeometryPlugin).
 pub fn build<K: DetailKind>(app: &mut App) {
-    let Some(render_app) = app.get_sub_app(RenderApp) else {
+    build_render(app);
+    let key = detail_key::<K>();
+    let known = |app: &App| {
+        let producers = app
+            .get_sub_app(RenderApp)?
+            .world()
+            .get_resource::<Producers>()?;
+        Some(producers.get(key).is_some())
+    };
+    if known(app) != Some(false) {
+        return;
+    }
+    let Some(shaders) = shaders(app) else { return };
+    let name = type_name::<K>();
+    let file = format!("geometry/draw.wgsl#detail of {name}");
+    let Some(mut assets) = app.world_mut().get_resource_mut::<Assets<Shader>>() else {
         return;
     };
-    if !render_app.world().contains_resource::<DetailShaders>() {
-        build_shared(app);
-    }
+    let draw = DrawShader {
+        handle: assets.add(shader_asset(draw_source::<K>(), &file)),
+        defs: Vec::new(),
+    };
+    let traits = draw_traits::<K>();
+    let nothing = BindGroupLayoutDescriptor::new("detail_inputs", &[]);
+    let producer = Producer::new(name, traits, draw, nothing);
     let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
         return;
     };
     render_app
-        .init_resource::<ExtractedGround<K>>()
-        .init_resource::<prepare::DetailViews<K>>()
-        .add_systems(ExtractSchedule, extract_ground::<K>)
-        .add_systems(
-            Render,
-            prepare::prepare::<K>
-                .in_set(RenderSystems::PrepareBindGroups)
-                .before(stage_pass::bind_groups),
-        )
-        .add_systems(
-            Core3d,
-            pass::choose::<K>
-                .in_set(Core3dSystems::Prepass)
-                .before(stage_pass::tessellate)
-                .before(early_prepass)
-                .before(per_view_shadow_pass::<EARLY_SHADOW_PASS>),
-        );
-}
-
-/// What all kinds share, once.
-fn build_shared(app: &mut App) {
-    let modules = ModuleShaders::load(app);
-    let mut assets = app.world_mut().resource_mut::<Assets<Shader>>();
-    let entries = pipeline::files()
-        .map(|file| assets.add(shader(dolomite_shaders::find(file).source, file)))
-        .collect();
-    let shaders = DetailShaders {
-        entries,
-        _modules: modules,
-    };
-    let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
-        return;
-    };
+        .world_mut()
+        .resource_mut::<Producers>()
+        .insert(key, producer);
     render_app
         .insert_resource(shaders)
-        .add_systems(ExtractSchedule, extract_cameras);
+        .init_resource::<ExtractedGround<K>>()
+        .init_resource::<prepare::DetailViews<K>>()
+        .add_systems(ExtractSchedule, extract::<K>)
+        .add_systems(
+            Render,
+            (
+                prepare::want::<K>.in_set(GeometrySystems::Want),
+                prepare::prepare::<K>.in_set(GeometrySystems::Bind),
+            ),
+        )
+        .add_systems(Core3d, pass::choose::<K>.in_set(GeometrySystems::Make));
 }
 
-fn extract_ground<K: DetailKind>(
+fn draw_traits<K: DetailKind>() -> DrawTraits {
+    DrawTraits {
+        vertex_shaded: K::VERTEX_SHADED,
+        shadows: K::SHADOWS,
+        others: true,
+        uv_range: K::UV_RANGE,
+        ..default()
+    }
+}
+
+fn draw_source<K: DetailKind>() -> String {
+    DrawShader::source(Some(&format!("{}::", K::MATERIAL)), None, None)
+}
+
+/// Every shader that a pipeline of the kind's draws may ask for; those of the passes are the same for all kinds.
+#[doc(hidden)]
+#[must_use]
+pub fn detail_variants<K: DetailKind>() -> Vec<ShaderVariant> {
+    draw_variants(&draw_source::<K>(), &[], &draw_traits::<K>())
+}
+
+/// What all kinds share.
+fn shaders(app: &mut App) -> Option<DetailShaders> {
+    let known = app.get_sub_app(RenderApp)?.world();
+    if let Some(known) = known.get_resource::<DetailShaders>() {
+        return Some(known.clone());
+    }
+    let modules = ModuleShaders::load(app)?;
+    let mut assets = app.world_mut().get_resource_mut::<Assets<Shader>>()?;
+    let entries = pipeline::files()
+        .map(|file| assets.add(shader_asset(dolomite_shaders::find(file).source, file)))
+        .collect();
+    Some(DetailShaders {
+        entries,
+        _modules: modules,
+    })
+}
+
+type Seeing<'a> = (RenderEntity, &'a Detail, Option<&'a RenderLayers>);
+
+fn extract<K: DetailKind>(
     mut ground: ResMut<ExtractedGround<K>>,
     kind: Extract<Option<Res<K>>>,
+    cameras: Extract<Query<Seeing, (With<GeometryCamera>, K::Cameras)>>,
 ) {
+    ground.cameras.clear();
     let Some(kind) = kind.as_ref() else {
+        ground.terrain = None;
         return;
     };
+    if kind.is_changed() {
+        ground.kind = Some((**kind).clone());
+        ground.newer = true;
+    }
     let same = match (&ground.terrain, kind.ground()) {
         (Some(known), Some(terrain)) => known.same(terrain),
         (known, terrain) => known.is_none() && terrain.is_none(),
@@ -139,25 +232,12 @@ fn extract_ground<K: DetailKind>(
     }
     ground.relief = kind.relief();
     ground.on_host = kind.on_host();
-}
-
-fn extract_cameras(
-    mut commands: Commands,
-    cameras: Extract<Query<(RenderEntity, &Detail)>>,
-    mut removed: Extract<RemovedComponents<Detail>>,
-    entities: Extract<Query<RenderEntity>>,
-) {
-    for entity in removed
-        .read()
-        .filter_map(|entity| entities.get(entity).ok())
-    {
-        if let Ok(mut entity) = commands.get_entity(entity) {
-            entity.remove::<ExtractedDetail>();
-        }
-    }
-    for (entity, detail) in &cameras {
-        commands
-            .entity(entity)
-            .insert(ExtractedDetail(detail.clamped()));
+    if kind.is_shown() {
+        let layers = kind.layers();
+        let seen = cameras
+            .iter()
+            .filter(|(.., own)| own.unwrap_or(&RenderLayers::default()).intersects(&layers));
+        let seen = seen.map(|(entity, detail, _)| (entity, detail.clamped()));
+        ground.cameras.extend(seen);
     }
 }

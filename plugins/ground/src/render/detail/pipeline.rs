@@ -11,6 +11,8 @@ use bevy::render::render_resource::{
     ComputePipelineDescriptor, PipelineCache, ShaderStages,
 };
 
+use dolomite_geometry::render::pipeline_fault;
+
 use super::DetailShaders;
 use crate::detail::layout::{DEPTH_PASSES, DetailParams, DetailPass, LAST_PASSES, Second};
 
@@ -113,6 +115,18 @@ impl DetailPipelines {
             without,
             ids,
         }
+    }
+
+    /// Number of pipelines queued.
+    pub(super) const fn count(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// Why a pipeline could not be made, if one could not.
+    pub(super) fn fault(&self, cache: &PipelineCache) -> Option<String> {
+        let ids = self.ids.iter();
+        ids.map(|id| cache.get_compute_pipeline_state(*id))
+            .find_map(pipeline_fault)
     }
 
     /// All pipelines in the order of the passes, once all are there.

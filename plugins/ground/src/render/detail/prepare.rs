@@ -1,32 +1,31 @@
 //! Buffers of each view, and what its passes are told.
 
-use std::any::TypeId;
 use std::collections::HashMap;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
+use bevy::ecs::system::{StaticSystemParam, SystemParamItem};
 use bevy::prelude::*;
 use bevy::render::render_resource::{
-    BindGroup, BindGroupEntries, Buffer, BufferBinding, BufferDescriptor, BufferInitDescriptor,
-    BufferUsages, PipelineCache,
+    AsBindGroup, AsBindGroupError, BindGroup, BindGroupEntries, Buffer, BufferBinding,
+    BufferDescriptor, BufferInitDescriptor, BufferUsages, PipelineCache,
 };
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::view::ExtractedView;
 use bytemuck::{bytes_of, cast_slice};
 
 use super::pipeline::DetailPipelines;
+use super::record::SLOT;
 use super::view::{detail_view, picture};
-use super::{DetailKind, DetailShaders, ExtractedDetail, ExtractedGround, host};
+use super::{DetailKind, DetailShaders, ExtractedGround, detail_key, host};
 use crate::detail::lattice::MAX_DEPTH;
 use crate::detail::layout::{
-    ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DetailParams, DetailPass,
+    ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DetailParams, DetailPass, HEAD_USED,
     LEAST_CAPACITY, LIST_BYTES, RECORD_BYTES, VIEW_CELL_BYTES, without,
 };
 use crate::detail::{Cell, Detail, DetailCells, DetailView, HorizonView, Picture};
-use dolomite_tessellation::render::prepare::{StageKinds, ViewKind};
-use dolomite_tessellation::render::stats::StageShared;
-
-/// Bytes between the slots of a uniform buffer.
-pub(super) const SLOT: u64 = 256;
+use dolomite_geometry::layout::OWN;
+use dolomite_geometry::render::{GeometryPool, GeometryShared, GeometryView, Producers};
 
 /// Most cells that are kept: 900 MB.
 const MOST_CELLS: u64 = 1 << 22;
@@ -36,6 +35,8 @@ const MOST_CELLS: u64 = 1 << 22;
 pub struct DetailViews<K> {
     pub(super) pipelines: Option<DetailPipelines>,
     pub(super) views: HashMap<Entity, DetailState>,
+    /// Whether the bind group is older than the kind's data.
+    pub(super) data_due: bool,
     kind: PhantomData<fn() -> K>,
 }
 
@@ -44,6 +45,7 @@ impl<K> Default for DetailViews<K> {
         Self {
             pipelines: None,
             views: HashMap::new(),
+            data_due: true,
             kind: PhantomData,
         }
     }
@@ -78,6 +80,8 @@ pub(super) struct DetailState {
     pub(super) solid: bool,
     /// Whether the newest choice looks for what nearer ground hides.
     pub(super) occluded: bool,
+    /// The view that was chosen for, and whether by the CPU.
+    pub(super) chosen: Option<(DetailView, bool)>,
     pub depth: u32,
 }
 
@@ -176,23 +180,36 @@ impl DetailState {
             culled: None,
             solid: true,
             occluded: false,
+            chosen: None,
         }
     }
 
+    /// Bytes of its buffers.
+    fn bytes(&self) -> u64 {
+        let kept = self.kept.iter().chain(&self.arguments);
+        let others = [
+            &self.uniform,
+            &self.depths,
+            &self.corners,
+            &self.closing,
+            &self.records,
+        ];
+        kept.chain(others).map(|buffer| buffer.size()).sum()
+    }
+
     /// Writes what the next choice is told.
-    fn tell(&mut self, queue: &RenderQueue, view: DetailView, state: &ViewKind) {
-        let stage = state.params();
+    fn tell(&mut self, queue: &RenderQueue, view: DetailView, state: &GeometryView) {
         self.stamp += 1;
         let params = DetailParams {
             stamp: self.stamp,
-            anchor_height: stage.view.anchor[1],
+            anchor_height: state.frame.anchor.y as f32,
             ..DetailParams::new(
                 &self.ground,
                 view,
                 self.capacity,
                 [
-                    stage.max_vertices.min(self.detail.max_vertices),
-                    stage.max_primitives,
+                    state.pool.vertices.min(self.detail.max_vertices),
+                    state.pool.primitives,
                 ],
             )
         };
@@ -242,30 +259,88 @@ impl DetailState {
     }
 }
 
+/// Says where the ground is drawn, and binds its data.
+pub fn want<K: DetailKind>(
+    mut producers: ResMut<Producers>,
+    mut details: ResMut<DetailViews<K>>,
+    mut ground: ResMut<ExtractedGround<K>>,
+    cache: Res<PipelineCache>,
+    device: Res<RenderDevice>,
+    param: StaticSystemParam<<K as AsBindGroup>::Param>,
+) {
+    let Some(producer) = producers.get_mut(detail_key::<K>()) else {
+        return;
+    };
+    producer.wanted.clear();
+    let ground = &mut *ground;
+    if std::mem::take(&mut ground.newer)
+        && let Some(kind) = &ground.kind
+    {
+        let newest = kind.clone();
+        producer.numbers = Some(Arc::new(move |view| newest.view_numbers(view)));
+        details.data_due = true;
+    }
+    if ground.terrain.is_none() || ground.cameras.is_empty() {
+        return;
+    }
+    if details.data_due
+        && let Some(kind) = &ground.kind
+    {
+        let layout = producer
+            .data_layout
+            .get_or_insert_with(|| K::bind_group_layout_descriptor(&device));
+        let mut param: SystemParamItem<<K as AsBindGroup>::Param> = param.into_inner();
+        match kind.as_bind_group(layout, &device, &cache, &mut param) {
+            Ok(prepared) => {
+                producer.data = Some(prepared.bind_group);
+                details.data_due = false;
+                ground.kind = None;
+            }
+            // An image that has not arrived: again in the next frame.
+            Err(AsBindGroupError::RetryNextUpdate) => {}
+            Err(fault) => error!("{}: {fault}", producer.name),
+        }
+    }
+    if producer.data.is_some() {
+        let wanted = ground.cameras.iter().map(|(camera, detail)| {
+            let pool = GeometryPool {
+                vertices: detail.max_vertices,
+                // Two a vertex, those at a border left out.
+                primitives: detail.max_vertices.saturating_mul(2),
+            };
+            let pool = pool.bounded([u64::MAX; 2], producer.traits.vertex_bytes());
+            (*camera, pool)
+        });
+        producer.wanted.extend(wanted);
+    }
+}
+
 /// Makes what is missing, and writes what views that changed are told.
 pub fn prepare<K: DetailKind>(
-    mut kinds: ResMut<StageKinds>,
+    mut producers: ResMut<Producers>,
     mut details: ResMut<DetailViews<K>>,
     ground: Res<ExtractedGround<K>>,
-    cameras: Query<(Entity, &ExtractedView, Option<&ExtractedDetail>)>,
+    cameras: Query<&ExtractedView>,
     shaders: Res<DetailShaders>,
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
     queue: Res<RenderQueue>,
-    shared: Res<StageShared>,
+    shared: Res<GeometryShared>,
 ) {
-    let kind = kinds.0.get_mut(&TypeId::of::<K>());
-    let (Some(kind), Some(terrain)) = (kind.filter(|kind| kind.given), &ground.terrain) else {
-        details.views.clear();
-        return;
-    };
-    let Some(data_layout) = &kind.data_layout else {
+    let Some(producer) = producers.get_mut(detail_key::<K>()) else {
         return;
     };
     let details = &mut *details;
+    let (Some(data_layout), Some(terrain)) = (&producer.data_layout, &ground.terrain) else {
+        details.views.clear();
+        return;
+    };
     details
         .views
-        .retain(|entity, _| kind.views.contains_key(entity));
+        .retain(|entity, _| producer.views.contains_key(entity));
+    if producer.views.is_empty() {
+        return;
+    }
     let without = without(terrain);
     details.pipelines = details
         .pipelines
@@ -274,43 +349,50 @@ pub fn prepare<K: DetailKind>(
     let pipelines = details
         .pipelines
         .get_or_insert_with(|| DetailPipelines::new(&shaders, data_layout, without, &cache));
-    for (entity, view, detail) in &cameras {
-        let Some(state) = kind.views.get_mut(&entity) else {
+    producer.pipelines = pipelines.count();
+    producer.fault = pipelines.fault(&cache);
+    let one_sided = !producer.traits.double_sided;
+    for (entity, detail) in &ground.cameras {
+        let (Some(state), Ok(view)) = (producer.views.get_mut(entity), cameras.get(*entity)) else {
             continue;
         };
-        let detail = detail.map_or_else(Detail::default, |detail| detail.0);
-        let known = details.views.get(&entity).filter(|known| {
+        let known = details.views.get(entity).filter(|known| {
             known.ground.terrain().same(terrain)
                 && known.detail.finest == detail.finest
                 && known.detail.max_vertices == detail.max_vertices
         });
         if known.is_none() {
-            let new = DetailState::new(&device, &queue, terrain, detail);
-            details.views.insert(entity, new);
+            let new = DetailState::new(&device, &queue, terrain, *detail);
+            details.views.insert(*entity, new);
             state.settled = false;
         }
-        let Some(own) = details.views.get_mut(&entity) else {
+        let Some(own) = details.views.get_mut(entity) else {
             continue;
         };
-        if own.detail != detail {
-            own.detail = detail;
-            state.settled = false;
-        }
+        state.own_bytes = own.bytes();
+        state.looked_at = state.counters.newest.own[HEAD_USED - OWN as usize];
         // Shadow views see what the camera does not.
         let shadowed = !state.shadows.is_empty();
         let culled = detail
             .culled
-            .then(|| (picture(view, state, kind.traits), shadowed));
+            .then(|| (picture(&state.frame, one_sided), shadowed));
         let [solid, _] = state.shown;
-        if own.culled != culled || own.solid != solid {
+        let seen = detail_view(view, &state.frame, ground.relief, detail);
+        let chosen = Some((seen, ground.on_host));
+        if own.detail != *detail
+            || own.culled != culled
+            || own.solid != solid
+            || own.chosen != chosen
+        {
+            own.detail = *detail;
             own.culled = culled;
             own.solid = solid;
+            own.chosen = chosen;
             state.settled = false;
         }
         if ground.on_host {
             if !state.settled {
-                let view = detail_view(view, &state.params().view, ground.relief, &detail);
-                host::choose(own, view, state, &queue, &shared);
+                host::choose(own, seen, state, &queue, &shared);
             }
             continue;
         }
@@ -324,9 +406,8 @@ pub fn prepare<K: DetailKind>(
         }
         if !state.settled {
             let newest = state.counters.newest;
-            own.forget_if_full(&queue, newest.kept_cells, newest.vertices);
-            let view = detail_view(view, &state.params().view, ground.relief, &detail);
-            own.tell(&queue, view, state);
+            own.forget_if_full(&queue, state.looked_at, newest.vertices);
+            own.tell(&queue, seen, state);
         }
     }
 }

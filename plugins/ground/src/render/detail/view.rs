@@ -4,30 +4,29 @@ use bevy::math::{DVec3, Vec2, Vec3};
 use bevy::prelude::*;
 use bevy::render::view::ExtractedView;
 use bytemuck::Zeroable;
+use dolomite_geometry::render::ViewFrame;
 
 use crate::detail::{Detail, DetailView, Picture};
-use dolomite_tessellation::render::prepare::{KindTraits, ViewKind};
-use dolomite_tessellation::layout::StageView;
 
 /// What the view draws.
-pub(super) fn picture(view: &ExtractedView, state: &ViewKind, traits: KindTraits) -> Picture {
+pub(super) fn picture(frame: &ViewFrame, one_sided: bool) -> Picture {
     Picture {
-        clip: state.steady_clip,
-        half_size: view.viewport.zw().as_vec2().max(Vec2::ONE) * 0.5,
-        one_sided: !traits.double_sided,
+        clip: frame.steady_clip,
+        half_size: frame.size.max(Vec2::ONE) * 0.5,
+        one_sided,
     }
 }
 
-/// The view as the choice sees it: heights are absolute, x and z relative to the stage's anchor.
+/// The view as the choice sees it: heights are absolute, x and z relative to the anchor.
 pub(super) fn detail_view(
     view: &ExtractedView,
-    stage: &StageView,
+    frame: &ViewFrame,
     relief: f32,
     detail: &Detail,
 ) -> DetailView {
-    let anchor = Vec3::from(stage.anchor).as_dvec3();
+    let anchor = frame.anchor;
     let mut out = DetailView::zeroed();
-    out.planes = stage.planes.map(|[x, y, z, d]| {
+    out.planes = frame.planes.map(|[x, y, z, d]| {
         let raised = f64::from(d) - f64::from(y) * anchor.y;
         [x, y, z, raised as f32]
     });
@@ -40,7 +39,7 @@ pub(super) fn detail_view(
     out.forward = axis(-Vec3::from(turn.z_axis));
     let clip = &view.clip_from_view;
     out.scale = 0.5 * view.viewport.w as f32 * clip.y_axis.y;
-    out.orthographic = stage.orthographic;
+    out.orthographic = f32::from(u8::from(frame.orthographic));
     // Of Bevy's perspective, infinite and reversed: z of clip space is the near distance.
     out.near = if clip.w_axis.z > 0.0 {
         clip.w_axis.z
@@ -49,8 +48,7 @@ pub(super) fn detail_view(
     };
     let (x, y) = (1.0 / clip.x_axis.x, 1.0 / clip.y_axis.y);
     out.cos_corner = 1.0 / (1.0 + x * x + y * y).sqrt();
-    let sweep = Vec3::new(stage.sweep[0], stage.sweep[1], stage.sweep[2]);
-    if let Some(along) = sweep.try_normalize() {
+    if let Some(along) = frame.sweep.try_normalize() {
         // 0.05: below 3 degrees of sun the shadows of everything reach everywhere.
         out.sweep = (along * (relief / (-along.y).max(0.05))).to_array();
     }

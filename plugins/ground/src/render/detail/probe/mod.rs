@@ -21,9 +21,9 @@ use bevy::render::{ExtractSchedule, Render, RenderApp, RenderSystems};
 use dolomite_terrain::{GroundProbeSystems, ProbePart, ProbeQuestion};
 
 use crate::detail::probe::{ANSWER_PASS, DrawnProbes};
-use crate::detail::ring::Ring;
 use crate::render::GroundKind;
-use dolomite_tessellation::render::library::shader;
+use dolomite_geometry::render::{GeometrySystems, Mapped, shader_asset};
+use dolomite_geometry::ring::Ring;
 pub use stats::{AnswerCensus, DrawnProbeStats, answer_census};
 
 /// The shader of the pass.
@@ -66,7 +66,7 @@ struct GroundAnswers {
     cursor: u32,
     pipeline: Option<pipeline::AnswerPipeline>,
     buffers: Option<prepare::AnswerBuffers>,
-    ring: Ring<readback::Mapped, Ticket>,
+    ring: Ring<Mapped, Ticket>,
     kept: Option<Kept>,
     /// To be handed in once more.
     again: Vec<(ProbeQuestion, ProbePart)>,
@@ -76,9 +76,15 @@ struct GroundAnswers {
 
 /// Adds the systems to an app that renders.
 pub(crate) fn build(app: &mut App) {
+    let known = app.get_sub_app(RenderApp).map(SubApp::world);
+    if known.is_none_or(|world| world.contains_resource::<GroundAnswers>()) {
+        return;
+    }
     let (file, _) = ANSWER_PASS;
-    let mut assets = app.world_mut().resource_mut::<Assets<Shader>>();
-    let entry = assets.add(shader(dolomite_shaders::find(file).source, file));
+    let Some(mut assets) = app.world_mut().get_resource_mut::<Assets<Shader>>() else {
+        return;
+    };
+    let entry = assets.add(shader_asset(dolomite_shaders::find(file).source, file));
     app.init_resource::<DrawnProbes>()
         .init_resource::<DrawnProbeStats>()
         .add_systems(PostUpdate, stats::publish.after(GroundProbeSystems));
@@ -94,7 +100,7 @@ pub(crate) fn build(app: &mut App) {
             Render,
             (
                 prepare::prepare
-                    .in_set(RenderSystems::PrepareBindGroups)
+                    .in_set(GeometrySystems::Bind)
                     .after(super::prepare::prepare::<GroundKind>),
                 readback::map.in_set(RenderSystems::Cleanup),
             ),
@@ -103,7 +109,7 @@ pub(crate) fn build(app: &mut App) {
             Core3d,
             pass::answer
                 .in_set(Core3dSystems::Prepass)
-                .after(super::pass::choose::<GroundKind>)
+                .after(GeometrySystems::Make)
                 .before(early_prepass),
         );
 }

@@ -10,14 +10,13 @@ use super::prepare::drawn;
 use crate::detail::probe::ANSWER_GROUP;
 use crate::render::GroundKind;
 use crate::render::detail::prepare::DetailViews;
-use dolomite_tessellation::render::extract::ExtractedStageCamera;
-use dolomite_tessellation::render::prepare::StageKinds;
+use dolomite_geometry::render::{ExtractedGeometryCamera, Producers};
 
 /// Answers what was asked, if the view is the one that answers and its triangles are there.
 pub(super) fn answer(
-    view: ViewQuery<Entity, With<ExtractedStageCamera>>,
+    view: ViewQuery<Entity, With<ExtractedGeometryCamera>>,
     mut answers: ResMut<GroundAnswers>,
-    kinds: Res<StageKinds>,
+    producers: Res<Producers>,
     details: Res<DetailViews<GroundKind>>,
     cache: Res<PipelineCache>,
     mut ctx: RenderContext,
@@ -27,7 +26,7 @@ pub(super) fn answer(
     if answers.view != Some(entity) {
         return;
     }
-    let Some((detail, state)) = drawn(&kinds, &details, entity) else {
+    let Some((detail, state)) = drawn(&producers, &details, entity) else {
         return;
     };
     if detail.fresh || !state.settled || !state.filled {

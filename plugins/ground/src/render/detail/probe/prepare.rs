@@ -1,6 +1,5 @@
 //! What is asked in a frame, and the buffers for it.
 
-use std::any::TypeId;
 use std::sync::Arc;
 
 use bevy::prelude::*;
@@ -12,12 +11,12 @@ use bytemuck::{bytes_of, cast_slice};
 use dolomite_terrain::{GroundPoint, ProbeAnswer};
 
 use super::pipeline::AnswerPipeline;
-use super::readback::Mapped;
 use super::{AnswerShader, GroundAnswers, MeshKey, Ticket};
 use crate::detail::probe::{AnswerHead, Asked, MOST_ASKED};
 use crate::render::GroundKind;
+use crate::render::detail::detail_key;
 use crate::render::detail::prepare::{DetailState, DetailViews};
-use dolomite_tessellation::render::prepare::{StageKinds, ViewKind};
+use dolomite_geometry::render::{GeometryView, Mapped, Producers};
 
 /// Bytes of the head, and of each answer and each place.
 const HEAD: u64 = size_of::<AnswerHead>() as u64;
@@ -128,19 +127,18 @@ fn turn(all: u32, most: u32, cursor: u32) -> (std::ops::Range<u32>, u32) {
 
 /// A view's ground, where it is drawn with its detail chosen.
 pub(super) fn drawn<'a>(
-    kinds: &'a StageKinds,
+    producers: &'a Producers,
     details: &'a DetailViews<GroundKind>,
     view: Entity,
-) -> Option<(&'a DetailState, &'a ViewKind)> {
-    let kind = kinds.0.get(&TypeId::of::<GroundKind>())?;
-    let state = kind.views.get(&view).filter(|_| kind.given)?;
-    Some((details.views.get(&view)?, state))
+) -> Option<(&'a DetailState, &'a GeometryView)> {
+    let producer = producers.get(detail_key::<GroundKind>())?;
+    Some((details.views.get(&view)?, producer.views.get(&view)?))
 }
 
 /// Uploads what is asked in this frame; makes what is missing for it.
 pub(super) fn prepare(
     mut answers: ResMut<GroundAnswers>,
-    kinds: Res<StageKinds>,
+    producers: Res<Producers>,
     details: Res<DetailViews<GroundKind>>,
     shader: Res<AnswerShader>,
     cache: Res<PipelineCache>,
@@ -151,7 +149,7 @@ pub(super) fn prepare(
     let (Some(question), Some(view)) = (&answers.question, answers.view) else {
         return;
     };
-    let Some((detail, state)) = drawn(&kinds, &details, view) else {
+    let Some((detail, state)) = drawn(&producers, &details, view) else {
         return;
     };
     let key = MeshKey {
@@ -177,10 +175,9 @@ pub(super) fn prepare(
         count,
         key,
     };
-    if !answers
-        .ring
-        .begin(bytes, ticket, || Mapped::new(&device, room(count)))
-    {
+    if !answers.ring.begin(bytes, ticket, || {
+        Mapped::new(&device, "ground_answers_staging", room(count))
+    }) {
         return;
     }
     answers.cursor = next;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
-use bevy::render::render_resource::{Buffer, BufferDescriptor, BufferUsages, MapMode, PollType};
+use bevy::render::render_resource::PollType;
 use bevy::render::renderer::RenderDevice;
 use bevy::render::sync_world::RenderEntity;
 use bevy::render::{Extract, MainWorld};
@@ -11,45 +11,9 @@ use dolomite_terrain::{ProbeAnswer, ProbeBatch, ProbePart};
 
 use super::stats::DrawnProbeStats;
 use super::{GroundAnswers, Kept, Ticket};
+use crate::cover::TerrainView;
 use crate::detail::Detail;
 use crate::detail::probe::{AnswerHead, DrawnProbes};
-use crate::detail::ring::Staging;
-use crate::cover::TerrainView;
-
-/// A staging buffer of the ring.
-pub(super) struct Mapped(Buffer);
-
-impl Mapped {
-    pub(super) fn new(device: &RenderDevice, size: u64) -> Self {
-        Self(device.create_buffer(&BufferDescriptor {
-            label: Some("ground_answers_staging"),
-            size,
-            usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        }))
-    }
-
-    pub(super) const fn buffer(&self) -> &Buffer {
-        &self.0
-    }
-}
-
-impl Staging for Mapped {
-    fn bytes(&self) -> u64 {
-        self.0.size()
-    }
-
-    fn map(&self, bytes: u64, done: Box<dyn FnOnce(bool) + Send>) {
-        let slice = self.0.slice(..bytes);
-        slice.map_async(MapMode::Read, move |mapped| done(mapped.is_ok()));
-    }
-
-    fn take(&self, bytes: u64) -> Vec<u8> {
-        let taken = self.0.slice(..bytes).get_mapped_range().to_vec();
-        self.0.unmap();
-        taken
-    }
-}
 
 /// Takes this frame's question, if anybody asks and any view can answer.
 pub(super) fn ask(
@@ -91,18 +55,19 @@ pub(super) fn deliver(
         let _ = device.poll(PollType::Poll);
     }
     let mut news = std::mem::take(&mut answers.again);
-    for (ticket, bytes) in answers.ring.arrived() {
-        let Some(part) = read(&ticket, &bytes) else {
-            continue;
+    let kept = &mut answers.kept;
+    answers.ring.take_arrived(|ticket, bytes| {
+        let Some(part) = read(&ticket, bytes) else {
+            return;
         };
         let whole = ticket.count as usize == ticket.question.places.len();
-        answers.kept = whole.then(|| Kept {
+        *kept = whole.then(|| Kept {
             question: ticket.question.clone(),
             key: ticket.key,
             part: part.clone(),
         });
         news.push((ticket.question, part));
-    }
+    });
     if news.is_empty() {
         return;
     }

@@ -1,0 +1,318 @@
+//! Who makes triangles.
+
+use std::any::TypeId;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+use bevy::mesh::PrimitiveTopology;
+use bevy::prelude::*;
+use bevy::render::render_resource::{BindGroup, BindGroupLayoutDescriptor, Buffer, PipelineCache};
+use bevy::render::renderer::RenderDevice;
+use bevy::shader::{Shader, ShaderDefVal};
+
+use super::material::GeometryMaterial;
+use super::pipeline::DrawPipelines;
+use super::space::Viewpoint;
+use super::view::GeometryView;
+use crate::layout::{BINDING_LIMIT, EVALUATED_BYTES, VERTEX_BYTES};
+
+/// Names a producer: its type, and which of those that share it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ProducerKey {
+    kind: TypeId,
+    part: u64,
+}
+
+impl ProducerKey {
+    /// The only producer of a type.
+    #[must_use]
+    pub fn of<K: 'static>() -> Self {
+        Self::part::<K>(0)
+    }
+
+    /// One of several producers of a type.
+    #[must_use]
+    pub fn part<K: 'static>(part: u64) -> Self {
+        Self {
+            kind: TypeId::of::<K>(),
+            part,
+        }
+    }
+}
+
+/// All producers, in the order in which they are drawn. A resource of the render world.
+#[derive(Resource, Default)]
+pub struct Producers(BTreeMap<ProducerKey, Producer>);
+
+impl Producers {
+    /// Adds one, in place of an older one of the same key.
+    pub fn insert(&mut self, key: ProducerKey, producer: Producer) {
+        self.0.insert(key, producer);
+    }
+
+    /// Takes one away, with all that it holds.
+    pub fn remove(&mut self, key: ProducerKey) -> Option<Producer> {
+        self.0.remove(&key)
+    }
+
+    /// One of them.
+    #[must_use]
+    pub fn get(&self, key: ProducerKey) -> Option<&Producer> {
+        self.0.get(&key)
+    }
+
+    /// One of them.
+    pub fn get_mut(&mut self, key: ProducerKey) -> Option<&mut Producer> {
+        self.0.get_mut(&key)
+    }
+
+    /// All.
+    pub fn iter(&self) -> impl Iterator<Item = &Producer> {
+        self.0.values()
+    }
+
+    /// All.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Producer> {
+        self.0.values_mut()
+    }
+}
+
+/// How a producer's primitives are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawTraits {
+    /// Triangles or segments, by indices.
+    pub topology: PrimitiveTopology,
+    /// Whether draws evaluate vertices of three words ([`EVALUATED_BYTES`]) by the producer's function
+    /// `evaluated_vertex`; else vertices are stored.
+    pub evaluated: bool,
+    /// Whether a second pool holds where each vertex was in the last frame.
+    pub moves: bool,
+    /// Whether, without a G-buffer, `material` runs at the vertices.
+    pub vertex_shaded: bool,
+    /// Vertices, three a triangle, that the producer's function `amplify` gives in place of a primitive; 0
+    /// without one.
+    pub amplified: u32,
+    /// Whether back faces are drawn.
+    pub double_sided: bool,
+    /// Whether it is drawn into shadow maps.
+    pub shadows: bool,
+    /// Whether a second list of indices holds what the camera does not see
+    /// ([`GeometryHead::others`](crate::layout::GeometryHead::others)), which shadow maps are drawn too.
+    pub others: bool,
+    /// Whether shadow views draw ranges of the primitives; see [`ShadowRanges`](super::ShadowRanges).
+    pub bounded: bool,
+    /// Greatest |u| or |v| of a vertex.
+    pub uv_range: f32,
+}
+
+impl Default for DrawTraits {
+    fn default() -> Self {
+        Self {
+            topology: PrimitiveTopology::TriangleList,
+            evaluated: false,
+            moves: false,
+            vertex_shaded: false,
+            amplified: 0,
+            double_sided: false,
+            shadows: true,
+            others: false,
+            bounded: false,
+            uv_range: 1.0,
+        }
+    }
+}
+
+impl DrawTraits {
+    /// Bytes of a vertex in the pool, without its place in the last frame.
+    #[must_use]
+    pub const fn vertex_bytes(&self) -> u64 {
+        if self.evaluated {
+            EVALUATED_BYTES
+        } else {
+            VERTEX_BYTES
+        }
+    }
+
+    /// Whether a draw fetches its vertices by itself. Segments are lines already.
+    #[must_use]
+    pub fn fetches(&self, lines: bool) -> bool {
+        self.amplified > 0 || (lines && self.topology != PrimitiveTopology::LineList)
+    }
+}
+
+/// `geometry/draw.wgsl` with a producer's own functions in it.
+#[derive(Clone, Debug)]
+pub struct DrawShader {
+    /// The entry file, as an asset.
+    pub handle: Handle<Shader>,
+    /// Definitions of the producer's own functions.
+    pub defs: Vec<ShaderDefVal>,
+}
+
+impl DrawShader {
+    /// The text of the entry file with a producer's functions in it: import paths (with `::` at their ends) of
+    /// the modules with `material` and `amplify`, and WGSL with the function `evaluated_vertex`.
+    #[must_use]
+    pub fn source(material: Option<&str>, amplify: Option<&str>, vertex: Option<&str>) -> String {
+        let mut source = dolomite_shaders::find("geometry/draw.wgsl")
+            .source
+            .to_owned();
+        for (stand_in, given) in [
+            ("dolomite::geometry::user_material::", material),
+            ("dolomite::geometry::user_amplify::", amplify),
+            (
+                "#import dolomite::geometry::user_vertex::evaluated_vertex",
+                vertex,
+            ),
+        ] {
+            if let Some(given) = given {
+                source = source.replace(stand_in, given);
+            }
+        }
+        source
+    }
+}
+
+/// Room for what one view keeps of a producer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GeometryPool {
+    /// Vertices.
+    pub vertices: u32,
+    /// Triangles of 12 bytes, or segments of 8.
+    pub primitives: u32,
+}
+
+impl GeometryPool {
+    /// The same, but not more than `greatest`, and no more than can be bound; room for one of each at least.
+    #[must_use]
+    pub fn bounded(self, greatest: [u64; 2], vertex_bytes: u64) -> Self {
+        let size = |wanted: u32, greatest: u64, bytes: u64| {
+            u64::from(wanted)
+                .min(greatest)
+                .min(BINDING_LIMIT / bytes)
+                .max(1) as u32
+        };
+        Self {
+            vertices: size(self.vertices, greatest[0], vertex_bytes),
+            primitives: size(self.primitives, greatest[1], 12),
+        }
+    }
+}
+
+/// Numbers that a material reads as `geometry_draw.numbers`, made in f64 where it matters.
+pub type ViewNumbers = Arc<dyn Fn(&Viewpoint) -> [Vec4; 4] + Send + Sync>;
+
+/// A producer in the render world: what it wants to draw, and the views that it draws in.
+pub struct Producer {
+    /// Its name in messages and counters.
+    pub name: &'static str,
+    /// How it is drawn.
+    pub traits: DrawTraits,
+    /// Its draws.
+    pub shader: DrawShader,
+    /// Layout of group 0 of the draws: what its vertex functions read beside its data. Its bind groups are
+    /// those of the views ([`GeometryView::inputs`]).
+    pub inputs_layout: BindGroupLayoutDescriptor,
+    /// Layout of group 1: its data. Nothing is drawn before it is known.
+    pub data_layout: Option<BindGroupLayoutDescriptor>,
+    /// Group 1.
+    pub data: Option<BindGroup>,
+    /// The views that it wants to draw in, with the room that each needs. A view that is not among them any
+    /// more loses its buffers.
+    pub wanted: Vec<(Entity, GeometryPool)>,
+    /// Whether nothing that it makes depends on the view: the anchor then stays while the camera is near.
+    pub still: bool,
+    /// Numbers of a view.
+    pub numbers: Option<ViewNumbers>,
+    /// Its materials; at most 16 count.
+    pub materials: Vec<GeometryMaterial>,
+    /// Whether they are newer than what was uploaded.
+    pub materials_changed: bool,
+    /// Bytes of buffers that all of its views share.
+    pub shared_bytes: u64,
+    /// Number of its own pipelines, for the census.
+    pub pipelines: usize,
+    /// Why its own pipelines cannot be made, if they cannot.
+    pub fault: Option<String>,
+    /// Its views. Made and dropped by this crate.
+    pub views: HashMap<Entity, GeometryView>,
+    pub(super) material_rows: Option<Buffer>,
+    pub(super) draws: Option<DrawPipelines>,
+    /// Whether a fault was told of.
+    pub(super) told: bool,
+}
+
+impl Producer {
+    /// One that wants nothing yet.
+    #[must_use]
+    pub fn new(
+        name: &'static str,
+        traits: DrawTraits,
+        shader: DrawShader,
+        inputs_layout: BindGroupLayoutDescriptor,
+    ) -> Self {
+        Self {
+            name,
+            traits,
+            shader,
+            inputs_layout,
+            data_layout: None,
+            data: None,
+            wanted: Vec::new(),
+            still: false,
+            numbers: None,
+            materials: Vec::new(),
+            materials_changed: true,
+            shared_bytes: 0,
+            pipelines: 0,
+            fault: None,
+            views: HashMap::new(),
+            material_rows: None,
+            draws: None,
+            told: false,
+        }
+    }
+
+    /// Binds an empty group where its draws read no data of its own. Call it in
+    /// [`GeometrySystems::Want`](super::GeometrySystems::Want); costs nothing when they are there.
+    pub fn bind_no_data(&mut self, device: &RenderDevice, cache: &PipelineCache) {
+        let nothing = BindGroupLayoutDescriptor::new("geometry_nothing", &[]);
+        if self.data.is_none() {
+            let layout = cache.get_bind_group_layout(&nothing);
+            self.data = Some(device.create_bind_group("geometry_nothing", &layout, &[]));
+            self.data_layout = Some(nothing);
+        }
+    }
+
+    /// Pipelines of its draws that were queued.
+    #[must_use]
+    pub fn draw_pipelines(&self) -> usize {
+        self.draws.as_ref().map_or(0, DrawPipelines::count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pools_keep_to_what_can_be_filled_and_bound() {
+        let pool = GeometryPool {
+            vertices: u32::MAX,
+            primitives: 0,
+        };
+        let room = pool.bounded([u64::MAX; 2], 20);
+        assert_eq!((room.vertices, room.primitives), (6_710_886, 1));
+        assert_eq!(pool.bounded([7, 9], 20).vertices, 7);
+    }
+
+    #[test]
+    fn every_stand_in_of_the_draw_can_be_replaced() {
+        let vertex = "fn evaluated_vertex() {}";
+        let source = DrawShader::source(Some("a::"), Some("b::"), Some(vertex));
+        assert!(!source.contains("dolomite::geometry::user_"));
+        for text in ["#import a::material", "#import b::amplify", vertex] {
+            assert!(source.contains(text), "{text}");
+        }
+    }
+}
