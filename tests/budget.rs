@@ -78,7 +78,7 @@ impl Scene {
             Msaa::Off,
             (DepthPrepass, DeferredPrepass),
             RenderTarget::Image(target.into()),
-            TerrainView::default(),
+            TerrainView,
             Transform::from_translation(eye).looking_to(Vec3::new(0.3, -0.2, -1.0), Vec3::Y),
         ));
         let camera = camera.id();

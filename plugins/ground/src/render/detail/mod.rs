@@ -10,6 +10,7 @@ mod pipeline;
 mod prepare;
 pub(crate) mod probe;
 pub mod record;
+mod store;
 mod view;
 
 use std::any::type_name;
@@ -37,7 +38,7 @@ use crate::detail::Detail;
 ///
 /// Its data begin with what `terrain_height` reads: layers at binding 0, their data at 1, the uniform at 2.
 pub trait DetailKind: AsBindGroup + Resource + Clone {
-    /// The cameras that see it, of those with a [`Detail`] and a [`GeometryCamera`].
+    /// The cameras that see it, of those with a [`GeometryCamera`]; one without a [`Detail`] by the default.
     type Cameras: QueryFilter + 'static;
     /// Import path of the shader library with its function `material(surface: Surface) -> Shaded`.
     const MATERIAL: &'static str;
@@ -67,6 +68,11 @@ pub trait DetailKind: AsBindGroup + Resource + Clone {
     /// Numbers of the view that `material` reads as `geometry_draw.numbers`.
     fn view_numbers(&self, _view: &Viewpoint) -> [Vec4; 4] {
         [Vec4::ZERO; 4]
+    }
+
+    /// Definitions for the shader of the material.
+    fn material_defs(&self) -> Vec<&'static str> {
+        Vec::new()
     }
 
     /// Whether the CPU chooses and places, and uploads what it made.
@@ -207,7 +213,7 @@ fn shaders(app: &mut App) -> Option<DetailShaders> {
     })
 }
 
-type Seeing<'a> = (RenderEntity, &'a Detail, Option<&'a RenderLayers>);
+type Seeing<'a> = (RenderEntity, Option<&'a Detail>, Option<&'a RenderLayers>);
 
 fn extract<K: DetailKind>(
     mut ground: ResMut<ExtractedGround<K>>,
@@ -237,7 +243,11 @@ fn extract<K: DetailKind>(
         let seen = cameras
             .iter()
             .filter(|(.., own)| own.unwrap_or(&RenderLayers::default()).intersects(&layers));
-        let seen = seen.map(|(entity, detail, _)| (entity, detail.clamped()));
+        // Who has lost its detail sees the ground by the default.
+        let seen = seen.map(|(entity, detail, _)| {
+            let detail = detail.copied().unwrap_or_default();
+            (entity, detail.clamped())
+        });
         ground.cameras.extend(seen);
     }
 }
