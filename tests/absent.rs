@@ -17,7 +17,7 @@ use bevy::render::RenderApp;
 use bevy::render::render_resource::{PipelineCache, PollType};
 use bevy::render::renderer::RenderDevice;
 use dolomite::DolomitePlugins;
-use dolomite::ground::TerrainView;
+use dolomite::ground::{PatchDetail, TerrainView};
 use dolomite::ground::detail::{Detail, DrawnProbes};
 use dolomite::ground::render::{AnswerCensus, DrawnProbeStats, answer_census};
 use dolomite::terrain::{Fractal, GroundProbe, ProbeBatch, Terrain};
@@ -98,7 +98,7 @@ fn a_terrain_without_a_view_pays_nothing_and_with_one_it_is_seen() {
         StageCensus::default(),
         "a terrain that nobody looks at"
     );
-    camera(&mut app, TerrainView);
+    camera(&mut app, (TerrainView, PatchDetail::default()));
     let (found, _) = after_frames(&mut app);
     // The count can fail: with a view there is one, and what it needs.
     assert!(
@@ -176,7 +176,7 @@ const FRESH: u32 = 3;
 fn ground_answers_cost_nothing_without_a_probe_and_rest_with_one() {
     let Some(mut app) = app(true) else { return };
     terrain(&mut app);
-    camera(&mut app, TerrainView);
+    camera(&mut app, (TerrainView, PatchDetail::default()));
     let probe = probe_at(&mut app, 3.0, -180.0);
     for _ in 0..12 {
         frame(&mut app);
