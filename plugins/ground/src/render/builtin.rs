@@ -69,20 +69,21 @@ fn grass(at: Vec2) -> Ground {
     let blade = 1.0 - fbm(at, 44, 3, 12).abs() * 1.6;
     let height = 0.55 * clump + 0.45 * blade;
     let dry = (0.5 + 0.9 * fbm(at, 3, 4, 13)).clamp(0.0, 1.0);
-    let green = Vec3::new(0.060, 0.098, 0.022).lerp(Vec3::new(0.135, 0.155, 0.046), blade.max(0.0));
-    let albedo = green.lerp(Vec3::new(0.19, 0.16, 0.075), 0.45 * dry);
+    let green = Vec3::new(0.052, 0.105, 0.020).lerp(Vec3::new(0.110, 0.165, 0.040), blade.max(0.0));
+    let albedo = green.lerp(Vec3::new(0.18, 0.16, 0.07), 0.3 * dry);
     ground(albedo.to_array(), 0.55 + 0.6 * height, height, 0.93)
 }
 
 fn rock(at: Vec2) -> Ground {
-    let bent = at + Vec2::new(fbm(at, 4, 3, 21), fbm(at, 4, 3, 22)) * 0.06;
-    let ridge = 1.0 - (fbm(bent, 4, 6, 23) * 1.5).abs();
-    let Cells { first, second, .. } = cells(bent, 6, 24);
-    let crack = ((second - first) * 5.0).min(1.0);
-    let height = 0.12 + 0.62 * ridge.max(0.0) + 0.26 * crack;
-    let warm = (0.5 + fbm(at, 3, 3, 25)).clamp(0.0, 1.0);
-    let albedo = Vec3::new(0.20, 0.20, 0.205).lerp(Vec3::new(0.25, 0.215, 0.17), warm);
-    let shade = (0.55 + 0.6 * height) * (0.75 + 0.25 * crack);
+    let bent = at + Vec2::new(fbm(at, 3, 4, 21), fbm(at, 3, 4, 22)) * 0.09;
+    let ridge = (1.0 - (fbm(bent, 3, 7, 23) * 1.5).abs()).max(0.0);
+    let Cells { first, second, .. } = cells(bent, 4, 24);
+    let crack = ((second - first) * 9.0).min(1.0);
+    let grain = fbm(at, 48, 3, 26);
+    let height = 0.1 + 0.74 * ridge + 0.1 * crack + 0.06 * grain;
+    let warm = (0.5 + fbm(at, 2, 4, 25)).clamp(0.0, 1.0);
+    let albedo = Vec3::new(0.195, 0.195, 0.2).lerp(Vec3::new(0.235, 0.21, 0.175), warm);
+    let shade = (0.6 + 0.5 * height) * (0.9 + 0.1 * crack) * (1.0 + 0.15 * grain);
     ground(albedo.to_array(), shade, height, 0.86)
 }
 
