@@ -127,7 +127,7 @@ fn ground_surface(view: GroundView, surface: Surface, anchor_height: f32) -> Sha
         }
         let layer = look.layers[i];
         let tile = look.tiles[layer.tile];
-        let offset = select(select(view.offset_2, view.offset_1, layer.tile == 1u), view.offset_0, layer.tile == 0u);
+        let offset = select(select(view.offset_c, view.offset_b, layer.tile == 1u), view.offset_a, layer.tile == 0u);
         let near = offset.xy + position.xz / tile;
         let far = offset.zw + position.xz / (tile * FAR_TILES);
         let ddx = dx.xz / tile;

@@ -61,9 +61,9 @@ struct GroundView {
     relief_offset: vec2<f32>,
     // Fraction of the near (xy) and the far (zw) texture tile there, of each size of tile: keeps texture
     // coordinates small, hence exact, everywhere.
-    offset_0: vec4<f32>,
-    offset_1: vec4<f32>,
-    offset_2: vec4<f32>,
+    offset_a: vec4<f32>,
+    offset_b: vec4<f32>,
+    offset_c: vec4<f32>,
 }
 
 // Depth below the sea that a vertex can carry either way, metres.
