@@ -92,7 +92,7 @@ pub fn all() -> Option<Asked> {
     }
     stage("classic", stage_variants::<ClassicKind>());
     stage("bounded classic", detail_variants::<BoundedClassicKind>());
-    stage("detail of the ground", detail_variants::<GroundKind>());
+    stage("detail of the ground", detail_variants::<GroundKind<0>>());
     stage("examples", examples::variants());
     stage("rules", rules::variants());
     for (file, _, second, _) in DEPTH_PASSES.iter().chain(&LAST_PASSES) {

@@ -73,6 +73,10 @@ impl From<GpuTerrainUniform> for HeightUniform {
 /// Ratio of the far to the near texture scale, as `FAR_TILES` in `material.wgsl`.
 const FAR_TILES: f64 = 11.3;
 
+/// Definitions of the material's shader: there are [`FEW_LAYERS`] at most; there is no sea.
+const FEW: &str = "GROUND_FEW_LAYERS";
+const DRY: &str = "GROUND_WITHOUT_SEA";
+
 /// Layers that the smaller arrays of the material's shader hold, as in `layers.wgsl`.
 const FEW_LAYERS: u32 = 8;
 
@@ -115,6 +119,7 @@ impl<const SLOT: usize> PatchKind for GroundKind<SLOT> {
 impl<const SLOT: usize> DetailKind for GroundKind<SLOT> {
     type Cameras = (With<TerrainView>, Without<PatchDetail>);
     const MATERIAL: &'static str = "dolomite::ground::surface";
+    const MATERIAL_DEFS: &[&[&'static str]] = &[&[], &[FEW], &[DRY], &[FEW, DRY]];
 
     fn ground(&self) -> Option<&Terrain> {
         self.terrain.as_ref()
@@ -139,7 +144,7 @@ impl<const SLOT: usize> DetailKind for GroundKind<SLOT> {
     fn material_defs(&self) -> Vec<&'static str> {
         let few = self.look.count <= FEW_LAYERS;
         let dry = self.look.sea_level == GpuTerrainUniform::NO_SEA;
-        let defs = [(few, "GROUND_FEW_LAYERS"), (dry, "GROUND_WITHOUT_SEA")];
+        let defs = [(few, FEW), (dry, DRY)];
         let defs = defs.into_iter().filter(|(is, _)| *is);
         defs.map(|(_, name)| name).collect()
     }

@@ -23,7 +23,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, BindGroupLayoutDescriptor};
 use bevy::render::sync_world::RenderEntity;
 use bevy::render::{Extract, ExtractSchedule, Render, RenderApp};
-use bevy::shader::Shader;
+use bevy::shader::{Shader, ShaderDefVal};
 use dolomite_geometry::GeometryCamera;
 use dolomite_geometry::render::{
     DrawShader, DrawTraits, GeometrySystems, ModuleShaders, Producer, ProducerKey, Producers,
@@ -44,6 +44,8 @@ pub trait DetailKind: AsBindGroup + Resource + Clone {
     const MATERIAL: &'static str;
     /// Greatest |u| of a vertex: its depth below the sea, metres.
     const UV_RANGE: f32 = crate::cover::functions::DEPTH_RANGE;
+    /// All that [`Self::material_defs`] may give.
+    const MATERIAL_DEFS: &[&[&'static str]] = &[&[]];
     /// Whether, in a view without G-buffer, `material` runs at the vertices.
     const VERTEX_SHADED: bool = false;
     /// Whether it is drawn into shadow maps.
@@ -70,7 +72,7 @@ pub trait DetailKind: AsBindGroup + Resource + Clone {
         [Vec4::ZERO; 4]
     }
 
-    /// Definitions for the shader of the material.
+    /// Definitions for the shader of the material, one of [`Self::MATERIAL_DEFS`].
     fn material_defs(&self) -> Vec<&'static str> {
         Vec::new()
     }
@@ -193,7 +195,12 @@ fn draw_source<K: DetailKind>() -> String {
 #[doc(hidden)]
 #[must_use]
 pub fn detail_variants<K: DetailKind>() -> Vec<ShaderVariant> {
-    draw_variants(&draw_source::<K>(), &[], &draw_traits::<K>())
+    let source = draw_source::<K>();
+    let variants = K::MATERIAL_DEFS.iter().flat_map(|defs| {
+        let defs: Vec<ShaderDefVal> = defs.iter().map(|def| (*def).into()).collect();
+        draw_variants(&source, &defs, &draw_traits::<K>())
+    });
+    variants.collect()
 }
 
 /// What all kinds share.
