@@ -15,7 +15,7 @@ use dolomite::terrain::{
 };
 use dolomite::tessellation::render::{PatchKind, PatchPlugin, PatchShader};
 use dolomite::tessellation::{PatchLayout, Patches, shapes};
-use dolomite::ground::{MaterialBands, TerrainMaterial, TerrainView};
+use dolomite::ground::{GroundMaterial, GroundTextures, MaterialBands, Sea, TerrainView};
 
 /// A boulder that stands on the island.
 #[derive(Resource, AsBindGroup, Clone)]
@@ -59,18 +59,16 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) -> Result {
         base: -78.0,
         sea_level: Some(0.0),
     })?;
-    let material = TerrainMaterial {
-        bands: MaterialBands {
-            tree_line: 62.0,
-            snow_line: 92.0,
-            blend: 16.0,
-            ..default()
-        },
-        ..TerrainMaterial::new(
-            assets.load("textures/terrain_albedo_height.png"),
-            assets.load("textures/terrain_normal_roughness.png"),
-        )
+    let textures = GroundTextures {
+        albedo_height: assets.load("textures/terrain_albedo_height.png"),
+        normal_roughness: assets.load("textures/terrain_normal_roughness.png"),
     };
+    let material = GroundMaterial::from(MaterialBands {
+        tree_line: 62.0,
+        snow_line: 92.0,
+        blend: 16.0,
+        ..default()
+    });
     // Half of it in the ground.
     let place = DVec2::new(60.0, 230.0);
     let height = terrain.height(place) as f32;
@@ -80,7 +78,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) -> Result {
         Transform::from_xyz(place.x as f32, height + 4.0, place.y as f32)
             .with_scale(Vec3::splat(16.0)),
     ));
-    commands.spawn((terrain, material));
+    commands.spawn((terrain, material, textures, Sea::default()));
     let cascades = CascadeShadowConfigBuilder {
         first_cascade_far_bound: 120.0,
         maximum_distance: 1200.0,
@@ -93,6 +91,6 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) -> Result {
         yaw: 0.25,
         pitch: 0.2,
     };
-    commands.spawn((support::camera(circle, 6.0, 13.4), TerrainView::default()));
+    commands.spawn((support::camera(circle, 6.0, 13.4), TerrainView));
     Ok(())
 }

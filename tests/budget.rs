@@ -69,7 +69,7 @@ impl Scene {
         );
         let view = (
             (DepthPrepass, DeferredPrepass),
-            TerrainView::default(),
+            TerrainView,
             Transform::from_translation(eye).looking_to(Vec3::new(0.3, -0.2, -1.0), Vec3::Y),
         );
         let (camera, _) = camera::camera(&mut app, UVec2::new(96, 54), view);

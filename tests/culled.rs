@@ -76,7 +76,7 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
         Transform::default().looking_to(Vec3::new(-2.0, -1.0, -1.0), Vec3::Y),
     ));
     let prepasses = (DepthPrepass, DeferredPrepass);
-    let view = (prepasses, TerrainView::default());
+    let view = (prepasses, TerrainView);
     let (camera, target) = camera::camera(&mut app, UVec2::new(160, 90), view);
     let eye = Vec3::new(20.0, height(20.0, 30.0) + 6.0, 30.0);
     let level = Transform::from_translation(eye).looking_to(Vec3::new(0.3, -0.05, -1.0), Vec3::Y);

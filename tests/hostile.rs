@@ -81,7 +81,7 @@ impl Scene {
             detail(Metric::ErrorBound { pixels: 4.0 }),
         );
         let prepasses = (DepthPrepass, DeferredPrepass);
-        let view = (prepasses, TerrainView::default(), sane.clone());
+        let view = (prepasses, TerrainView, sane.clone());
         let (camera, target) = camera::camera(&mut app, UVec2::new(96, 54), view);
         Some(Self {
             app,

@@ -80,7 +80,7 @@ fn ground(app: &mut App) -> u32 {
     hills.spawn(app);
     let place = Transform::from_xyz(0.0, 50.0, 0.0);
     let prepasses = (DepthPrepass, DeferredPrepass);
-    let view = (place, prepasses, TerrainView::default(), Detail::default());
+    let view = (place, prepasses, TerrainView, Detail::default());
     camera::camera(app, UVec2::splat(64), view);
     triangles(app)
 }

@@ -183,6 +183,47 @@ fn gpu_the_passes_choose_and_place_what_the_twin_does() {
 }
 
 #[test]
+fn gpu_the_oldest_cells_are_dropped_and_made_again_the_same() {
+    let Some(gpu) = for_test() else { return };
+    let terrain = terrain();
+    let cells = DetailCells::new(terrain.clone(), 0.25);
+    let mut stage = DetailStage::new(&gpu, &cells, 1 << 18).expect("passes");
+    let metric = Metric::ErrorBound { pixels: 2.0 };
+    let [north, south] = [0.0, 3.0].map(|yaw| params(&cells, view(&terrain, yaw, 4.0, metric)));
+    let run = |stage: &mut DetailStage, params, oldest| {
+        let params = DetailParams { oldest, ..params };
+        stage.run(params).expect("runs")
+    };
+    // Choices 1, 2 and 3.
+    let first = run(&mut stage, north, 0);
+    let second = run(&mut stage, south, 0);
+    assert!(second.used > first.used, "two views look at more than one");
+    let third = run(&mut stage, south, 0);
+    assert_eq!(third.used, second.used, "all is there");
+    // What choice 1 alone looked at goes, a layer of blocks a sweep: from the leaves up.
+    let mut used = third.used;
+    for sweep in 0.. {
+        let swept = run(&mut stage, south, 2);
+        assert_eq!(of_run(&swept), of_run(&second), "what the view needs stays");
+        assert!(swept.used <= used, "{} of {used}", swept.used);
+        if swept.used == used {
+            assert!(sweep > 2, "{sweep}");
+            break;
+        }
+        used = swept.used;
+    }
+    assert!(used < second.used && used > second.used / 4, "{used} of {}", second.used);
+    // Blocks that were dropped are taken again, for cells elsewhere.
+    let again = run(&mut stage, north, 0);
+    assert_eq!(of_run(&again), of_run(&first));
+    assert_eq!(again.used, second.used);
+    assert_eq!(of_run(&run(&mut stage, south, 0)), of_run(&second));
+    // Where everything that is old goes, roots stay.
+    let alone = run(&mut stage, south, u32::MAX);
+    assert_eq!(of_run(&alone), of_run(&second));
+}
+
+#[test]
 fn gpu_the_mesh_is_closed_and_the_same_after_looking_away() {
     let Some(gpu) = for_test() else { return };
     let terrain = terrain();

@@ -28,7 +28,7 @@ use crate::view::panel::PanelPlugin;
 use crate::view::progress::{self, ProgressPlugin};
 use crate::view::start::StartPlugin;
 use crate::view::textures::{self, TextureError};
-use crate::view::{DressPlugin, GroundTextures, ViewPlugin};
+use crate::view::{DressPlugin, SceneTextures, ViewPlugin};
 use device::DeviceError;
 use dolomite::{DolomiteMinimalPlugins, DolomitePlugins};
 use offscreen::OffscreenError;
@@ -120,7 +120,7 @@ impl Setup {
         if self.scene.own.is_none() {
             let read = textures::read_ground(&self.assets.join("textures"))?;
             let mut images = app.world_mut().resource_mut::<Assets<Image>>();
-            let textures = GroundTextures::new(read, &mut images);
+            let textures = SceneTextures::new(read, &mut images);
             app.insert_resource(textures);
         }
         self.add(app);

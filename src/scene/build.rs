@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use bevy::math::{DVec2, DVec3};
+use dolomite::ground::{MaterialBands, Sea};
 use dolomite::terrain::{
     Filter, Fractal, GroundRect, HeightMapFile, Layer, MapFormat, Source, Terrain, TerrainData,
 };
 
-use super::file::{BandsFile, SceneFile, SourceFile, StartFile, SunFile};
+use super::file::{SceneFile, SourceFile, StartFile, SunFile};
 use super::{
     Files, LoadedScene, MapOptions, PITCH_LIMIT, Pose, SceneError, default_start, raw_format_of,
     watch,
@@ -81,6 +82,8 @@ pub(super) fn from_file(
         about: file.about.clone(),
         terrain,
         bands: file.bands,
+        material: file.material.clone(),
+        sea: file.sea,
         sun: file.sun,
         camera,
         figure,
@@ -135,13 +138,15 @@ pub(super) fn from_map(
             .into_owned(),
         about: format!("height map {}", path.display()),
         terrain,
-        bands: BandsFile {
+        bands: MaterialBands {
             sand_top: low,
             tree_line: at(0.6),
             snow_line: at(0.85),
             blend: ((high - low) * 0.1).max(1.0),
-            ..BandsFile::default()
+            ..MaterialBands::default()
         },
+        material: None,
+        sea: Sea::default(),
         sun: SunFile::default(),
         camera,
         figure,
@@ -211,7 +216,7 @@ fn source(source: &SourceFile, path: &Path, files: &mut Files) -> Result<Source,
 
 /// What the terrain does not check, because only the view uses it.
 fn check_numbers(file: &SceneFile) -> Result<(), String> {
-    let BandsFile {
+    let MaterialBands {
         sand_top,
         tree_line,
         snow_line,

@@ -1,9 +1,10 @@
-//! What a scene file holds: the ground as layers, the bands of its materials, sun and start.
+//! What a scene file holds: the ground as layers, its materials and its sea, sun and start.
 //!
 //! The format is RON; unknown fields are errors. `assets/scenes/mountain.ron` is the annotated
 //! example, and the scene of that name is nothing else than that file. Lengths are metres, angles
 //! degrees, ground points `(x, z)` with +x east and −z north, heights +y up.
 
+use dolomite::ground::{GroundMaterial, MaterialBands, Sea};
 use dolomite::terrain::{Classic, Fractal, HeightMapFile, Hill, Mask};
 use serde::Deserialize;
 
@@ -30,9 +31,15 @@ pub struct SceneFile {
     /// `detail` replaces its amplitude.
     #[serde(default)]
     pub detail: Option<Fractal>,
-    /// Where sand, grass, rock and snow lie.
+    /// Where sand, grass, rock and snow lie, in the usual layers.
     #[serde(default)]
-    pub bands: BandsFile,
+    pub bands: MaterialBands,
+    /// Layers of the ground's own, in place of the usual ones.
+    #[serde(default)]
+    pub material: Option<GroundMaterial>,
+    /// How the sea looks.
+    #[serde(default)]
+    pub sea: Sea,
     /// Where the sun stands.
     #[serde(default)]
     pub sun: SunFile,
@@ -64,37 +71,6 @@ pub enum SourceFile {
     Hill(Hill),
     /// Measured heights. The path is relative to the folder of the scene file.
     Map(HeightMapFile),
-}
-
-/// Where each ground material lies. Heights are metres, slopes rise over run.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct BandsFile {
-    /// Sand reaches this height above the sea.
-    pub sand_top: f32,
-    /// Grass gives way to scree around this height.
-    pub tree_line: f32,
-    /// Snow lies above this height.
-    pub snow_line: f32,
-    /// Width of the transitions at the tree and snow lines.
-    pub blend: f32,
-    /// Slope at which grass gives way to bare rock.
-    pub rock_slope: f32,
-    /// Slope at which snow no longer holds.
-    pub snow_slope: f32,
-}
-
-impl Default for BandsFile {
-    fn default() -> Self {
-        Self {
-            sand_top: 4.0,
-            tree_line: 700.0,
-            snow_line: 1250.0,
-            blend: 160.0,
-            rock_slope: 0.75,
-            snow_slope: 1.1,
-        }
-    }
 }
 
 /// Where the sun stands, degrees.
@@ -143,7 +119,26 @@ mod tests {
         let scene = parse(&format!("(layers: [{HILL}])")).unwrap();
         assert_eq!(scene.layers.len(), 1);
         assert_eq!(scene.sea_level, None);
-        assert_eq!(scene.bands, BandsFile::default());
+        assert_eq!(scene.bands, MaterialBands::default());
+    }
+
+    #[test]
+    fn materials_are_those_of_the_plugin() {
+        let scene = parse(&format!(
+            "(layers: [{HILL}], sea: (steepness: 0.0), material: (layers: [
+                (name: \"moss\", surface: Texture(1), tile: 2.0, bands: [
+                    (of: Slope, from: 0.9, to: 0.4, wide: 0.2),
+                    (of: Height, from: 0.0, to: 10.0),
+                ]),
+                (surface: Flat(colour: (0.2, 0.1, 0.1), roughness: 0.9), cliff: true),
+            ]))"
+        ))
+        .unwrap();
+        let material = scene.material.expect("it is written there");
+        assert_eq!(material.layers.len(), 2);
+        assert_eq!(material.layers[0].bands[0].wide, 0.2);
+        assert!(material.layers[1].cliff && material.layers[1].bands.is_empty());
+        assert_eq!((scene.sea.steepness, scene.sea.deep), (0.0, Sea::default().deep));
     }
 
     #[test]
@@ -153,6 +148,8 @@ mod tests {
             "(layers: [(source: Hill(centre: (0.0, 0.0), radius: 1.0, height: 1.0, w: 2.0))])"
                 .to_owned(),
             format!("(layers: [{HILL}], bands: (sand: 3.0))"),
+            format!("(layers: [{HILL}], sea: (colour: 3.0))"),
+            format!("(layers: [{HILL}], material: (layers: [(surface: Texture(1), side: 2.0)]))"),
             format!("(layers: [{HILL}], sun: (azimuth: 1.0, elevation: 2.0, colour: 3.0))"),
             "(layers: [(source: Hole(radius: 3.0))])".to_owned(),
         ] {

@@ -22,10 +22,11 @@ use std::time::SystemTime;
 
 use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
+use dolomite::ground::{GroundMaterial, MaterialBands, Sea};
 use dolomite::terrain::{Ground, RawFormat, Terrain};
 
 pub use error::SceneError;
-use file::{BandsFile, SceneFile, SunFile};
+use file::{SceneFile, SunFile};
 pub use kind::{NamedScene, OwnView};
 pub use pose::{CLEARANCE, PITCH_LIMIT, Pose};
 pub use request::{MapOptions, SceneRequest};
@@ -50,8 +51,12 @@ pub struct LoadedScene {
     pub about: String,
     /// The ground.
     pub terrain: Terrain,
-    /// Where its materials lie.
-    pub bands: BandsFile,
+    /// Where the usual materials lie.
+    pub bands: MaterialBands,
+    /// Materials of its own, in place of these.
+    pub material: Option<GroundMaterial>,
+    /// How its sea looks, if it has one.
+    pub sea: Sea,
     /// Where the sun stands.
     pub sun: SunFile,
     /// Where the camera starts.

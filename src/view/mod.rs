@@ -27,7 +27,7 @@ use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 use dolomite::ground::detail::budget::{Budget, FrameTime, frame_time};
 use dolomite::ground::detail::{Detail, Metric};
-use dolomite::ground::{MaterialBands, TerrainMaterial, TerrainView};
+use dolomite::ground::{GroundTextures, PatchDetail, TerrainView};
 use dolomite::terrain::Ground;
 use dolomite::tessellation::StageCamera;
 
@@ -36,7 +36,6 @@ use crate::play::camera::{CameraSystems, FreeCamera};
 use crate::play::figure::Figure;
 use crate::play::{DetailFocus, Landscape, Switches};
 use crate::scene::CurrentScene;
-use crate::scene::file::BandsFile;
 use crate::settings::Settings;
 use bloom::BloomFitPlugin;
 use hero::HeroPlugin;
@@ -88,24 +87,19 @@ fn init_dress(app: &mut App) {
 
 /// The two texture arrays of the ground.
 #[derive(Resource, Clone)]
-pub struct GroundTextures {
-    /// Colour and height.
-    pub albedo_height: Handle<Image>,
-    /// Normal, roughness and occlusion.
-    pub normal_roughness: Handle<Image>,
-}
+pub struct SceneTextures(pub GroundTextures);
 
-impl GroundTextures {
+impl SceneTextures {
     /// Takes what [`textures::read_ground`] read.
     pub fn new([albedo_height, normal_roughness]: [Image; 2], images: &mut Assets<Image>) -> Self {
-        Self {
+        Self(GroundTextures {
             albedo_height: images.add(albedo_height),
             normal_roughness: images.add(normal_roughness),
-        }
+        })
     }
 }
 
-/// Draws what the simulation holds. Expects, when [`Dress`] runs, the resource [`GroundTextures`], and
+/// Draws what the simulation holds. Expects, when [`Dress`] runs, the resource [`SceneTextures`], and
 /// [`OffscreenTarget`] where there is no window.
 pub struct ViewPlugin;
 
@@ -122,7 +116,7 @@ impl Plugin for ViewPlugin {
                 (
                     follow_switches.after(CameraSystems),
                     dress_landscape
-                        .run_if(resource_exists::<GroundTextures>)
+                        .run_if(resource_exists::<SceneTextures>)
                         .run_if(resource_changed::<CurrentScene>),
                 ),
             );
@@ -164,10 +158,7 @@ fn dress_camera(
             },
             Bloom::NATURAL,
             Smaa::default(),
-            TerrainView {
-                finest_patch: settings.finest_patch,
-                ..default()
-            },
+            TerrainView,
             StageCamera {
                 pixels_per_edge: settings.pixels_per_edge,
                 ..default()
@@ -183,29 +174,16 @@ fn dress_camera(
 /// Gives the landscape its material, and again when the scene was loaded anew.
 fn dress_landscape(
     mut commands: Commands,
-    textures: Res<GroundTextures>,
+    textures: Res<SceneTextures>,
     scene: Res<CurrentScene>,
     landscapes: Query<Entity, With<Landscape>>,
 ) {
     for entity in &landscapes {
-        commands.entity(entity).insert(TerrainMaterial {
-            bands: bands(scene.bands),
-            ..TerrainMaterial::new(
-                textures.albedo_height.clone(),
-                textures.normal_roughness.clone(),
-            )
-        });
-    }
-}
-
-fn bands(file: BandsFile) -> MaterialBands {
-    MaterialBands {
-        sand_top: file.sand_top,
-        tree_line: file.tree_line,
-        snow_line: file.snow_line,
-        blend: file.blend,
-        rock_slope: file.rock_slope,
-        snow_slope: file.snow_slope,
+        let material = scene.material.clone();
+        let material = material.unwrap_or_else(|| scene.bands.into());
+        commands
+            .entity(entity)
+            .insert((material, textures.0.clone(), scene.sea));
     }
 }
 
@@ -218,9 +196,9 @@ fn follow_switches(
     figures: Query<&Figure>,
     mut views: Query<(
         Entity,
-        &mut TerrainView,
         &mut StageCamera,
-        Option<&mut Detail>,
+        &mut Detail,
+        Option<&mut PatchDetail>,
         Option<&Budget>,
     )>,
     mut commands: Commands,
@@ -232,17 +210,17 @@ fn follow_switches(
             bevy::math::DVec3::new(place.x, scene.terrain.height(place), place.y)
         }),
     };
-    for (entity, mut view, mut camera, detail, budget) in &mut views {
-        let tolerance = match (settings.budget, &detail) {
-            // From then on the budget moves it.
-            (Some(_), Some(detail)) => Some(detail.metric),
-            (Some(_), None) => Some(Metric::default()),
-            (None, _) => settings
-                .max_error
-                .map(|pixels| Metric::ErrorBound { pixels }),
-        };
-        let wanted = tolerance.map(|metric| Detail {
-            metric,
+    for (entity, mut camera, mut detail, patches, budget) in &mut views {
+        // A budget moves the metric itself.
+        if let (None, Some(pixels)) = (settings.budget, settings.max_error) {
+            detail.set_if_neq(Detail {
+                metric: Metric::ErrorBound { pixels },
+                ..default()
+            });
+        }
+        let by_patches = settings.budget.is_none() && settings.max_error.is_none();
+        let wanted = by_patches.then(|| PatchDetail {
+            finest_patch: settings.finest_patch,
             ..default()
         });
         let asked = settings.budget.map(|milliseconds| Budget {
@@ -256,23 +234,18 @@ fn follow_switches(
                 None => camera.remove::<(Budget, FrameTime)>(),
             };
         }
-        match (detail, wanted) {
-            (Some(mut detail), Some(wanted)) => {
-                detail.set_if_neq(wanted);
+        match (patches, wanted) {
+            (Some(mut patches), Some(wanted)) => {
+                patches.set_if_neq(wanted);
             }
             (None, Some(wanted)) => {
                 commands.entity(entity).insert(wanted);
             }
             (Some(_), None) => {
-                commands.entity(entity).remove::<Detail>();
+                commands.entity(entity).remove::<PatchDetail>();
             }
             (None, None) => {}
         }
-        let next = TerrainView {
-            finest_patch: settings.finest_patch,
-            ..view.clone()
-        };
-        view.set_if_neq(next);
         let next = StageCamera {
             pixels_per_edge: settings.pixels_per_edge,
             focus,

@@ -6,6 +6,7 @@ use std::time::Duration;
 use bevy::diagnostic::{DiagnosticsStore, FrameTimeDiagnosticsPlugin};
 use bevy::prelude::*;
 use bevy::time::common_conditions::on_real_timer;
+use dolomite::ground::PatchDetail;
 use dolomite::ground::detail::budget::BudgetReport;
 use dolomite::ground::detail::{Detail, Metric};
 use dolomite::tessellation::render::StageStats;
@@ -127,7 +128,7 @@ fn write_figures(
     scene: Res<CurrentScene>,
     switches: Res<Switches>,
     own: Option<Res<PanelRows>>,
-    detail: Option<Single<(&Detail, Option<&BudgetReport>)>>,
+    detail: Option<Single<(&Detail, Option<&BudgetReport>), Without<PatchDetail>>>,
     text: Option<Single<&mut Text, With<Figures>>>,
 ) {
     let Some(mut text) = text else { return };

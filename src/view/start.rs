@@ -9,7 +9,7 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
 
 use super::progress::{Made, Progress, textures_are_there};
 use super::textures::TextureError;
-use super::{Dress, GroundTextures, textures};
+use super::{Dress, SceneTextures, textures};
 use crate::scene::CurrentScene;
 use crate::settings::paths::AssetsDir;
 
@@ -141,7 +141,7 @@ fn take_textures(
     commands.remove_resource::<Reading>();
     match read {
         Ok(read) => {
-            commands.insert_resource(GroundTextures::new(read, &mut images));
+            commands.insert_resource(SceneTextures::new(read, &mut images));
             commands.run_system_cached(textures_are_there);
         }
         Err(error) => {

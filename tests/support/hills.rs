@@ -5,7 +5,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-use dolomite::ground::TerrainMaterial;
+use dolomite::ground::{GroundMaterial, GroundTextures, Sea};
 use dolomite::ground::render::texture::{LAYERS, texture_array};
 use dolomite::terrain::{Fractal, GroundRect, Layer, Source, Terrain, TerrainData};
 
@@ -42,8 +42,8 @@ impl Hills {
     }
 }
 
-/// A material of the smallest textures.
-fn material(app: &mut App) -> TerrainMaterial {
+/// A material of the smallest textures, and a sea for ground that has a level for it.
+fn material(app: &mut App) -> (GroundMaterial, GroundTextures, Sea) {
     let mut images = app.world_mut().resource_mut::<Assets<Image>>();
     let mut array = |srgb| {
         let size = Extent3d {
@@ -60,5 +60,9 @@ fn material(app: &mut App) -> TerrainMaterial {
         );
         images.add(texture_array(&stack, LAYERS, srgb).expect("a stack of squares"))
     };
-    TerrainMaterial::new(array(true), array(false))
+    let textures = GroundTextures {
+        albedo_height: array(true),
+        normal_roughness: array(false),
+    };
+    (GroundMaterial::default(), textures, Sea::default())
 }

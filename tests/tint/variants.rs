@@ -9,7 +9,7 @@ use bevy::render::RenderApp;
 use bevy::render::render_resource::{PipelineCache, PipelineDescriptor};
 use bevy::shader::{Shader, ShaderDefVal, ShaderImport};
 use dolomite::DolomitePlugins;
-use dolomite::ground::detail::layout::{DEPTH_PASSES, LAST_PASSES, Second, all_without};
+use dolomite::ground::detail::layout::{DEPTH_PASSES, LAST_PASSES, SWEEP_PASS, Second, all_without};
 use dolomite::ground::detail::probe::ANSWER_PASS;
 use dolomite::ground::render::GroundKind;
 use dolomite::ground::render::detail::detail_variants;
@@ -92,10 +92,10 @@ pub fn all() -> Option<Asked> {
     }
     stage("classic", stage_variants::<ClassicKind>());
     stage("bounded classic", detail_variants::<BoundedClassicKind>());
-    stage("detail of the ground", detail_variants::<GroundKind>());
+    stage("detail of the ground", detail_variants::<GroundKind<0>>());
     stage("examples", examples::variants());
     stage("rules", rules::variants());
-    for (file, _, second, _) in DEPTH_PASSES.iter().chain(&LAST_PASSES) {
+    for (file, _, second, _) in DEPTH_PASSES.iter().chain(&LAST_PASSES).chain([&SWEEP_PASS]) {
         let sets = match second {
             Second::Ground => all_without(),
             _ => vec![Vec::new()],

@@ -45,7 +45,7 @@ impl PluginGroup for DolomitePlugins {
             .add_group(DolomiteMinimalPlugins)
             .add(fbx::FbxPlugin)
             .add(character::render::CrowdPlugin)
-            .add(ground::GroundPlugin)
+            .add(ground::GroundPlugin::default())
     }
 }
 

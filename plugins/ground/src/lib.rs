@@ -2,40 +2,53 @@
 //!
 //! ```no_run
 //! use bevy::{math::DVec2, prelude::*};
-//! use dolomite_ground::{GroundPlugin, TerrainMaterial, TerrainView};
+//! use dolomite_ground::{GroundMaterial, GroundPlugin, Sea, TerrainView};
 //! use dolomite_terrain::{Fractal, GroundRect, Layer, Source, Terrain, TerrainData};
 //!
-//! fn setup(mut commands: Commands, assets: Res<AssetServer>) -> Result {
+//! fn setup(mut commands: Commands) -> Result {
 //!     let terrain = Terrain::new(TerrainData {
 //!         extent: GroundRect::square(DVec2::ZERO, 4000.0),
 //!         layers: vec![Layer { source: Source::Fractal(Fractal::default()), mask: None }],
 //!         base: 0.0,
 //!         sea_level: Some(0.0),
 //!     })?;
-//!     let albedo = assets.load("textures/terrain_albedo_height.png");
-//!     let normal = assets.load("textures/terrain_normal_roughness.png");
-//!     commands.spawn((terrain, TerrainMaterial::new(albedo, normal)));
-//!     commands.spawn((Camera3d::default(), Msaa::Off, TerrainView::default()));
+//!     commands.spawn((terrain, GroundMaterial::default(), Sea::default()));
+//!     commands.spawn((Camera3d::default(), Msaa::Off, TerrainView));
 //!     Ok(())
 //! }
 //!
 //! # let mut app = App::new();
-//! app.add_plugins(GroundPlugin).add_systems(Startup, setup);
+//! app.add_plugins(GroundPlugin::default()).add_systems(Startup, setup);
 //! ```
 //!
 //! | part | what it does |
 //! |---|---|
 //! | [`cover`] | the ground as patches of the tessellation stage: a balanced quadtree around the focus |
 //! | [`detail`] | the ground with its error bounded in pixels, chosen on the GPU |
+//! | [`material`] | what the ground is made of, and how the sea looks: data |
 //! | `render` | both on the GPU, textures and look (feature `render`) |
+
+/// A warning; where nothing draws there is no log, and what is left out is left out of pictures alone.
+macro_rules! tell {
+    ($($text:tt)*) => {{
+        #[cfg(feature = "render")]
+        bevy::log::warn!($($text)*);
+        #[cfg(not(feature = "render"))]
+        let _ = format_args!($($text)*);
+    }};
+}
 
 pub mod cover;
 pub mod detail;
+pub mod material;
+mod plugin;
 #[cfg(feature = "render")]
 pub mod render;
+mod shown;
 
+pub use cover::{PatchDetail, TerrainCover, TerrainCoverSystems, TerrainView};
+pub use material::{Band, GroundLayer, GroundMaterial, MaterialBands, Measure, Sea, Surface};
+pub use plugin::GroundPlugin;
 #[cfg(feature = "render")]
-pub use cover::TerrainMaterial;
-pub use cover::{
-    GroundPlugin, MaterialBands, PatchBounds, TerrainCover, TerrainCoverSystems, TerrainView,
-};
+pub use render::GroundTextures;
+pub use shown::MOST_TERRAINS;

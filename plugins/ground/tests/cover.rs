@@ -4,8 +4,8 @@
 mod support;
 
 use bevy::math::{DVec2, DVec3};
-use dolomite_terrain::GroundRect;
 use dolomite_ground::cover::lattice::Lattice;
+use dolomite_terrain::GroundRect;
 use dolomite_tessellation::coordinate::side_coordinate;
 use dolomite_tessellation::patches::{REVERSED, WHOLE};
 use dolomite_tessellation::{Domain, Levels};
@@ -100,10 +100,7 @@ fn drawn(scene: &Scene) -> Vec<bool> {
         .collect()
 }
 
-fn found_cracks(
-    scene: &Scene,
-    mesh: &dolomite_tessellation::MeshTessellation,
-) -> Option<usize> {
+fn found_cracks(scene: &Scene, mesh: &dolomite_tessellation::MeshTessellation) -> Option<usize> {
     let positions: Vec<[f32; 3]> = scene
         .vertices(mesh)
         .iter()

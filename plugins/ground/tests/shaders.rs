@@ -57,21 +57,51 @@ fn a_changed_struct_is_seen() {
 #[test]
 fn the_grounds_look_lies_as_in_rust() {
     use bevy::render::render_resource::ShaderType;
-    use dolomite_ground::render::GroundLook;
+    use dolomite_ground::render::{GroundLook, LookBand, LookLayer};
     // `#[derive(ShaderType)]` lays the Rust struct out by WGSL's own rules: order and size are left.
-    let (size, members) = wgsl_struct(&composed("ground/material.wgsl"), "GroundLook");
+    let module = composed("ground/material.wgsl");
+    let (size, members) = wgsl_struct(&module, "GroundLook");
     assert_eq!(u64::from(size), GroundLook::min_size().get());
     let names: Vec<&str> = members
         .iter()
         .map(|(name, _)| name.trim_end_matches('_'))
         .collect();
-    let debug = format!("{:?}", GroundLook::default());
-    let ours: Vec<&str> = debug
-        .trim_start_matches("GroundLook { ")
-        .split(", ")
-        .filter_map(|field| field.split(':').next())
-        .collect();
+    let ours = [
+        "sea_level",
+        "relief_texel",
+        "relief_scale",
+        "count",
+        "tiles",
+        "water",
+        "deep",
+        "order",
+        "layers",
+        "bands",
+    ];
     assert_eq!(names, ours);
+    let at = |name: &str| members.iter().find(|(theirs, _)| theirs == name);
+    assert_eq!(at("layers").map(|(_, at)| *at), Some(64 + 32 * 16));
+    assert_eq!(at("bands").map(|(_, at)| *at), Some(64 + 32 * 16 + 32 * 32));
+    let (size, _) = wgsl_struct(&module, "GroundBand");
+    assert_eq!(u64::from(size), LookBand::min_size().get());
+    let (size, _) = wgsl_struct(&module, "GroundLayer");
+    assert_eq!(u64::from(size), LookLayer::min_size().get());
+}
+
+#[test]
+fn ground_without_a_sea_calls_nothing_of_one() {
+    let calls = |defs: &[&str]| {
+        let module = dolomite_shaders::compose("ground/functions.wgsl", defs).expect("valid");
+        let surface = module.functions.iter().find(|(_, function)| {
+            let name = function.name.as_deref();
+            name.is_some_and(|name| name.contains("ground_surface"))
+        });
+        let (_, surface) = surface.expect("it is imported");
+        format!("{:?}", surface.body).matches("Call {").count()
+    };
+    let (with, without) = (calls(&[]), calls(&["GROUND_WITHOUT_SEA"]));
+    assert_eq!(with - without, 1, "the surface of the water");
+    assert_eq!(calls(&["GROUND_FEW_LAYERS"]), with);
 }
 
 #[test]
@@ -120,6 +150,7 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
             flags,
             clip,
             half_size,
+            oldest,
             horizon,
         }
     );
@@ -150,7 +181,8 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
             centre,
             error,
             high,
-            finer
+            finer,
+            looked
         }
     );
     let (size, members) = wgsl_struct(&look, "ViewCell");
@@ -167,12 +199,13 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
 
 #[test]
 fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
-    use dolomite_ground::detail::layout::{DEPTH_PASSES, LAST_PASSES};
+    use dolomite_ground::detail::layout::{DEPTH_PASSES, LAST_PASSES, SWEEP_PASS};
     use dolomite_ground::detail::probe::ANSWER_PASS;
     let files = DEPTH_PASSES
         .iter()
         .map(|(file, ..)| file)
         .chain(LAST_PASSES.iter().map(|(file, ..)| file))
+        .chain([&SWEEP_PASS.0])
         .chain([&ANSWER_PASS.0]);
     for file in files {
         let module = composed(file);

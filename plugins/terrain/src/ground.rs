@@ -5,6 +5,7 @@
 //! ∂height/∂z), rise over run, without unit.
 
 use bevy::math::{DVec2, DVec3, IVec2, UVec2, Vec2, Vec3};
+use bevy::reflect::Reflect;
 use bytemuck::{Pod, Zeroable};
 
 /// 2³², the number of fixed-point steps in one metre.
@@ -101,7 +102,7 @@ pub(crate) fn fixed(metres: f64) -> i64 {
 }
 
 /// A rectangle of the ground plane, metres, both ends included.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 pub struct GroundRect {
     /// Smallest x and z.
     pub min: DVec2,
@@ -144,6 +145,12 @@ impl GroundRect {
         xz.cmpge(self.min).all() && xz.cmple(self.max).all()
     }
 
+    /// How far a point lies from the rectangle, metres; 0 inside and on the border.
+    #[must_use]
+    pub fn distance(&self, xz: DVec2) -> f64 {
+        (self.min - xz).max(xz - self.max).max(DVec2::ZERO).length()
+    }
+
     /// Whether all four numbers are finite and min ≤ max.
     #[must_use]
     pub fn is_valid(&self) -> bool {
@@ -152,7 +159,7 @@ impl GroundRect {
 }
 
 /// The ground at one place, in `f64`: what gameplay stands on.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 pub struct GroundSample {
     /// Height above y = 0, metres.
     pub height: f64,

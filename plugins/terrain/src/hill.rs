@@ -3,10 +3,11 @@
 use crate::ground::{GroundPoint, GroundSample, Height};
 use crate::noise::NoiseError;
 use bevy::math::DVec2;
+use bevy::reflect::Reflect;
 use serde::{Deserialize, Serialize};
 
 /// height·(1 − r²/R²)³ within R of the centre, 0 beyond: smooth to second order at the rim.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hill {
     /// Centre (x, z), metres.

@@ -45,4 +45,4 @@ pub use probe::{
     AnswerSource, DrawnAnswer, GroundAnswer, GroundProbe, GroundProbeSystems, ProbeAnswer,
     ProbeBatch, ProbeError, ProbePart, ProbeQuestion,
 };
-pub use terrain::{Layer, Mask, Source, Terrain, TerrainData, TerrainError};
+pub use terrain::{Layer, Mask, Source, Terrain, TerrainData, TerrainError, terrain_at};

@@ -7,6 +7,7 @@ use crate::hill::Hill;
 use crate::noise::{Classic, Fractal, NoiseError, PreparedClassic, PreparedFractal};
 use bevy::ecs::component::Component;
 use bevy::math::DVec2;
+use bevy::reflect::Reflect;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use thiserror::Error;
@@ -35,7 +36,7 @@ pub struct Layer {
 
 /// A smooth step over the height so far: 0 at `low`, 1 at `high`, flat beyond, with zero slope at
 /// both. With low > high it is 1 at and below `high` and 0 at and above `low`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mask {
     /// Where the layer is absent, metres.
@@ -201,6 +202,22 @@ impl Terrain {
         self.0.data.sea_level
     }
 
+    /// The same ground without its water.
+    #[must_use]
+    pub fn without_sea(&self) -> Self {
+        if self.sea_level().is_none() {
+            return self.clone();
+        }
+        let Inner { data, prepared } = &*self.0;
+        Self(Arc::new(Inner {
+            data: TerrainData {
+                sea_level: None,
+                ..data.clone()
+            },
+            prepared: prepared.clone(),
+        }))
+    }
+
     /// Whether two handles are the same terrain (the same allocation): what was computed for one
     /// then holds for the other.
     #[must_use]
@@ -255,6 +272,30 @@ impl Terrain {
     pub fn bounds(&self, rect: &GroundRect) -> HeightBounds {
         crate::bounds::terrain(self, rect)
     }
+}
+
+/// The terrain that answers at (x, z), metres: the first one whose extent contains the place, and where
+/// none does the one whose extent is nearest to it (the first of those that are equally near). `None`
+/// where there are no terrains, or the place is not finite.
+#[must_use]
+pub fn terrain_at<'a>(
+    terrains: impl IntoIterator<Item = &'a Terrain>,
+    xz: DVec2,
+) -> Option<&'a Terrain> {
+    if !xz.is_finite() {
+        return None;
+    }
+    let mut nearest: Option<(f64, &Terrain)> = None;
+    for terrain in terrains {
+        let distance = terrain.extent().distance(xz);
+        if distance == 0.0 {
+            return Some(terrain);
+        }
+        if nearest.is_none_or(|(least, _)| distance < least) {
+            nearest = Some((distance, terrain));
+        }
+    }
+    nearest.map(|(_, terrain)| terrain)
 }
 
 impl Prepared {

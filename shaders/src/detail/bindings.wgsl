@@ -14,7 +14,7 @@ struct DetailPass {
 
 @group(0) @binding(0) var<uniform> detail: DetailParams;
 @group(0) @binding(1) var<uniform> detail_pass: DetailPass;
-// Kept from frame to frame: what does not depend on the view.
+// Kept from frame to frame for all views of a ground: what does not depend on them.
 @group(0) @binding(2) var<storage, read_write> cells: array<Cell>;
 @group(0) @binding(3) var<storage, read_write> links: array<Link>;
 // Of this view.
@@ -24,9 +24,7 @@ struct DetailPass {
 // make from the back; behind them the cells that are kept.
 @group(0) @binding(6) var<storage, read_write> lists: array<u32>;
 
-// Words of `counts`. Kept: cells in use.
-const USED: u32 = 0u;
-// Of this choice, from here on: 0 before the first pass.
+// Words of `counts`, all of them 0 before the first pass.
 // Blocks to look at, and to make, of each depth.
 const LOOK: u32 = 32u;
 const MAKE: u32 = 64u;

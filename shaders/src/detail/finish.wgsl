@@ -1,7 +1,8 @@
 // Arguments of the draws and what is reported, one thread.
 
-#import dolomite::detail::bindings::{counts, detail, COARSENING, LEFT, OTHERS, TRIANGLES, USED, VERTICES}
+#import dolomite::detail::bindings::{counts, detail, COARSENING, LEFT, OTHERS, TRIANGLES, VERTICES}
 #import dolomite::detail::room::corner_count
+#import dolomite::detail::stock::cells_in_use
 #import dolomite::geometry::head::{AMPLIFIED, INDEXED, OTHERS as HEAD_OTHERS, PLAIN, PRIMITIVES, VERTICES as HEAD_VERTICES, WANTED_PRIMITIVES, WANTED_VERTICES}
 
 @group(1) @binding(0) var<storage, read_write> head: array<u32>;
@@ -31,5 +32,5 @@ fn finish() {
     head[WANTED_PRIMITIVES] = triangles + others;
     head[HEAD_COARSENING] = atomicLoad(&counts[COARSENING]);
     head[HEAD_LEFT] = atomicLoad(&counts[LEFT]);
-    head[HEAD_USED] = atomicLoad(&counts[USED]);
+    head[HEAD_USED] = cells_in_use();
 }

@@ -2,8 +2,9 @@
 // are made where they are new. A thread a cell. Also counts the workgroups of the passes to come.
 
 #import dolomite::detail::types::{Link, APPEARS, NO_CELL}
-#import dolomite::detail::bindings::{counts, detail, detail_pass, links, lists, seen, ARGUMENTS, GROUP, KEPT, LEFT, LOOK, LOOK_ARGUMENTS, MAKE, MOST_GROUPS, USED, WITHOUT_ROOM, blocks_before, look_block}
+#import dolomite::detail::bindings::{counts, detail, detail_pass, links, lists, seen, ARGUMENTS, GROUP, KEPT, LEFT, LOOK, LOOK_ARGUMENTS, MAKE, MOST_GROUPS, WITHOUT_ROOM, blocks_before, look_block}
 #import dolomite::detail::lattice::{cell_corner, cell_half}
+#import dolomite::detail::stock::take_block
 
 // Arguments of the dispatches of the next depth, and of those that close the choice: what a dispatch reads
 // its own from cannot be written in it, so that the depths take turns between two buffers.
@@ -32,8 +33,8 @@ fn quarters_of(at: u32, centre: vec2<u32>, half: u32) -> u32 {
     if known != 0u {
         return known;
     }
-    let first = atomicAdd(&counts[USED], 4u);
-    if first + 4u > detail.capacity {
+    let first = take_block();
+    if first == NO_CELL {
         return 0u;
     }
     for (var k = 0u; k < 4u; k++) {

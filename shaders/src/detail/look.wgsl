@@ -49,6 +49,7 @@ fn look_at(at: u32, most: f32) {
     seen[at].centre = 0.0;
     seen[at].seen = select(0u, 1u, sight.share > 0.0);
     seen[at].stamp = detail.stamp;
+    cells[at].looked = detail.stamp;
 }
 
 @compute @workgroup_size(64)

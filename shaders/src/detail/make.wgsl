@@ -216,7 +216,7 @@ fn made(cell: u32, centre: vec2<u32>, half: u32) -> Cell {
         quarters.xy,
         quarters.zw,
         all.finer + missed,
-        0.0,
+        0u,
     );
 }
 

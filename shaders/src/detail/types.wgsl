@@ -68,8 +68,9 @@ struct DetailParams {
     // The cull view: from places in the stage to clip space, and half its size in pixels.
     clip: mat4x4<f32>,
     half_size: vec2<f32>,
-    pad_a: f32,
-    pad_b: f32,
+    // Cells that no choice from this one on has looked at may be dropped.
+    oldest: u32,
+    pad: f32,
     horizon: HorizonView,
 }
 
@@ -90,7 +91,8 @@ struct Cell {
     quarters_ab: vec2<f32>,
     quarters_cd: vec2<f32>,
     finer: f32,
-    pad: f32,
+    // Number of the choice that looked at it last.
+    looked: u32,
 }
 
 // Where a cell stands among the others.

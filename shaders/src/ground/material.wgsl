@@ -1,12 +1,13 @@
 #define_import_path dolomite::ground::material
 
-// What the ground is made of, by height, slope and the sea, and how it looks there.
+// What the ground is made of, by the layers of its material, and how it looks there.
 // Slopes are rise over run; heights and lengths metres.
 
 #import dolomite::geometry::draw_types::{Shaded, Surface}
-#import dolomite::ground::types::{GroundLook, GroundView, DEPTH_RANGE}
+#import dolomite::ground::types::{GroundLook, GroundView, DEPTH_RANGE, NO_TEXTURE}
+#import dolomite::ground::layers::{Place, LAYERS, band_share, place_of}
 #import dolomite::ground::texturing::{Texel, mix_texels, sample_once, sample_varied, value_noise}
-#import dolomite::ground::water::water_surface
+#import dolomite::ground::water::{Sea, water_surface}
 
 @group(1) @binding(3) var albedo_height: texture_2d_array<f32>;
 @group(1) @binding(4) var normal_roughness: texture_2d_array<f32>;
@@ -15,45 +16,30 @@
 @group(1) @binding(7) var relief_sampler: sampler;
 @group(1) @binding(8) var<uniform> look: GroundLook;
 
-const SAND: u32 = 0u;
-const GRASS: u32 = 1u;
-const ROCK: u32 = 2u;
-const SNOW: u32 = 3u;
-const SCREE: u32 = 4u;
-
 // The far scale of the textures, in near tiles: not a whole number, so that the two never align.
 const FAR_TILES: f32 = 11.3;
 
-// Share of each material, not normalised: sand, grass, rock, snow in xyzw; scree is returned by
-// `scree_weight` as what is left.
-fn material_weights(height: f32, slope: f32, patchiness: vec2<f32>) -> array<f32, 5> {
-    let above_sea = height - look.sea_level;
-    let uneven = patchiness.x - 0.5;
-    let fine = patchiness.y - 0.5;
-    let sand = 1.0 - smoothstep(look.sand_top * 0.5, look.sand_top * 1.5, above_sea + 3.0 * fine + 40.0 * max(slope - 0.35, 0.0));
-    // Snow lies lower in hollows of the noise and slides off steep ground.
-    let snow_height = smoothstep(look.snow_line - look.blend, look.snow_line + look.blend, height + look.blend * 1.6 * uneven + look.blend * 0.5 * fine);
-    let snow_hold = 1.0 - smoothstep(look.snow_slope * 0.7, look.snow_slope * 1.15, slope + 0.25 * fine);
-    let snow = snow_height * snow_hold;
-    let rock = smoothstep(look.rock_slope * 0.8, look.rock_slope * 1.25, slope + 0.3 * uneven + 0.15 * fine);
-    let grassy = 1.0 - smoothstep(look.tree_line - look.blend, look.tree_line + look.blend, height + look.blend * 1.4 * uneven + look.blend * fine);
-    // Earth shows through the grass where it is steeper and in patches.
-    let bare = smoothstep(look.rock_slope * 0.45, look.rock_slope * 0.9, slope + 0.35 * uneven + 0.3 * fine);
+// Share of each layer: an upper one hides what lies below it, the last one takes what is left.
+fn weigh(weights: ptr<function, array<f32, LAYERS>>, place: Place) {
     var left = 1.0;
-    var weights: array<f32, 5>;
-    weights[SNOW] = snow;
-    left -= snow;
-    weights[ROCK] = left * rock;
-    left *= 1.0 - rock;
-    weights[SAND] = left * sand;
-    left *= 1.0 - sand;
-    weights[GRASS] = left * grassy * (1.0 - bare);
-    weights[SCREE] = left * (1.0 - grassy * (1.0 - bare));
-    return weights;
+    for (var i = 0u; i < look.count; i++) {
+        let entry = look.order[i];
+        var weight = left;
+        var share = 1.0;
+        for (var k = entry.y; k < entry.z; k++) {
+            let of_band = band_share(look.bands[k], place);
+            weight *= of_band;
+            share *= of_band;
+        }
+        (*weights)[entry.x] = weight;
+        left *= 1.0 - share;
+    }
 }
 
-// Share below which a material is not sampled: height blending hides it anyway.
+// Share below which a layer is not sampled: height blending hides it anyway.
 const LEAST_WEIGHT: f32 = 0.04;
+// How high a layer without a texture stands in height blending, of 0 to 1.
+const FLAT_HEIGHT: f32 = 0.5;
 
 // What stands out at the far scale stands FAR_TILES times as high as it is: its slopes are the near ones, on
 // tufts and stones as large as bushes and boulders. Flattened, they are the unevenness of the ground.
@@ -125,24 +111,30 @@ fn ground_surface(view: GroundView, surface: Surface, anchor_height: f32) -> Sha
     let world = view.anchor + position.xz;
     let wide_noise = 0.65 * value_noise(world / 173.0, 1u) + 0.35 * value_noise(world / 47.0, 2u);
     let fine_noise = 0.6 * value_noise(world / 11.0, 3u) + 0.4 * value_noise(world / 2.9, 4u);
-    let weights = material_weights(ground, slope, vec2(wide_noise, fine_noise));
+    var weights: array<f32, LAYERS>;
+    weigh(&weights, place_of(ground, look.sea_level, slope, vec2(wide_noise, fine_noise)));
 
-    let near = view.near_offset + position.xz / look.tile;
-    let far = view.far_offset + position.xz / (look.tile * FAR_TILES);
-    let ddx = dx.xz / look.tile;
-    let ddy = dy.xz / look.tile;
-    let index = 9.0 * value_noise(world / (look.tile * 2.3), 5u);
+    let index = 9.0 * value_noise(world / (look.tiles.x * 2.3), 5u);
     // From 3 cm a pixel on the near texture is only an average: the far one takes over.
     let farness = smoothstep(0.012, 0.09, pixel);
 
-    var layers: array<Texel, 5>;
-    var bumps: array<vec3<f32>, 5>;
+    var layers: array<Texel, LAYERS>;
+    var bumps: array<vec3<f32>, LAYERS>;
     var highest = 0.0;
-    for (var i = 0u; i < 5u; i++) {
+    for (var i = 0u; i < look.count; i++) {
         if weights[i] < LEAST_WEIGHT {
             continue;
         }
-        if i == ROCK {
+        let layer = look.layers[i];
+        let tile = look.tiles[layer.tile];
+        let offset = select(select(view.offset_c, view.offset_b, layer.tile == 1u), view.offset_a, layer.tile == 0u);
+        let near = offset.xy + position.xz / tile;
+        let far = offset.zw + position.xz / (tile * FAR_TILES);
+        let ddx = dx.xz / tile;
+        let ddy = dy.xz / tile;
+        if layer.texture == NO_TEXTURE {
+            layers[i] = Texel(layer.colour.rgb, FLAT_HEIGHT, vec2(0.0), layer.colour.a, 1.0);
+        } else if layer.cliff == 1u {
             // Steep ground: from the side that it faces most, or from above.
             let facing = base_normal * base_normal;
             let side_z = facing.z > facing.x;
@@ -152,25 +144,25 @@ fn ground_surface(view: GroundView, surface: Surface, anchor_height: f32) -> Sha
             let upright = smoothstep(0.55, 0.75, base_normal.y);
             let along = select(vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0), side_z);
             if upright < 1.0 {
-                let s = sample_layer(i, side / look.tile, side / (look.tile * FAR_TILES), side_dx / look.tile, side_dy / look.tile, index, farness);
+                let s = sample_layer(layer.texture, side / tile, side / (tile * FAR_TILES), side_dx / tile, side_dy / tile, index, farness);
                 layers[i] = s;
                 bumps[i] = along * s.normal.x - vec3(0.0, 1.0, 0.0) * s.normal.y;
             }
             if upright > 0.0 {
-                let t = sample_layer(i, near, far, ddx, ddy, index, farness);
+                let t = sample_layer(layer.texture, near, far, ddx, ddy, index, farness);
                 let bump = vec3(t.normal.x, 0.0, t.normal.y);
                 layers[i] = mix_texels(layers[i], t, upright);
                 bumps[i] = mix(bumps[i], bump, upright);
             }
         } else {
-            layers[i] = sample_layer(i, near, far, ddx, ddy, index, farness);
+            layers[i] = sample_layer(layer.texture, near, far, ddx, ddy, index, farness);
             bumps[i] = vec3(layers[i].normal.x, 0.0, layers[i].normal.y);
         }
         highest = max(highest, weights[i] + layers[i].height * 0.6);
     }
     // Height blending: what stands highest shows; 0.25 is the depth of the mixed zone.
     var blend = Blend(vec3(0.0), 0.0, 0.0, vec3(0.0), 0.0);
-    for (var i = 0u; i < 5u; i++) {
+    for (var i = 0u; i < look.count; i++) {
         if weights[i] < LEAST_WEIGHT {
             continue;
         }
@@ -191,12 +183,13 @@ fn ground_surface(view: GroundView, surface: Surface, anchor_height: f32) -> Sha
     out.reflectance = 0.4;
     out.normal = normalize(base_normal + blend.bump * scale * 0.9);
 
+#ifndef GROUND_WITHOUT_SEA
     // Wet sand just above the water line, and the water itself.
     let wet = smoothstep(-0.7, 0.0, depth);
     out.base_color *= 1.0 - 0.45 * wet;
     out.roughness = mix(out.roughness, 0.35, wet * 0.7);
     if depth > 0.0 {
-        let water = water_surface(view, position.xz, depth, pixel, out.base_color);
+        let water = water_surface(Sea(look.water, look.deep.rgb), view, position.xz, depth, pixel, out.base_color);
         let shore = smoothstep(0.0, 0.12, depth);
         out.base_color = mix(out.base_color, water.albedo, shore);
         out.roughness = mix(out.roughness, water.roughness, shore);
@@ -204,5 +197,6 @@ fn ground_surface(view: GroundView, surface: Surface, anchor_height: f32) -> Sha
         out.reflectance = mix(out.reflectance, 0.35, shore); // F0 = 0.16 r^2 = 0.02: water.
         out.occlusion = mix(out.occlusion, 1.0, shore);
     }
+#endif
     return out;
 }

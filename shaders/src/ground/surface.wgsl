@@ -8,6 +8,6 @@
 
 fn material(surface: Surface) -> Shaded {
     let given = geometry_draw.numbers;
-    let view = GroundView(geometry_draw.camera, geometry_draw.time, geometry_draw.anchor.xz, given[0].xy, given[0].zw, given[1].xy);
+    let view = GroundView(geometry_draw.camera, geometry_draw.time, geometry_draw.anchor.xz, given[3].xy, given[0], given[1], given[2]);
     return ground_surface(view, surface, geometry_draw.anchor.y);
 }

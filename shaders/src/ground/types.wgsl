@@ -1,26 +1,53 @@
 #define_import_path dolomite::ground::types
 
-// How the ground looks, byte for byte as GroundLook in plugins/ground/src/render/kind.rs.
+// How the ground looks, byte for byte as GroundLook in plugins/ground/src/render/look.rs.
+
+// Where a layer lies, by one measure.
+struct GroundBand {
+    // What is measured: shares of height, height above the sea and slope; then what is added for each unit of
+    // slope beyond STEEP.
+    measure: vec4<f32>,
+    // Ends of the smooth step; then the share of the layer below them, and what the step adds to it.
+    edge: vec4<f32>,
+    // How far the wide and the fine noise move the edge.
+    noise: vec4<f32>,
+}
+
+// What a layer shows.
+struct GroundLayer {
+    // Of a layer without a texture: linear colour, and roughness.
+    colour: vec4<f32>,
+    // Layer of the texture arrays; NO_TEXTURE without.
+    texture: u32,
+    // Which size of tile.
+    tile: u32,
+    // 1 where the texture is laid on from the side of steep ground.
+    cliff: u32,
+    pad: u32,
+}
 
 struct GroundLook {
     // Metres; -1e30 without a sea.
     sea_level: f32,
-    // Side of a texture tile, metres.
-    tile: f32,
-    // Material boundaries, see MaterialBands: metres and rise over run.
-    sand_top: f32,
-    tree_line: f32,
-    snow_line: f32,
-    blend: f32,
-    rock_slope: f32,
-    snow_slope: f32,
     // Side of a relief texel, metres; 0 without a relief map.
     relief_texel: f32,
     // Relief texture coordinates a metre.
     relief_scale: f32,
-    pad_a: f32,
-    pad_b: f32,
+    // Layers that there are.
+    count: u32,
+    // Sides of texture tiles, metres.
+    tiles: vec4<f32>,
+    // Extinction of the water, 1/m; then the greatest slope of a wave.
+    water: vec4<f32>,
+    // Colour of deep water.
+    deep: vec4<f32>,
+    // From the uppermost layer to the lowest: which layer, and its bands from the first to before the last.
+    order: array<vec4<u32>, 32>,
+    layers: array<GroundLayer, 32>,
+    bands: array<GroundBand, 64>,
 }
+
+const NO_TEXTURE: u32 = 0xffffffffu;
 
 // Where in the view a fragment stands: what depends on the view.
 struct GroundView {
@@ -30,12 +57,13 @@ struct GroundView {
     time: f32,
     // World position (x, z) of stage space's origin, metres.
     anchor: vec2<f32>,
-    // Fraction of the near and the far texture tile there: keeps texture coordinates small, hence
-    // exact, everywhere.
-    near_offset: vec2<f32>,
-    far_offset: vec2<f32>,
     // Relief texture coordinates there.
     relief_offset: vec2<f32>,
+    // Fraction of the near (xy) and the far (zw) texture tile there, of each size of tile: keeps texture
+    // coordinates small, hence exact, everywhere.
+    offset_a: vec4<f32>,
+    offset_b: vec4<f32>,
+    offset_c: vec4<f32>,
 }
 
 // Depth below the sea that a vertex can carry either way, metres.

@@ -5,6 +5,14 @@
 #import dolomite::ground::types::GroundView
 #import dolomite::ground::texturing::value_noise
 
+// What the water is; see the component Sea.
+struct Sea {
+    // Extinction of red, green and blue, 1/m; then the greatest slope of a wave.
+    water: vec4<f32>,
+    // Colour of deep water.
+    deep: vec3<f32>,
+}
+
 struct Water {
     albedo: vec3<f32>,
     roughness: f32,
@@ -13,7 +21,7 @@ struct Water {
 
 // Slope of a sum of travelling waves (deep water: omega^2 = g k). `pixel` is the size of a pixel
 // on the water: shorter waves than two of them turn into roughness.
-fn wave_slope(at: vec2<f32>, time: f32, pixel: f32) -> vec3<f32> {
+fn wave_slope(greatest: f32, at: vec2<f32>, time: f32, pixel: f32) -> vec3<f32> {
     // Crests bend, and gusts roughen the sea in patches: no regular grating shows.
     let bent = vec2(value_noise(at / 31.0, 21u), value_noise(at / 37.0, 22u)) - 0.5;
     let gust = 0.35 + 1.1 * value_noise(at / 160.0, 23u) * value_noise(at / 57.0, 24u);
@@ -23,7 +31,7 @@ fn wave_slope(at: vec2<f32>, time: f32, pixel: f32) -> vec3<f32> {
     var k = 0.35;
     var direction = vec2(0.8, 0.6);
     for (var i = 0u; i < 7u; i++) {
-        let steepness = 0.045 * gust;
+        let steepness = greatest * gust;
         let omega = sqrt(9.81 * k);
         let keep = 1.0 - smoothstep(0.35, 1.2, pixel * k / 3.1415927);
         // Wrapped, since WGSL's cos is only accurate within -pi..pi.
@@ -37,13 +45,12 @@ fn wave_slope(at: vec2<f32>, time: f32, pixel: f32) -> vec3<f32> {
     return vec3(slope, lost);
 }
 
-fn water_surface(view: GroundView, place: vec2<f32>, depth: f32, pixel: f32, bed: vec3<f32>) -> Water {
-    let waves = wave_slope(view.anchor + place, view.time, pixel);
-    // Absorption by depth (Beer-Lambert), per metre: red goes first.
-    let through = exp(-vec3(0.55, 0.16, 0.11) * depth * 1.4);
-    let deep = vec3(0.004, 0.022, 0.035);
+fn water_surface(sea: Sea, view: GroundView, place: vec2<f32>, depth: f32, pixel: f32, bed: vec3<f32>) -> Water {
+    let waves = wave_slope(sea.water.w, view.anchor + place, view.time, pixel);
+    // Absorption by depth (Beer-Lambert); 1.4: light goes down and comes up aslant.
+    let through = exp(-sea.water.xyz * depth * 1.4);
     var out: Water;
-    out.albedo = mix(deep, bed * vec3(0.75, 0.95, 0.95), through);
+    out.albedo = mix(sea.deep, bed * vec3(0.75, 0.95, 0.95), through);
     // Roughness from the variance of the slopes that the pixel averages (alpha^2 = 2 sigma^2).
     out.roughness = clamp(sqrt(sqrt(0.0016 + 2.0 * waves.z)), 0.05, 0.6);
     out.normal = normalize(vec3(-waves.x, 1.0, -waves.y));

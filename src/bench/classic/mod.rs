@@ -19,9 +19,10 @@ use std::sync::Arc;
 
 use bevy::app::App;
 use bevy::math::{DVec2, DVec3, ops};
+use dolomite::ground::{MaterialBands, Sea};
 use dolomite_classic::{ClassicHeights, ClassicHeightsError, heights};
 
-use crate::scene::file::{BandsFile, SunFile};
+use crate::scene::file::SunFile;
 use crate::scene::{LoadedScene, NamedScene, OwnView, Pose, changed};
 use crate::settings::paths;
 use methods::Methods;
@@ -49,7 +50,9 @@ fn load(path: &Path, methods: Methods) -> Result<LoadedScene, ClassicHeightsErro
         name: NAME.to_owned(),
         about: "one surface and one path, to compare methods".to_owned(),
         terrain: heights.terrain(),
-        bands: BandsFile::default(),
+        bands: MaterialBands::default(),
+        material: None,
+        sea: Sea::default(),
         sun: SunFile::default(),
         camera: orbit(0.0),
         figure: DVec2::ZERO,

@@ -70,10 +70,10 @@ impl Layouts {
         Self {
             shared: layout(gpu, &[&uniform[..], &[write; 5]].concat()),
             ground: layout(gpu, &[read, read, uniform[0]]),
-            arguments: layout(gpu, &[write; 2]),
+            arguments: layout(gpu, &[write; 3]),
             vertices: layout(gpu, &[read, write, write]),
             triangles: layout(gpu, &[read, write]),
-            head: layout(gpu, &[write]),
+            head: layout(gpu, &[write; 3]),
         }
     }
 

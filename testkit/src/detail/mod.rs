@@ -16,7 +16,7 @@ use dolomite_ground::detail::lattice::MAX_DEPTH;
 use dolomite_ground::detail::layout::{
     ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DEPTH_PASSES, DetailParams,
     DetailPass, HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, Pass, Second,
-    VIEW_CELL_BYTES, without,
+    VIEW_CELL_BYTES, without, STOCK_HEAD_BYTES, SWEEP_PASS,
 };
 use dolomite_ground::render::detail::record::SLOT;
 use layouts::{Layouts, group};
@@ -61,7 +61,7 @@ pub struct DetailRun {
 /// One ground's passes and buffers.
 pub struct DetailStage<'a> {
     gpu: &'a Gpu,
-    /// Those of a depth, then those that close a choice.
+    /// Those of a depth, those that close a choice, and the sweep.
     passes: Vec<ComputePipeline>,
     layouts: Layouts,
     beginning: Beginning,
@@ -71,6 +71,7 @@ pub struct DetailStage<'a> {
     /// A slot a depth.
     depths: Buffer,
     kept: [Buffer; 5],
+    stock: Buffer,
     arguments: [Buffer; 2],
     closing: Buffer,
     capacity: u32,
@@ -130,7 +131,7 @@ impl<'a> DetailStage<'a> {
                 },
             ))
         };
-        let passes = DEPTH_PASSES.iter().chain(&LAST_PASSES);
+        let passes = DEPTH_PASSES.iter().chain(&LAST_PASSES).chain([&SWEEP_PASS]);
         let passes = passes.map(pipeline).collect::<Result<_, _>>()?;
         let beginning = Beginning::new(cells);
         let empty = |size: u64| {
@@ -169,6 +170,9 @@ impl<'a> DetailStage<'a> {
         gpu.queue()
             .write_buffer(&kept[1], 0, cast_slice(&beginning.links));
         gpu.queue().write_buffer(&kept[4], 0, cast_slice(&lists));
+        let stock = empty(STOCK_HEAD_BYTES + room);
+        gpu.queue()
+            .write_buffer(&stock, 0, cast_slice(&beginning.stock()));
         let mut depths = vec![0_u8; (SLOT * u64::from(MAX_DEPTH + 1)) as usize];
         for depth in 0..=MAX_DEPTH {
             let pass = DetailPass {
@@ -200,6 +204,7 @@ impl<'a> DetailStage<'a> {
             depths: filled(&depths, BufferUsages::UNIFORM),
             beginning,
             kept,
+            stock,
             capacity,
             stamp: 0,
             vertices: None,

@@ -5,7 +5,7 @@ use super::{Chosen, DetailStage, times};
 use bytemuck::{bytes_of, cast_slice};
 use dolomite_geometry::layout::{HEAD_WORDS, VERTEX_BYTES};
 use dolomite_ground::detail::layout::{Beginning, DetailParams, DetailPass, Groups, RECORD_BYTES};
-use dolomite_ground::render::detail::record::{DetailBound, record_step, steps};
+use dolomite_ground::render::detail::record::{DetailBound, Extras, record_step, steps};
 use wgpu::{BindGroupLayout, Buffer, BufferUsages};
 
 impl DetailStage<'_> {
@@ -22,12 +22,7 @@ impl DetailStage<'_> {
         queue.write_buffer(&self.uniform, 0, bytes_of(&params));
         let fresh = self.stamp == 1;
         let counts = self.beginning.counts(fresh);
-        let skipped = usize::from(!fresh);
-        queue.write_buffer(
-            &self.kept[3],
-            4 * skipped as u64,
-            cast_slice(&counts[skipped..]),
-        );
+        queue.write_buffer(&self.kept[3], 0, cast_slice(&counts));
         queue.write_buffer(&self.kept[4], 0, cast_slice(&self.beginning.blocks));
         let arguments = self.beginning.arguments(fresh);
         for buffer in &self.arguments {
@@ -66,10 +61,12 @@ impl DetailStage<'_> {
             group(gpu, layout, &bound)
         };
         let [even, odd] = &self.arguments;
-        let to_arguments = [odd, even].map(|next| bind(&layouts.arguments, &[next, &self.closing]));
+        let (closing, stock) = (&self.closing, &self.stock);
+        let to_arguments =
+            [odd, even].map(|next| bind(&layouts.arguments, &[next, closing, stock]));
         let to_vertices = bind(&layouts.vertices, &[&self.corners, &vertices, &records]);
         let to_triangles = bind(&layouts.triangles, &[&vertices, &indices]);
-        let to_head = bind(&layouts.head, &[&head]);
+        let to_head = bind(&layouts.head, &[&head, closing, stock]);
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         let [even, odd] = &to_arguments;
         let bound = DetailBound {
@@ -79,10 +76,15 @@ impl DetailStage<'_> {
             vertices: &to_vertices,
             triangles: &to_triangles,
             head: &to_head,
+            capacity: self.capacity,
             indirect: [&self.arguments[0], &self.arguments[1]],
             closing: &self.closing,
         };
-        let steps: Vec<_> = steps(params.depth, params.needs(Groups::Horizon)).collect();
+        let extras = Extras {
+            sweeps: params.needs(Groups::Blocks),
+            occluded: params.needs(Groups::Horizon),
+        };
+        let steps: Vec<_> = steps(params.depth, extras).collect();
         let mut timer = self
             .times
             .take()

@@ -284,6 +284,15 @@ impl Producer {
         }
     }
 
+    /// Other definitions for its draws: where they differ, their pipelines are made anew.
+    pub fn set_defs(&mut self, defs: impl IntoIterator<Item = &'static str>) {
+        let defs: Vec<ShaderDefVal> = defs.into_iter().map(ShaderDefVal::from).collect();
+        if self.shader.defs != defs {
+            self.shader.defs = defs;
+            self.draws = None;
+        }
+    }
+
     /// Pipelines of its draws that were queued.
     #[must_use]
     pub fn draw_pipelines(&self) -> usize {

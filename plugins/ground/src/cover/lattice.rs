@@ -11,8 +11,6 @@
 use bevy::math::{DVec2, DVec3, UVec2};
 use dolomite_terrain::GroundRect;
 
-use super::settings::TerrainView;
-
 /// Deepest quadtree: 2²⁰ finest patches along a root's side.
 const MAX_DEPTH: u32 = 20;
 
@@ -124,22 +122,5 @@ pub(crate) fn selection_height(focus: DVec3, ground: f64) -> f64 {
         height.max(0.0)
     } else {
         0.0
-    }
-}
-
-/// Settings with every field in its documented range.
-pub(crate) fn clamped(view: &TerrainView) -> TerrainView {
-    let finite = |value: f32, low: f32, high: f32, default: f32| {
-        if value.is_finite() {
-            value.clamp(low, high)
-        } else {
-            default
-        }
-    };
-    TerrainView {
-        finest_patch: finite(view.finest_patch, 1.0, 4096.0, 16.0),
-        split_distance: finite(view.split_distance, 1.5, 16.0, 2.0),
-        max_vertices: view.max_vertices.clamp(1 << 16, 1 << 23),
-        max_triangles: view.max_triangles.clamp(1 << 17, 10_000_000),
     }
 }

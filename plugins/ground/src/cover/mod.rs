@@ -14,7 +14,6 @@ mod plugin;
 mod settings;
 
 pub use patches::{GROUND_LAYOUT, GroundPatches};
-pub use plugin::{PatchBounds, TerrainCover, TerrainCoverSystems, GroundPlugin};
-#[cfg(feature = "render")]
-pub use settings::TerrainMaterial;
-pub use settings::{MaterialBands, TerrainView};
+pub(crate) use plugin::{PatchBounds, update_covers};
+pub use plugin::{TerrainCover, TerrainCoverSystems};
+pub use settings::{PatchDetail, TerrainView};

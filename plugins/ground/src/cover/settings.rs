@@ -1,18 +1,31 @@
-//! The components that shape the ground: one on the camera, one on the terrain.
+//! The components that make a camera see the ground, and choose how it is refined there.
 
 use bevy::prelude::*;
 
+use crate::detail::Detail;
 use dolomite_tessellation::StageCamera;
 
-/// Makes a camera see the terrain, and sets its patches. How fine they are cut is set by the
-/// [`StageCamera`], which comes along: wanted length of an edge in pixels, the point that detail
-/// follows, fill and lines.
+/// Makes a camera see every visible terrain. Each takes pools of its own in every view.
+///
+/// Which triangles it gets is chosen by the [`Detail`] that comes along: the ground is drawn with its error
+/// bounded in pixels. A [`PatchDetail`] beside it says patches of the tessellation stage instead; each camera has
+/// its own rule, whatever others have. Fill and lines are set by the [`StageCamera`], which comes along too.
 ///
 /// A camera without this component costs nothing: no pipeline, no buffer, no pass. It also needs
 /// Bevy's deferred G-buffer, see [`StageCamera`].
-#[derive(Component, Clone, Debug, PartialEq)]
-#[require(crate::TerrainCover, StageCamera)]
-pub struct TerrainView {
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default)]
+#[require(crate::TerrainCover, StageCamera, Detail)]
+pub struct TerrainView;
+
+/// Makes a camera with a [`TerrainView`] see the ground as patches of the tessellation stage, in place of what its
+/// [`Detail`] says: a quadtree around the focus, whose leaves are cut by the length of their edges in the picture.
+///
+/// How fine they are cut, and the focus, are set by the [`StageCamera`]. There are no bounds of the error, and no
+/// ground answers from what is drawn; of several terrains the first visible one is drawn, and a warning says so.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Default)]
+pub struct PatchDetail {
     /// Side of the smallest patch, in metres. Default 16; range 1 to 4096 (clamped). The densest
     /// possible grid is a 64th of it.
     pub finest_patch: f32,
@@ -27,7 +40,7 @@ pub struct TerrainView {
     pub max_triangles: u32,
 }
 
-impl Default for TerrainView {
+impl Default for PatchDetail {
     fn default() -> Self {
         Self {
             finest_patch: 16.0,
@@ -38,65 +51,22 @@ impl Default for TerrainView {
     }
 }
 
-/// Where each ground material lies: by height, slope and the sea.
-///
-/// Heights are world metres, slopes are rise over run. Boundaries are moved by the height of the
-/// textures and by low-frequency noise, so that they never show as contour lines.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MaterialBands {
-    /// Sand reaches this height above the sea level, metres. Default 4.
-    pub sand_top: f32,
-    /// Grass gives way to scree around this height. Default 700.
-    pub tree_line: f32,
-    /// Snow lies above this height where it is not too steep. Default 1250.
-    pub snow_line: f32,
-    /// Width of the transitions at the tree and snow lines, metres. Default 160.
-    pub blend: f32,
-    /// Slope at which grass gives way to bare rock. Default 0.75.
-    pub rock_slope: f32,
-    /// Slope at which snow no longer holds. Default 1.1.
-    pub snow_slope: f32,
-}
-
-impl Default for MaterialBands {
-    fn default() -> Self {
+impl PatchDetail {
+    /// The same with every field in its documented range.
+    #[must_use]
+    pub(crate) fn clamped(self) -> Self {
+        let finite = |value: f32, low: f32, high: f32, default: f32| {
+            if value.is_finite() {
+                value.clamp(low, high)
+            } else {
+                default
+            }
+        };
         Self {
-            sand_top: 4.0,
-            tree_line: 700.0,
-            snow_line: 1250.0,
-            blend: 160.0,
-            rock_slope: 0.75,
-            snow_slope: 1.1,
-        }
-    }
-}
-
-#[cfg(feature = "render")]
-/// The look of a terrain: goes on the entity that carries the `Terrain`.
-///
-/// Both images are 2D arrays of the same size with the layers 0 sand, 1 grass, 2 rock, 3 snow,
-/// 4 scree. Until they are loaded the terrain is not drawn.
-#[derive(Component, Clone, Debug)]
-pub struct TerrainMaterial {
-    /// `Rgba8UnormSrgb` array: albedo in rgb, height for height blending in a.
-    pub albedo_height: Handle<Image>,
-    /// `Rgba8Unorm` array: tangent-space normal xy, perceptual roughness, ambient occlusion.
-    pub normal_roughness: Handle<Image>,
-    /// Side of one texture tile on the ground, metres. Default 3.
-    pub tile: f32,
-    /// Where each material lies.
-    pub bands: MaterialBands,
-}
-
-#[cfg(feature = "render")]
-impl TerrainMaterial {
-    /// A material from its two texture arrays, with the default tile size and bands.
-    pub fn new(albedo_height: Handle<Image>, normal_roughness: Handle<Image>) -> Self {
-        Self {
-            albedo_height,
-            normal_roughness,
-            tile: 3.0,
-            bands: MaterialBands::default(),
+            finest_patch: finite(self.finest_patch, 1.0, 4096.0, 16.0),
+            split_distance: finite(self.split_distance, 1.5, 16.0, 2.0),
+            max_vertices: self.max_vertices.clamp(1 << 16, 1 << 23),
+            max_triangles: self.max_triangles.clamp(1 << 17, 10_000_000),
         }
     }
 }

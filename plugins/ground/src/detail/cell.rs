@@ -58,8 +58,8 @@ pub struct Cell {
     pub quarters: [f32; 4],
     /// Error bound of every mesh that is finer still: of the quarters as cells.
     pub finer: f32,
-    /// Fills up to 96 bytes.
-    pub pad: f32,
+    /// On the GPU: number of the choice that looked at it last. 0 here.
+    pub looked: u32,
 }
 
 /// The middles of the sides among the samples (column, row).
@@ -114,7 +114,7 @@ impl Cell {
             high: high + error,
             quarters,
             finer: errors.finer + missed,
-            pad: 0.0,
+            looked: 0,
         }
     }
 

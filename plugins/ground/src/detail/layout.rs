@@ -34,7 +34,8 @@ pub struct DetailParams {
     pub flags: u32,
     pub clip: [[f32; 4]; 4],
     pub half_size: [f32; 2],
-    pub pad: [f32; 2],
+    pub oldest: u32,
+    pub pad: f32,
     pub horizon: HorizonView,
 }
 
@@ -76,7 +77,8 @@ impl DetailParams {
             flags: 0,
             clip: [[0.0; 4]; 4],
             half_size: [0.0; 2],
-            pad: [0.0; 2],
+            oldest: 0,
+            pad: 0.0,
             horizon: HorizonView::default(),
         }
     }
@@ -108,7 +110,11 @@ impl DetailParams {
     /// Whether a pass has something to do.
     #[must_use]
     pub const fn needs(&self, groups: Groups) -> bool {
-        !matches!(groups, Groups::Horizon) || self.flags & OCCLUDED != 0
+        match groups {
+            Groups::Horizon => self.flags & OCCLUDED != 0,
+            Groups::Blocks => self.oldest > 0,
+            _ => true,
+        }
     }
 }
 
@@ -131,6 +137,10 @@ pub struct Link {
     pub children: u32,
 }
 
+/// Bytes of a cell that all views of a ground share: what was made of it, and its link.
+pub const SHARED_CELL_BYTES: u64 = (size_of::<super::cell::Cell>() + size_of::<Link>()) as u64;
+/// Bytes of the stock's head; behind it there is a byte for each cell that there is room for.
+pub const STOCK_HEAD_BYTES: u64 = 16;
 /// Bytes of a cell in a view.
 pub const VIEW_CELL_BYTES: u64 = 96;
 /// Bytes of the lists, for each cell that there is room for: of blocks two words for four, of kept cells one.
@@ -167,6 +177,8 @@ pub enum Groups {
     Kept,
     /// The same, where what nearer ground hides is left out; no dispatch elsewhere.
     Horizon,
+    /// One for every 64 blocks of four cells that there is room for.
+    Blocks,
     /// One.
     One,
 }
@@ -178,18 +190,39 @@ pub enum Second {
     Nothing,
     /// The ground's data.
     Ground,
-    /// Arguments of the dispatches to come, written: of the next depth, and of the closing passes.
+    /// Arguments of the dispatches to come, written: of the next depth, and of the closing passes; and the
+    /// stock of cells.
     Arguments,
     /// Corners of the roots, read; vertices and what their heights depend on, written.
     Vertices,
     /// Vertices, read; indices, written.
     Triangles,
-    /// Head of the producer's work, written.
+    /// Head of the producer's work, written; arguments of the closing passes, and the stock of cells.
     Head,
 }
 
 /// A pass: file, entry, what it binds, how many workgroups it has.
 pub type Pass = (&'static str, &'static str, Second, Groups);
+
+/// The pass that drops cells which no choice has looked at for long: before the first depth, where room is
+/// short.
+pub const SWEEP_PASS: Pass = (
+    "detail/sweep.wgsl",
+    "sweep",
+    Second::Arguments,
+    Groups::Blocks,
+);
+
+/// Workgroups of [`SWEEP_PASS`].
+#[must_use]
+pub const fn sweep_groups(capacity: u32) -> u32 {
+    let groups = (capacity / 4).div_ceil(GROUP);
+    if groups < MOST_GROUPS {
+        groups
+    } else {
+        MOST_GROUPS
+    }
+}
 
 /// The passes of one depth, in order.
 pub const DEPTH_PASSES: [Pass; 3] = [
@@ -377,12 +410,16 @@ impl Beginning {
         }
     }
 
-    /// The counts before a choice; `fresh` where nothing has been made. The first word is how many cells
-    /// are in use, and kept between choices.
+    /// The stock before anything is made: the roots are in use, no block is free.
+    #[must_use]
+    pub fn stock(&self) -> [u32; 4] {
+        [self.links.len() as u32, 0, 0, 0]
+    }
+
+    /// The counts before a choice; `fresh` where nothing has been made.
     #[must_use]
     pub fn counts(&self, fresh: bool) -> [u32; COUNT_WORDS] {
         let mut counts = [0; COUNT_WORDS];
-        counts[0] = self.links.len() as u32;
         counts[LOOK] = self.blocks.len() as u32;
         counts[MAKE] = if fresh { self.blocks.len() as u32 } else { 0 };
         counts

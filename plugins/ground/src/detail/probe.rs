@@ -11,7 +11,7 @@
 //! whether the pools were too small; it is as good as the cells' own bounds.
 
 use bevy::math::{DVec2, DVec3, UVec2};
-use bevy::prelude::Resource;
+use bevy::prelude::*;
 use bytemuck::{Pod, Zeroable};
 use dolomite_terrain::GroundPoint;
 
@@ -33,7 +33,8 @@ pub const MOST_ASKED: u32 = 1 << 20;
 /// The view that answers is that of the active camera with a [`Detail`](super::Detail) whose order is the
 /// least. Without one, the ground is drawn as patches or not at all, and probes have their true answers
 /// alone.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Resource, Default)]
 pub struct DrawnProbes {
     /// Most places that are asked for in a frame, at most [`MOST_ASKED`]; 0: none is. A larger crowd takes
     /// turns; whose turn it is not has its true answer meanwhile.

@@ -1,5 +1,6 @@
-//! The ground as a kind of the stage: what its functions read.
+//! The ground as what draws it knows it: what its functions read.
 
+use bevy::camera::visibility::RenderLayers;
 use bevy::math::{DVec2, Vec4};
 use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, ShaderType};
@@ -7,14 +8,15 @@ use bevy::render::storage::ShaderBuffer;
 use dolomite_terrain::{GpuTerrainUniform, Terrain};
 
 use super::detail::DetailKind;
+use super::look::GroundLook;
 use crate::cover::functions::DEPTH_RANGE;
-use crate::cover::{GROUND_LAYOUT, TerrainView};
+use crate::cover::{GROUND_LAYOUT, PatchDetail, TerrainView};
 use dolomite_tessellation::PatchLayout;
 use dolomite_tessellation::render::{PatchKind, PatchPool, PatchShader, Viewpoint};
 
-/// The ground: its height function, its textures, its look. Kept by the plugin.
+/// The ground of a slot: its height function, its textures, its look. Kept by the plugin.
 #[derive(Resource, AsBindGroup, Clone, Default)]
-pub struct GroundKind {
+pub struct GroundKind<const SLOT: usize> {
     /// Layers of the height function.
     #[storage(0, read_only, visibility(compute))]
     pub(super) layers: Handle<ShaderBuffer>,
@@ -23,11 +25,12 @@ pub struct GroundKind {
     pub(super) data: Handle<ShaderBuffer>,
     #[uniform(2)]
     pub(super) heights: HeightUniform,
+    /// Both arrays; none where no layer has a texture.
     #[texture(3, dimension = "2d_array", visibility(fragment))]
     #[sampler(5, visibility(fragment))]
-    pub(super) albedo_height: Handle<Image>,
+    pub(super) albedo_height: Option<Handle<Image>>,
     #[texture(4, dimension = "2d_array", visibility(fragment))]
-    pub(super) normal_roughness: Handle<Image>,
+    pub(super) normal_roughness: Option<Handle<Image>>,
     #[texture(6, visibility(fragment))]
     #[sampler(7, visibility(fragment))]
     pub(super) relief: Option<Handle<Image>>,
@@ -39,9 +42,11 @@ pub struct GroundKind {
     pub(super) heights_apart: f32,
     /// What the buffers hold.
     pub(super) terrain: Option<Terrain>,
-    /// Whether the terrain can be drawn: its textures are there.
+    /// Whether it is drawn.
     pub(super) shown: bool,
-    /// Most that a view asks for.
+    /// Layers of which a camera has to see one.
+    pub(super) seen_on: RenderLayers,
+    /// Most that a view asks for whose ground is of patches.
     pub(super) pool: PatchPool,
 }
 
@@ -65,28 +70,34 @@ impl From<GpuTerrainUniform> for HeightUniform {
     }
 }
 
-/// How the ground looks; see `shaders/src/ground/types.wgsl` for units and meanings.
-#[derive(ShaderType, Clone, Copy, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "each field is documented once, in types.wgsl")]
-pub struct GroundLook {
-    pub sea_level: f32,
-    pub tile: f32,
-    pub sand_top: f32,
-    pub tree_line: f32,
-    pub snow_line: f32,
-    pub blend: f32,
-    pub rock_slope: f32,
-    pub snow_slope: f32,
-    pub relief_texel: f32,
-    pub relief_scale: f32,
-    pub pad_a: f32,
-    pub pad_b: f32,
-}
-
 /// Ratio of the far to the near texture scale, as `FAR_TILES` in `material.wgsl`.
 const FAR_TILES: f64 = 11.3;
 
-impl PatchKind for GroundKind {
+/// Definitions of the material's shader: there are [`FEW_LAYERS`] at most; there is no sea.
+const FEW: &str = "GROUND_FEW_LAYERS";
+const DRY: &str = "GROUND_WITHOUT_SEA";
+
+/// Layers that the smaller arrays of the material's shader hold, as in `layers.wgsl`.
+const FEW_LAYERS: u32 = 8;
+
+impl<const SLOT: usize> GroundKind<SLOT> {
+    /// Texture coordinates of the anchor, as fractions of a tile: far from the origin f32 would not
+    /// hold them.
+    fn numbers(&self, view: &Viewpoint) -> [Vec4; 4] {
+        let anchor = DVec2::new(view.anchor.x, view.anchor.z);
+        let offset = |tile: f64| (anchor / tile - (anchor / tile).floor()).as_vec2();
+        let offsets = |tile: f32| {
+            let tile = f64::from(tile.max(0.01));
+            let (near, far) = (offset(tile), offset(tile * FAR_TILES));
+            Vec4::new(near.x, near.y, far.x, far.y)
+        };
+        let [a, b, c, _] = self.look.tiles.to_array().map(offsets);
+        let relief = (anchor - self.extent_min) * f64::from(self.look.relief_scale);
+        [a, b, c, relief.as_vec2().extend(0.0).extend(0.0)]
+    }
+}
+
+impl<const SLOT: usize> PatchKind for GroundKind<SLOT> {
     const LAYOUT: PatchLayout = GROUND_LAYOUT;
     const UV_RANGE: f32 = DEPTH_RANGE;
     const CUSTOM_MATERIAL: bool = true;
@@ -105,27 +116,10 @@ impl PatchKind for GroundKind {
     }
 }
 
-impl GroundKind {
-    /// Texture coordinates of the anchor, as fractions of a tile: far from the origin f32 would not
-    /// hold them.
-    fn numbers(&self, view: &Viewpoint) -> [Vec4; 4] {
-        let anchor = DVec2::new(view.anchor.x, view.anchor.z);
-        let offset = |tile: f64| (anchor / tile - (anchor / tile).floor()).as_vec2();
-        let tile = f64::from(self.look.tile.max(0.01));
-        let (near, far) = (offset(tile), offset(tile * FAR_TILES));
-        let relief = (anchor - self.extent_min) * f64::from(self.look.relief_scale);
-        [
-            Vec4::new(near.x, near.y, far.x, far.y),
-            relief.as_vec2().extend(0.0).extend(0.0),
-            Vec4::ZERO,
-            Vec4::ZERO,
-        ]
-    }
-}
-
-impl DetailKind for GroundKind {
-    type Cameras = With<TerrainView>;
+impl<const SLOT: usize> DetailKind for GroundKind<SLOT> {
+    type Cameras = (With<TerrainView>, Without<PatchDetail>);
     const MATERIAL: &'static str = "dolomite::ground::surface";
+    const MATERIAL_DEFS: &[&[&'static str]] = &[&[], &[FEW], &[DRY], &[FEW, DRY]];
 
     fn ground(&self) -> Option<&Terrain> {
         self.terrain.as_ref()
@@ -139,7 +133,19 @@ impl DetailKind for GroundKind {
         self.shown
     }
 
+    fn layers(&self) -> RenderLayers {
+        self.seen_on.clone()
+    }
+
     fn view_numbers(&self, view: &Viewpoint) -> [Vec4; 4] {
         self.numbers(view)
+    }
+
+    fn material_defs(&self) -> Vec<&'static str> {
+        let few = self.look.count <= FEW_LAYERS;
+        let dry = self.look.sea_level == GpuTerrainUniform::NO_SEA;
+        let defs = [(few, FEW), (dry, DRY)];
+        let defs = defs.into_iter().filter(|(is, _)| *is);
+        defs.map(|(_, name)| name).collect()
     }
 }

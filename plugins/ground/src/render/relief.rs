@@ -4,6 +4,7 @@
 //! shading, filtered by mip levels: the means of gradients, as the normals of a rough surface
 //! should be averaged (Olano and Baker, "LEAN mapping", 2010, first moments).
 
+use crate::material::{GroundMaterial, Sea};
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::math::DVec2;
@@ -14,47 +15,78 @@ use dolomite_terrain::{GroundPoint, HeightTile, Planes, Terrain};
 use half::f16;
 
 /// The relief map of a terrain; made in the background by the plugin.
-#[derive(Component, Clone, Debug)]
+#[derive(Component, Clone, Debug, Reflect)]
+#[reflect(Component)]
 pub struct TerrainRelief {
     /// `Rgba16Float` over a square from the extent's least corner: dh/dx, dh/dz, sky occlusion,
     /// unused.
     pub image: Handle<Image>,
     /// Side of a texel, metres.
     pub texel: f32,
+    /// Texels of a side.
+    pub side: u32,
 }
 
-/// Side of the relief map, texels: 32 MiB with its mip levels.
-pub const RELIEF_SIDE: u32 = 2048;
+/// Side of relief maps, texels; 0: none are made.
+#[derive(Resource, Clone, Copy, Debug)]
+pub(crate) struct ReliefSide(pub u32);
 
-/// A relief map being made for an entity.
+impl ReliefSide {
+    /// A power of two from 64 to 8192, or 0.
+    fn texels(self) -> Option<u32> {
+        (self.0 > 0).then(|| self.0.clamp(64, 8192).next_power_of_two())
+    }
+}
+
+/// A relief map being made for an entity, and its side.
 #[derive(Component)]
-pub struct ReliefTask(Task<Image>);
+pub(crate) struct ReliefTask(Task<Image>, u32);
 
-/// Starts a relief map for every terrain that is new or has changed.
-pub fn start(mut commands: Commands, terrains: Query<(Entity, &Terrain), Changed<Terrain>>) {
-    for (entity, terrain) in &terrains {
-        let terrain = terrain.clone();
-        let task =
-            AsyncComputeTaskPool::get().spawn(async move { relief_map(&terrain, RELIEF_SIDE) });
+/// Starts a relief map for every drawn terrain that is new or has changed.
+pub(crate) fn start(
+    mut commands: Commands,
+    side: Res<ReliefSide>,
+    terrains: Query<(Entity, Ref<Terrain>, Has<Sea>), With<GroundMaterial>>,
+    known: Query<(), Or<(With<TerrainRelief>, With<ReliefTask>)>>,
+) {
+    let Some(side) = side.texels() else {
+        return;
+    };
+    for (entity, terrain, sea) in &terrains {
+        if !terrain.is_changed() && known.contains(entity) {
+            continue;
+        }
+        let terrain = drawn(&terrain, sea);
+        let task = AsyncComputeTaskPool::get().spawn(async move { relief_map(&terrain, side) });
         commands
             .entity(entity)
             .remove::<TerrainRelief>()
-            .insert(ReliefTask(task));
+            .insert(ReliefTask(task, side));
+    }
+}
+
+/// The ground as it is drawn: without a sea its water is not there.
+pub(crate) fn drawn(terrain: &Terrain, sea: bool) -> Terrain {
+    if sea {
+        terrain.clone()
+    } else {
+        terrain.without_sea()
     }
 }
 
 /// Puts finished relief maps beside their terrains.
-pub fn finish(
+pub(crate) fn finish(
     mut commands: Commands,
     mut tasks: Query<(Entity, &Terrain, &mut ReliefTask)>,
     mut images: ResMut<Assets<Image>>,
 ) {
     for (entity, terrain, mut task) in &mut tasks {
         if let Some(image) = block_on(poll_once(&mut task.0)) {
-            let texel = texel(terrain, RELIEF_SIDE) as f32;
+            let side = task.1;
             let relief = TerrainRelief {
                 image: images.add(image),
-                texel,
+                texel: texel(terrain, side) as f32,
+                side,
             };
             commands
                 .entity(entity)

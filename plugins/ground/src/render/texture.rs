@@ -1,6 +1,6 @@
 //! Texture arrays with mip levels, from the stacked images that the ground materials come as.
 
-use bevy::asset::RenderAssetUsages;
+use bevy::asset::{RenderAssetUsages, uuid_handle};
 use bevy::image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
@@ -10,10 +10,56 @@ use bevy::render::render_resource::{
 use bevy::render::renderer::RenderAdapterInfo;
 use thiserror::Error;
 
-use crate::cover::TerrainMaterial;
+use super::builtin::{COUNT, Making};
+use crate::material::{GroundMaterial, Surface};
 
-/// Materials of the ground, hence layers of its texture arrays.
+/// Layers of the textures that [`MaterialBands`](crate::MaterialBands) speaks of.
 pub const LAYERS: u32 = 5;
+
+/// Textures that come with the crate; made when a terrain first needs them.
+const BUILT_IN: [Handle<Image>; 2] = [
+    uuid_handle!("5c9e1f0a-5f0b-4c7e-9d35-6f7d0d2b8a01"),
+    uuid_handle!("5c9e1f0a-5f0b-4c7e-9d35-6f7d0d2b8a02"),
+];
+
+/// The texture arrays of a terrain; on the entity that carries its [`GroundMaterial`], which requires it.
+///
+/// Both are 2D arrays of as many layers as the material names, or images with square layers stacked from top
+/// to bottom, of which the plugin makes arrays. A layer that an array has not is its last one. Until both are
+/// there the terrain is not drawn; a material without textures waits for none. The default are five layers of
+/// 256 × 256 texels that come with the crate (3.5 MiB once for all terrains): sand, grass, rock, snow, scree.
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component, Default)]
+pub struct GroundTextures {
+    /// `Rgba8UnormSrgb`: albedo in rgb, height for height blending in a.
+    pub albedo_height: Handle<Image>,
+    /// `Rgba8Unorm`: tangent-space normal xy, perceptual roughness, ambient occlusion.
+    pub normal_roughness: Handle<Image>,
+}
+
+impl Default for GroundTextures {
+    fn default() -> Self {
+        let [albedo_height, normal_roughness] = BUILT_IN;
+        Self {
+            albedo_height,
+            normal_roughness,
+        }
+    }
+}
+
+impl GroundTextures {
+    fn handles(&self) -> [(&Handle<Image>, bool); 2] {
+        [(&self.albedo_height, true), (&self.normal_roughness, false)]
+    }
+}
+
+/// Whether a material has a layer with a texture.
+pub(super) fn textured(material: &GroundMaterial) -> bool {
+    let layers = material.layers.iter();
+    layers
+        .map(|layer| layer.surface)
+        .any(|surface| matches!(surface, Surface::Texture(_)))
+}
 
 /// Why an image cannot become a texture array.
 #[derive(Debug, Error, PartialEq, Eq)]
@@ -136,70 +182,105 @@ fn halve(level: &[u8], side: usize, srgb: bool) -> Vec<u8> {
     out
 }
 
-/// Texture arrays that are what a [`TerrainMaterial`] needs.
+/// Texture arrays that are ready to be drawn with.
 #[derive(Resource, Default)]
 pub struct ReadyArrays(HashSet<AssetId<Image>>);
 
 impl ReadyArrays {
-    /// Whether both images of a material are.
-    pub fn has(&self, material: &TerrainMaterial) -> bool {
-        [&material.albedo_height, &material.normal_roughness]
-            .iter()
-            .all(|handle| self.0.contains(&handle.id()))
+    /// Whether all that a material samples is there.
+    pub fn has(&self, material: &GroundMaterial, textures: &GroundTextures) -> bool {
+        !textured(material)
+            || textures
+                .handles()
+                .iter()
+                .all(|(handle, _)| self.0.contains(&handle.id()))
     }
 }
 
-/// Turns the stacked images that a [`TerrainMaterial`] names into texture arrays, in place, as
+/// Makes the textures that come with the crate, once a terrain needs them.
+pub(super) fn make_built_in(
+    materials: Query<(&GroundMaterial, &GroundTextures)>,
+    mut images: ResMut<Assets<Image>>,
+    mut ready: ResMut<ReadyArrays>,
+    mut making: Local<Option<Making>>,
+    adapter: Option<Res<RenderAdapterInfo>>,
+) {
+    if ready.0.contains(&BUILT_IN[0].id()) {
+        return;
+    }
+    let of =
+        |textures: &GroundTextures| textures.handles().iter().any(|(h, _)| is_built_in(h.id()));
+    let needed = |(material, textures)| textured(material) && of(textures);
+    if making.is_none() && materials.iter().any(needed) {
+        *making = Some(Making::start());
+    }
+    let Some(stacks) = making.as_mut().and_then(Making::finished) else {
+        return;
+    };
+    *making = None;
+    for ((handle, stack), srgb) in BUILT_IN.iter().zip(&stacks).zip([true, false]) {
+        let made = texture_array(stack, COUNT as u32, srgb);
+        // Their shape is the one that is asked for.
+        if let Ok(array) = made.map(|array| filtered(array, adapter.as_deref()))
+            && images.insert(handle.id(), array).is_ok()
+        {
+            ready.0.insert(handle.id());
+        }
+    }
+}
+
+fn is_built_in(id: AssetId<Image>) -> bool {
+    BUILT_IN.iter().any(|handle| handle.id() == id)
+}
+
+/// The array with a sampler for the device: a processor that draws pays for every tap in full.
+fn filtered(mut array: Image, adapter: Option<&RenderAdapterInfo>) -> Image {
+    let software = adapter.is_some_and(|adapter| adapter.device_type == wgpu::DeviceType::Cpu);
+    if let ImageSampler::Descriptor(sampler) = &mut array.sampler {
+        sampler.anisotropy_clamp = if software { 1 } else { 8 };
+    }
+    array
+}
+
+/// Turns the stacked images that a [`GroundTextures`] names into texture arrays, in place, as
 /// soon as they are loaded. A wrong image is reported once and left as it is.
-pub fn make_arrays(
-    materials: Query<&TerrainMaterial>,
+pub(super) fn make_arrays(
+    textures: Query<&GroundTextures>,
     mut images: ResMut<Assets<Image>>,
     mut ready: ResMut<ReadyArrays>,
     mut refused: Local<Vec<AssetId<Image>>>,
     adapter: Option<Res<RenderAdapterInfo>>,
 ) {
-    // A processor that draws pays for every tap in full.
-    let software = adapter.is_some_and(|adapter| adapter.device_type == wgpu::DeviceType::Cpu);
-    for material in &materials {
-        for (handle, srgb) in [
-            (&material.albedo_height, true),
-            (&material.normal_roughness, false),
-        ] {
-            let id = handle.id();
-            if ready.0.contains(&id) || refused.contains(&id) {
-                continue;
-            }
-            let Some(image) = images.get(id) else {
-                // One that was made, not loaded, and lives on the GPU alone: an array, as it should be.
-                if handle.path().is_none() && id != AssetId::default() {
-                    ready.0.insert(id);
-                }
-                continue;
-            };
-            if image.texture_descriptor.size.depth_or_array_layers > 1 {
+    for (handle, srgb) in textures.iter().flat_map(GroundTextures::handles) {
+        let id = handle.id();
+        if ready.0.contains(&id) || refused.contains(&id) || is_built_in(id) {
+            continue;
+        }
+        let Some(image) = images.get(id) else {
+            // One that was made, not loaded, and lives on the GPU alone: an array, as it should be.
+            if handle.path().is_none() && id != AssetId::default() {
                 ready.0.insert(id);
-                continue;
             }
-            let made = texture_array(image, LAYERS, srgb).map(|mut array| {
-                if let ImageSampler::Descriptor(sampler) = &mut array.sampler {
-                    sampler.anisotropy_clamp = if software { 1 } else { 8 };
-                }
-                array
-            });
-            match made {
-                Ok(array) => match images.insert(id, array) {
-                    Ok(()) => {
-                        ready.0.insert(id);
-                    }
-                    Err(error) => {
-                        error!("terrain texture: {error}");
-                        refused.push(id);
-                    }
-                },
-                Err(error) => {
-                    error!("terrain texture {:?}: {error}", handle.path());
-                    refused.push(id);
-                }
+            continue;
+        };
+        let size = image.texture_descriptor.size;
+        if size.depth_or_array_layers > 1 {
+            ready.0.insert(id);
+            continue;
+        }
+        let layers = (size.height / size.width.max(1)).max(1);
+        let made = texture_array(image, layers, srgb).map_err(|error| error.to_string());
+        let put = made.and_then(|array| {
+            let array = filtered(array, adapter.as_deref());
+            images.insert(id, array).map_err(|error| error.to_string())
+        });
+        match put {
+            Ok(()) => {
+                ready.0.insert(id);
+            }
+            Err(error) => {
+                error!("texture of the ground {:?}: {error}", handle.path());
+                refused.push(id);
             }
         }
     }

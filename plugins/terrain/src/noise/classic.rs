@@ -14,12 +14,13 @@ use super::shuffle::permutation;
 use super::sum::MAX_OCTAVES;
 use crate::ground::{GroundPoint, GroundSample, Height};
 use bevy::math::{DVec2, Vec2};
+use bevy::reflect::Reflect;
 use serde::{Deserialize, Serialize};
 
 /// FBM of classic noise: Σ amplitude·2⁻ᵏ·noise(2ᵏ·position/wavelength).
 ///
 /// The error against f64 is that of [`super::Fractal`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Classic {
     /// Seed of the Mersenne Twister that shuffles the permutation.

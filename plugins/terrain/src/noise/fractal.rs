@@ -3,11 +3,12 @@
 use super::hash::pcg;
 use super::octave::{Octave, PreparedWarp, octave_table};
 use super::sum::MAX_OCTAVES;
+use bevy::reflect::Reflect;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// How the octaves are put together. nₖ is octave k's noise in [−1, 1], aₖ its amplitude.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect, Serialize, Deserialize)]
 pub enum Sum {
     /// Σ aₖ nₖ: rolling ground (B. Mandelbrot; K. Musgrave 1994).
     #[default]
@@ -28,7 +29,7 @@ pub enum Sum {
 /// Displaces the ground position before a fractal looks at it: p + strength·(f₁(p), f₂(p)), both
 /// FBM of gain ½ and lacunarity 2 (I. Quilez, "Domain warping", 2002). Gradients go through the
 /// chain rule exactly.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Warp {
     /// Displacement for noise of 1 in the first octave, metres; 0 to 1e5.
@@ -48,7 +49,7 @@ pub struct Warp {
 /// gradient at most 1e-4 of amplitude / wavelength (3e-6 seen). Each octave adds about 1e-7 of its
 /// own amplitude and 5e-7 of its own amplitude / wavelength, so a larger gain × lacunarity errs
 /// more in proportion. Other sums and warps: values alike, gradients up to 4e-5.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Fractal {
     /// How the octaves are put together.

@@ -3,7 +3,7 @@
 use super::batch::{Asked, ProbeBatch, ProbePart, ProbeQuestion};
 use super::{DrawnAnswer, GroundProbe};
 use crate::ground::GroundSample;
-use crate::terrain::Terrain;
+use crate::terrain::{Terrain, terrain_at};
 use bevy::app::{App, PostUpdate, PreUpdate};
 use bevy::ecs::prelude::*;
 use bevy::math::DVec2;
@@ -85,14 +85,14 @@ fn collect(
 
 /// Finds the true surface for probes that wait, as many as a frame may, on all cores.
 fn find_true(
-    terrains: Query<Ref<Terrain>>,
+    terrains: Query<(Entity, Ref<Terrain>)>,
     mut removed: RemovedComponents<Terrain>,
     mut batch: ResMut<ProbeBatch>,
     mut probes: Query<&mut GroundProbe>,
     mut round: Local<Vec<(usize, DVec2)>>,
 ) {
-    let terrain = terrains.iter().next();
-    let changed = removed.read().count() > 0 || terrains.iter().any(|terrain| terrain.is_changed());
+    let changed =
+        removed.read().count() > 0 || terrains.iter().any(|(_, terrain)| terrain.is_changed());
     if changed {
         batch.ask_all();
     }
@@ -100,10 +100,7 @@ fn find_true(
         return;
     }
     take_round(&mut batch, &mut round);
-    let samples = match &terrain {
-        Some(terrain) => sample_all(terrain, &round),
-        None => vec![None; round.len()],
-    };
+    let samples = sample_all(&in_order(&terrains), &round);
     for ((index, _), sample) in round.iter().zip(samples) {
         let slot = batch.slots[*index];
         let Some(mut probe) = slot.entity.and_then(|entity| probes.get_mut(entity).ok()) else {
@@ -137,9 +134,22 @@ fn take_round(batch: &mut ProbeBatch, round: &mut Vec<(usize, DVec2)>) {
     batch.waiting -= round.len();
 }
 
-/// The true surface at all places; `None` where a place is not finite.
-fn sample_all(terrain: &Terrain, round: &[(usize, DVec2)]) -> Vec<Option<GroundSample>> {
-    let one = |place: DVec2| place.is_finite().then(|| terrain.sample_f64(place));
+/// All terrains, in the order of their entities: of two that overlap the same one always answers.
+fn in_order<'a>(terrains: &'a Query<(Entity, Ref<Terrain>)>) -> Vec<&'a Terrain> {
+    let mut found: Vec<(Entity, &Terrain)> = terrains
+        .iter()
+        .map(|(entity, terrain)| (entity, terrain.into_inner()))
+        .collect();
+    found.sort_unstable_by_key(|(entity, _)| *entity);
+    found.into_iter().map(|(_, terrain)| terrain).collect()
+}
+
+/// The true surface at all places; `None` where a place is not finite, or no terrain is in the world.
+fn sample_all(terrains: &[&Terrain], round: &[(usize, DVec2)]) -> Vec<Option<GroundSample>> {
+    let one = |place: DVec2| {
+        let terrain = terrain_at(terrains.iter().copied(), place)?;
+        place.is_finite().then(|| terrain.sample_f64(place))
+    };
     if round.len() <= PER_TASK {
         return round.iter().map(|(_, place)| one(*place)).collect();
     }

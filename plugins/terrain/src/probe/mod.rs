@@ -13,7 +13,7 @@
 //! | place | true | drawn |
 //! |---|---|---|
 //! | inside the world | yes | where a triangle is drawn there |
-//! | beyond the extent | yes: the height function has no border | no |
+//! | beyond every extent | yes, of the nearest terrain: a height function has no border | no |
 //! | not finite | no | no |
 
 mod answer;
@@ -25,14 +25,18 @@ pub use batch::{ProbeAnswer, ProbeBatch, ProbeError, ProbePart, ProbeQuestion};
 
 use crate::ground::GroundSample;
 use bevy::ecs::prelude::*;
+use bevy::ecs::reflect::ReflectComponent;
 use bevy::math::DVec2;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use bevy::transform::components::Transform;
 
 /// Asks for the ground under (or over) an entity.
 ///
-/// The true answer is that of the first entity with a [`Terrain`](crate::Terrain); its frame is the
-/// world's, whatever transform that entity has.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+/// The true answer is that of the [`Terrain`](crate::Terrain) whose extent contains the place, as
+/// [`terrain_at`](crate::terrain_at) chooses it; its frame is the world's, whatever transform that entity
+/// has. Hidden terrains answer as well.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Component, Default)]
 #[require(Transform, batch::Asked)]
 #[component(on_remove = batch::release)]
 pub struct GroundProbe {
@@ -47,7 +51,7 @@ pub struct GroundProbe {
 }
 
 /// What was drawn under a probe.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 pub struct DrawnAnswer {
     /// Height and gradient of the triangle.
     pub sample: GroundSample,

@@ -75,6 +75,45 @@ fn probes_follow_their_entities_and_the_terrain() {
 }
 
 #[test]
+fn of_several_terrains_the_one_under_the_probe_answers() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TerrainPlugin));
+    let flat = |x: f64, base: f32| {
+        Terrain::new(TerrainData {
+            extent: GroundRect::square(DVec2::new(x, 0.0), 100.0),
+            layers: Vec::new(),
+            base,
+            sea_level: None,
+        })
+        .expect("valid")
+    };
+    // From x = -50 to 50 and from 150 to 250.
+    let west = app.world_mut().spawn(flat(0.0, 1.0)).id();
+    let east = app.world_mut().spawn(flat(200.0, 2.0)).id();
+    let mut at = |x: f32| {
+        let place = Transform::from_xyz(x, 0.0, 0.0);
+        app.world_mut().spawn((GroundProbe::default(), place)).id()
+    };
+    let probes = [-60.0, 0.0, 99.0, 101.0, 200.0].map(&mut at);
+    app.update();
+    assert_eq!(
+        probes.map(|probe| height(&app, probe)),
+        [1.0, 1.0, 1.0, 2.0, 2.0].map(Some),
+        "inside of an extent that one, between them the nearer one"
+    );
+
+    // Over each other the older one answers, in every frame.
+    app.world_mut().entity_mut(east).insert(flat(0.0, 3.0));
+    app.update();
+    assert_eq!(height(&app, probes[1]), Some(1.0));
+
+    app.world_mut().entity_mut(west).despawn();
+    app.update();
+    assert_eq!(height(&app, probes[1]), Some(3.0));
+    assert_eq!(height(&app, probes[4]), Some(3.0), "none other is left");
+}
+
+#[test]
 fn still_probes_are_not_written() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TerrainPlugin));

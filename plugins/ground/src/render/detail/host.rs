@@ -10,14 +10,15 @@ use crate::cover::functions::DEPTH_RANGE;
 use crate::detail::layout::{HEAD_COARSENING, HEAD_LEFT, HEAD_USED};
 use crate::detail::mesh::mesh;
 use crate::detail::select::select;
-use crate::detail::{DetailVertex, DetailView, Horizon};
+use crate::detail::{DetailCells, DetailVertex, DetailView, Horizon};
 use dolomite_geometry::layout::{GeometryHead, OWN};
 use dolomite_geometry::render::{GeometryShared, GeometryView};
 use dolomite_geometry::vertex::pack;
 
 /// Fills the pools of a view that changed.
 pub(super) fn choose(
-    own: &mut DetailState,
+    own: &DetailState,
+    ground: &mut DetailCells,
     view: DetailView,
     state: &mut GeometryView,
     queue: &RenderQueue,
@@ -29,15 +30,15 @@ pub(super) fn choose(
         .min(pool.primitives / 2)
         .min(own.detail.max_vertices);
     let anchor_height = state.frame.anchor.y as f32;
-    let selection = select(&mut own.ground, &view, most);
-    let made = mesh(&own.ground, &selection);
+    let selection = select(ground, &view, most);
+    let made = mesh(ground, &selection);
     // Corners of the roots are not among the vertices that the selection counts.
     let room = pool.vertices as usize;
     let stored: Vec<[u32; 5]> = made
         .vertices
         .iter()
         .take(room)
-        .map(|vertex| stored(vertex, &view, own.ground.sea(), anchor_height))
+        .map(|vertex| stored(vertex, &view, ground.sea(), anchor_height))
         .collect();
     let mut triangles: Vec<[u32; 3]> = made
         .triangles
@@ -51,8 +52,8 @@ pub(super) fn choose(
         let place = |vertex: &[u32; 5]| Vec3::from([0, 1, 2].map(|k| f32::from_bits(vertex[k])));
         let places: Vec<Vec3> = stored.iter().map(place).collect();
         let horizon = own
-            .horizon(&view, anchor_height)
-            .map(|horizon| Horizon::of(horizon, &own.ground, &selection, &view, anchor_height));
+            .horizon(ground, &view, anchor_height)
+            .map(|horizon| Horizon::of(horizon, ground, &selection, &view, anchor_height));
         seen = picture.sort(horizon.as_ref(), &mut triangles, &places);
         if !shadowed {
             triangles.truncate(seen);
@@ -72,7 +73,7 @@ pub(super) fn choose(
     };
     head.own[HEAD_COARSENING - OWN as usize] = selection.coarsening.to_bits();
     head.own[HEAD_LEFT - OWN as usize] = selection.held.to_bits();
-    head.own[HEAD_USED - OWN as usize] = own.ground.len() as u32;
+    head.own[HEAD_USED - OWN as usize] = ground.len() as u32;
     let (vertices, indices) = (cast_slice(&stored), cast_slice(&triangles));
     state.upload(queue, shared, [vertices, indices], head);
 }

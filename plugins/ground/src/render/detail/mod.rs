@@ -10,6 +10,7 @@ mod pipeline;
 mod prepare;
 pub(crate) mod probe;
 pub mod record;
+mod store;
 mod view;
 
 use std::any::type_name;
@@ -22,7 +23,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, BindGroupLayoutDescriptor};
 use bevy::render::sync_world::RenderEntity;
 use bevy::render::{Extract, ExtractSchedule, Render, RenderApp};
-use bevy::shader::Shader;
+use bevy::shader::{Shader, ShaderDefVal};
 use dolomite_geometry::GeometryCamera;
 use dolomite_geometry::render::{
     DrawShader, DrawTraits, GeometrySystems, ModuleShaders, Producer, ProducerKey, Producers,
@@ -37,12 +38,14 @@ use crate::detail::Detail;
 ///
 /// Its data begin with what `terrain_height` reads: layers at binding 0, their data at 1, the uniform at 2.
 pub trait DetailKind: AsBindGroup + Resource + Clone {
-    /// The cameras that see it, of those with a [`Detail`] and a [`GeometryCamera`].
+    /// The cameras that see it, of those with a [`GeometryCamera`]; one without a [`Detail`] by the default.
     type Cameras: QueryFilter + 'static;
     /// Import path of the shader library with its function `material(surface: Surface) -> Shaded`.
     const MATERIAL: &'static str;
     /// Greatest |u| of a vertex: its depth below the sea, metres.
     const UV_RANGE: f32 = crate::cover::functions::DEPTH_RANGE;
+    /// All that [`Self::material_defs`] may give.
+    const MATERIAL_DEFS: &[&[&'static str]] = &[&[]];
     /// Whether, in a view without G-buffer, `material` runs at the vertices.
     const VERTEX_SHADED: bool = false;
     /// Whether it is drawn into shadow maps.
@@ -67,6 +70,11 @@ pub trait DetailKind: AsBindGroup + Resource + Clone {
     /// Numbers of the view that `material` reads as `geometry_draw.numbers`.
     fn view_numbers(&self, _view: &Viewpoint) -> [Vec4; 4] {
         [Vec4::ZERO; 4]
+    }
+
+    /// Definitions for the shader of the material, one of [`Self::MATERIAL_DEFS`].
+    fn material_defs(&self) -> Vec<&'static str> {
+        Vec::new()
     }
 
     /// Whether the CPU chooses and places, and uploads what it made.
@@ -187,7 +195,12 @@ fn draw_source<K: DetailKind>() -> String {
 #[doc(hidden)]
 #[must_use]
 pub fn detail_variants<K: DetailKind>() -> Vec<ShaderVariant> {
-    draw_variants(&draw_source::<K>(), &[], &draw_traits::<K>())
+    let source = draw_source::<K>();
+    let variants = K::MATERIAL_DEFS.iter().flat_map(|defs| {
+        let defs: Vec<ShaderDefVal> = defs.iter().map(|def| (*def).into()).collect();
+        draw_variants(&source, &defs, &draw_traits::<K>())
+    });
+    variants.collect()
 }
 
 /// What all kinds share.
@@ -207,7 +220,7 @@ fn shaders(app: &mut App) -> Option<DetailShaders> {
     })
 }
 
-type Seeing<'a> = (RenderEntity, &'a Detail, Option<&'a RenderLayers>);
+type Seeing<'a> = (RenderEntity, Option<&'a Detail>, Option<&'a RenderLayers>);
 
 fn extract<K: DetailKind>(
     mut ground: ResMut<ExtractedGround<K>>,
@@ -237,7 +250,11 @@ fn extract<K: DetailKind>(
         let seen = cameras
             .iter()
             .filter(|(.., own)| own.unwrap_or(&RenderLayers::default()).intersects(&layers));
-        let seen = seen.map(|(entity, detail, _)| (entity, detail.clamped()));
+        // Who has lost its detail sees the ground by the default.
+        let seen = seen.map(|(entity, detail, _)| {
+            let detail = detail.copied().unwrap_or_default();
+            (entity, detail.clamped())
+        });
         ground.cameras.extend(seen);
     }
 }

@@ -49,6 +49,7 @@ pub fn choose<K: DetailKind>(
         vertices: &groups.vertices,
         triangles: &groups.triangles,
         head: &groups.head,
+        capacity: own.capacity,
         indirect: [&own.arguments[0], &own.arguments[1]],
         closing: &own.closing,
     };
@@ -61,14 +62,16 @@ pub fn choose<K: DetailKind>(
     });
     let span = recorder.pass_span(&mut pass, "detail");
     let mut dispatches = 0;
-    for step in steps(own.depth, own.occluded) {
+    for step in steps(own.depth, own.extras) {
         record_step(&mut pass, ready[step.pipeline], &bound, &step);
         dispatches += 1;
     }
     span.end(&mut pass);
     drop(pass);
     shared.count_dispatches(dispatches);
-    own.fresh = false;
+    if let Some(store) = details.stores.get_mut(&own.detail.finest.to_bits()) {
+        store.fresh = false;
+    }
     state.settled = true;
     state.filled = true;
     state.counters.want();

@@ -14,12 +14,18 @@ use bevy::render::render_resource::{
 use dolomite_geometry::render::pipeline_fault;
 
 use super::DetailShaders;
-use crate::detail::layout::{DEPTH_PASSES, DetailParams, DetailPass, LAST_PASSES, Second};
+use crate::detail::layout::{
+    DEPTH_PASSES, DetailParams, DetailPass, LAST_PASSES, Pass, SWEEP_PASS, Second,
+};
 
 /// The files of the passes, in their order.
 pub(super) fn files() -> impl Iterator<Item = &'static str> {
-    let depth = DEPTH_PASSES.iter().map(|(file, ..)| *file);
-    depth.chain(LAST_PASSES.iter().map(|(file, ..)| *file))
+    passes().map(|(file, ..)| *file)
+}
+
+/// All of them.
+fn passes() -> impl Iterator<Item = &'static Pass> {
+    DEPTH_PASSES.iter().chain(&LAST_PASSES).chain([&SWEEP_PASS])
 }
 
 /// Layouts and pipelines.
@@ -65,7 +71,7 @@ impl DetailPipelines {
         let read = || storage_buffer_read_only_sized(false, None);
         let arguments = BindGroupLayoutDescriptor::new(
             "detail_arguments",
-            &BindGroupLayoutEntries::sequential(compute, (write(), write())),
+            &BindGroupLayoutEntries::sequential(compute, (write(), write(), write())),
         );
         let vertices = BindGroupLayoutDescriptor::new(
             "detail_vertices",
@@ -77,11 +83,9 @@ impl DetailPipelines {
         );
         let head = BindGroupLayoutDescriptor::new(
             "detail_head",
-            &BindGroupLayoutEntries::single(compute, write()),
+            &BindGroupLayoutEntries::sequential(compute, (write(), write(), write())),
         );
-        let ids = DEPTH_PASSES
-            .iter()
-            .chain(&LAST_PASSES)
+        let ids = passes()
             .zip(&shaders.entries)
             .map(|((_, entry, second, _), shader)| {
                 let defs: &[&str] = match second {

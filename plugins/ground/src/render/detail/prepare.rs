@@ -15,26 +15,27 @@ use bevy::render::view::ExtractedView;
 use bytemuck::{bytes_of, cast_slice};
 
 use super::pipeline::DetailPipelines;
-use super::record::SLOT;
+use super::record::{Extras, SLOT};
+use super::store::{CellStore, capacity_for};
 use super::view::{detail_view, picture};
 use super::{DetailKind, DetailShaders, ExtractedGround, detail_key, host};
 use crate::detail::lattice::MAX_DEPTH;
 use crate::detail::layout::{
     ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DetailParams, DetailPass, HEAD_USED,
-    LEAST_CAPACITY, LIST_BYTES, RECORD_BYTES, VIEW_CELL_BYTES, without,
+    LIST_BYTES, RECORD_BYTES, VIEW_CELL_BYTES, without,
 };
-use crate::detail::{Cell, Detail, DetailCells, DetailView, HorizonView, Picture};
+use crate::detail::{Detail, DetailCells, DetailView, HorizonView, Picture};
 use dolomite_geometry::layout::OWN;
-use dolomite_geometry::render::{GeometryPool, GeometryShared, GeometryView, Producers};
-
-/// Most cells that are kept: 900 MB.
-const MOST_CELLS: u64 = 1 << 22;
+use dolomite_geometry::render::{GeometryPool, GeometryShared, GeometryView, Producer, Producers};
+use dolomite_terrain::Terrain;
 
 /// Every view that chooses its ground, and what all have in common.
 #[derive(Resource)]
 pub struct DetailViews<K> {
     pub(super) pipelines: Option<DetailPipelines>,
     pub(super) views: HashMap<Entity, DetailState>,
+    /// The cells that views share, by the bits of the side of their smallest.
+    pub(super) stores: HashMap<u32, CellStore>,
     /// Whether the bind group is older than the kind's data.
     pub(super) data_due: bool,
     kind: PhantomData<fn() -> K>,
@@ -45,6 +46,7 @@ impl<K> Default for DetailViews<K> {
         Self {
             pipelines: None,
             views: HashMap::new(),
+            stores: HashMap::new(),
             data_due: true,
             kind: PhantomData,
         }
@@ -53,19 +55,19 @@ impl<K> Default for DetailViews<K> {
 
 /// One view's buffers.
 pub(super) struct DetailState {
-    /// The roots; cells that were made on the CPU, where it chooses.
-    pub(super) ground: DetailCells,
     pub(super) detail: Detail,
-    pub beginning: Beginning,
+    /// Cells that there is room for.
     pub capacity: u32,
+    /// Number of the newest choice.
     pub stamp: u32,
-    /// Whether nothing has been made yet.
-    pub fresh: bool,
     pub uniform: Buffer,
     depths: Buffer,
+    /// Of the store: corners of the roots.
     pub corners: Buffer,
-    /// Cells, links, the cells in the view, counts, lists.
+    /// Cells and links of the store; the cells in the view, counts, lists.
     pub kept: [Buffer; 5],
+    /// Of the store: what is in use.
+    stock: Buffer,
     /// Arguments of the dispatches: of even and odd depths, and of those that close the choice.
     pub arguments: [Buffer; 2],
     pub closing: Buffer,
@@ -78,8 +80,8 @@ pub(super) struct DetailState {
     pub(super) culled: Option<(Picture, bool)>,
     /// Whether ground hides what is behind it: its edges alone do not.
     pub(super) solid: bool,
-    /// Whether the newest choice looks for what nearer ground hides.
-    pub(super) occluded: bool,
+    /// What the newest choice does beside what it always does.
+    pub(super) extras: Extras,
     /// The view that was chosen for, and whether by the CPU.
     pub(super) chosen: Option<(DetailView, bool)>,
     pub depth: u32,
@@ -96,23 +98,8 @@ pub(super) struct DetailGroups {
 }
 
 impl DetailState {
-    fn new(
-        device: &RenderDevice,
-        queue: &RenderQueue,
-        terrain: &dolomite_terrain::Terrain,
-        detail: Detail,
-    ) -> Self {
-        let ground = DetailCells::new(terrain.clone(), detail.finest);
-        let beginning = Beginning::new(&ground);
-        // A view looks at some two cells a vertex; as many again for what the last views left.
-        let most = device.limits().max_storage_buffer_binding_size / size_of::<Cell>() as u64;
-        let most = most.clamp(u64::from(LEAST_CAPACITY), MOST_CELLS) as u32;
-        let capacity = detail
-            .max_vertices
-            .saturating_mul(4)
-            .clamp(LEAST_CAPACITY, most)
-            / 4
-            * 4;
+    fn new(device: &RenderDevice, store: &CellStore, detail: Detail) -> Self {
+        let capacity = store.capacity;
         let buffer = |label, size: u64, usage| {
             device.create_buffer(&BufferDescriptor {
                 label: Some(label),
@@ -141,13 +128,12 @@ impl DetailState {
         }
         let room = u64::from(capacity);
         let kept = [
-            empty("detail_cells", 96 * room),
-            empty("detail_links", 16 * room),
+            store.cells.clone(),
+            store.links.clone(),
             empty("detail_seen", VIEW_CELL_BYTES * room),
             empty("detail_counts", 4 * ALL_COUNT_WORDS as u64),
             empty("detail_lists", LIST_BYTES * room),
         ];
-        queue.write_buffer(&kept[1], 0, cast_slice(&beginning.links));
         Self {
             uniform: device.create_buffer(&BufferDescriptor {
                 label: Some("detail_params"),
@@ -156,18 +142,12 @@ impl DetailState {
                 mapped_at_creation: false,
             }),
             depths: filled("detail_depths", &depths, BufferUsages::UNIFORM),
-            corners: filled(
-                "detail_corners",
-                cast_slice(&beginning.corners),
-                BufferUsages::STORAGE,
-            ),
-            depth: ground.lattice.depth,
-            ground,
+            corners: store.corners.clone(),
+            stock: store.stock.clone(),
+            depth: store.ground.lattice.depth,
             detail,
-            beginning,
             capacity,
             stamp: 0,
-            fresh: true,
             kept,
             arguments: [0, 1].map(|_| indirect("detail_arguments", ARGUMENT_BYTES)),
             closing: indirect("detail_closing", CLOSING_BYTES),
@@ -179,32 +159,39 @@ impl DetailState {
             groups: None,
             culled: None,
             solid: true,
-            occluded: false,
+            extras: Extras::default(),
             chosen: None,
         }
     }
 
-    /// Bytes of its buffers.
+    /// Bytes of its own buffers, without those of the store.
     fn bytes(&self) -> u64 {
-        let kept = self.kept.iter().chain(&self.arguments);
-        let others = [
-            &self.uniform,
-            &self.depths,
-            &self.corners,
-            &self.closing,
-            &self.records,
-        ];
-        kept.chain(others).map(|buffer| buffer.size()).sum()
+        let own = self.kept[2..].iter().chain(&self.arguments);
+        let others = [&self.uniform, &self.depths, &self.closing, &self.records];
+        own.chain(others).map(|buffer| buffer.size()).sum()
     }
 
-    /// Writes what the next choice is told.
-    fn tell(&mut self, queue: &RenderQueue, view: DetailView, state: &GeometryView) {
-        self.stamp += 1;
+    /// Whether it stands on the cells of a store.
+    fn is_of(&self, store: &CellStore) -> bool {
+        self.kept[0].id() == store.cells.id()
+    }
+
+    /// Writes what the next choice is told; `sweep` is from which choice on cells are kept, if any are dropped.
+    fn tell(
+        &mut self,
+        queue: &RenderQueue,
+        store: &mut CellStore,
+        view: DetailView,
+        state: &GeometryView,
+        sweep: Option<u32>,
+    ) {
+        self.stamp = store.next_stamp();
         let params = DetailParams {
             stamp: self.stamp,
+            oldest: sweep.unwrap_or(0),
             anchor_height: state.frame.anchor.y as f32,
             ..DetailParams::new(
-                &self.ground,
+                &store.ground,
                 view,
                 self.capacity,
                 [
@@ -213,25 +200,28 @@ impl DetailState {
                 ],
             )
         };
-        let horizon = self.horizon(&view, params.anchor_height);
+        let horizon = self.horizon(&store.ground, &view, params.anchor_height);
         let params = match &self.culled {
             Some((picture, others)) => params.cull(picture, *others),
             None => params,
         };
         let params = horizon.map_or(params, |horizon| params.occlude(horizon));
-        self.occluded = horizon.is_some();
+        self.extras = Extras {
+            sweeps: sweep.is_some(),
+            occluded: horizon.is_some(),
+        };
         queue.write_buffer(&self.uniform, 0, bytes_of(&params));
-        let arguments = self.beginning.arguments(self.fresh);
+        let beginning = &store.beginning;
+        let arguments = beginning.arguments(store.fresh);
         for buffer in &self.arguments {
             queue.write_buffer(buffer, 0, cast_slice(&arguments));
         }
         queue.write_buffer(&self.closing, 0, cast_slice(&Beginning::CLOSING));
-        let counts = self.beginning.counts(self.fresh);
-        let kept = usize::from(!self.fresh);
-        queue.write_buffer(&self.kept[3], 4 * kept as u64, cast_slice(&counts[kept..]));
-        let blocks = &self.beginning.blocks;
+        let counts = beginning.counts(store.fresh);
+        queue.write_buffer(&self.kept[3], 0, cast_slice(&counts));
+        let blocks = &beginning.blocks;
         queue.write_buffer(&self.kept[4], 0, cast_slice(blocks));
-        if self.fresh {
+        if store.fresh {
             let back: Vec<u32> = blocks.iter().rev().copied().collect();
             let at = 4 * (u64::from(self.capacity / 2) - back.len() as u64);
             queue.write_buffer(&self.kept[4], at, cast_slice(&back));
@@ -239,24 +229,64 @@ impl DetailState {
     }
 
     /// How the view looks at its horizon, where it does.
-    pub(super) fn horizon(&self, view: &DetailView, anchor_height: f32) -> Option<HorizonView> {
+    pub(super) fn horizon(
+        &self,
+        ground: &DetailCells,
+        view: &DetailView,
+        anchor_height: f32,
+    ) -> Option<HorizonView> {
         let wanted = self.detail.occluded && self.solid;
         let (picture, _) = self.culled.as_ref().filter(|_| wanted)?;
-        HorizonView::new(&self.ground, view, picture, anchor_height)
+        HorizonView::new(ground, view, picture, anchor_height)
     }
+}
 
-    /// Forgets what was made, where little room is left; or less than half, and most of it is of views long
-    /// gone: a camera that jumps finds room for all that it sees. A view that needs half of the room itself
-    /// keeps what it has.
-    fn forget_if_full(&mut self, queue: &RenderQueue, used: u32, vertices: u32) {
-        // Some two cells are looked at for a vertex.
-        let needed = vertices.saturating_mul(2);
-        let crowded = used > self.capacity / 2 && used / 2 > needed;
-        if crowded || used > self.capacity / 8 * 7 {
-            self.fresh = true;
-            queue.write_buffer(&self.kept[1], 0, cast_slice(&self.beginning.links));
-        }
+/// The stores that the cameras need: one for each size of the smallest cell, as large as the greatest view of it asks
+/// for.
+fn keep_stores(
+    stores: &mut HashMap<u32, CellStore>,
+    terrain: &Terrain,
+    cameras: &[(Entity, Detail)],
+    device: &RenderDevice,
+    queue: &RenderQueue,
+) {
+    let mut wanted: HashMap<u32, u32> = HashMap::new();
+    for (_, detail) in cameras {
+        let room = capacity_for(device, detail);
+        let most = wanted.entry(detail.finest.to_bits()).or_default();
+        *most = room.max(*most);
     }
+    stores.retain(|finest, store| {
+        wanted.get(finest) == Some(&store.capacity) && store.ground.terrain().same(terrain)
+    });
+    for (finest, capacity) in wanted {
+        stores.entry(finest).or_insert_with(|| {
+            CellStore::new(device, queue, terrain, f32::from_bits(finest), capacity)
+        });
+    }
+}
+
+/// The newest counters of the views of a store: cells in use, vertices of all views, and the oldest choice of a view.
+fn news(views: &HashMap<Entity, DetailState>, producer: &Producer, store: &CellStore) -> [u32; 3] {
+    let of_store = views.iter().filter(|(_, own)| own.is_of(store));
+    let mut newest = (0, 0);
+    let (mut vertices, mut oldest) = (0_u32, store.stamp);
+    for (entity, own) in of_store {
+        let Some(state) = producer.views.get(entity) else {
+            continue;
+        };
+        let counted = state.counters.newest;
+        vertices = vertices.saturating_add(counted.vertices);
+        oldest = oldest.min(own.stamp);
+        // Those that rest have old counters.
+        newest = newest.max((own.stamp, cells_in_use(state)));
+    }
+    let (_, used) = newest;
+    [used, vertices, oldest]
+}
+
+fn cells_in_use(state: &GeometryView) -> u32 {
+    state.counters.newest.own[HEAD_USED - OWN as usize]
 }
 
 /// Says where the ground is drawn, and binds its data.
@@ -276,6 +306,7 @@ pub fn want<K: DetailKind>(
     if std::mem::take(&mut ground.newer)
         && let Some(kind) = &ground.kind
     {
+        producer.set_defs(kind.material_defs());
         let newest = kind.clone();
         producer.numbers = Some(Arc::new(move |view| newest.view_numbers(view)));
         details.data_due = true;
@@ -333,12 +364,16 @@ pub fn prepare<K: DetailKind>(
     let details = &mut *details;
     let (Some(data_layout), Some(terrain)) = (&producer.data_layout, &ground.terrain) else {
         details.views.clear();
+        details.stores.clear();
+        producer.shared_bytes = 0;
         return;
     };
     details
         .views
         .retain(|entity, _| producer.views.contains_key(entity));
     if producer.views.is_empty() {
+        details.stores.clear();
+        producer.shared_bytes = 0;
         return;
     }
     let without = without(terrain);
@@ -352,25 +387,46 @@ pub fn prepare<K: DetailKind>(
     producer.pipelines = pipelines.count();
     producer.fault = pipelines.fault(&cache);
     let one_sided = !producer.traits.double_sided;
+    let DetailViews { stores, views, .. } = details;
+    keep_stores(stores, terrain, &ground.cameras, &device, &queue);
+    producer.shared_bytes = stores.values().map(CellStore::bytes).sum();
+    // Of each store from which cells are to be dropped: those that no choice from this one on has looked at.
+    let mut sweeps: HashMap<u32, u32> = HashMap::new();
+    if !ground.on_host {
+        for (finest, store) in &mut *stores {
+            let [used, vertices, oldest] = news(views, producer, store);
+            let Some(sweep) = store.sweep(used, vertices, oldest) else {
+                continue;
+            };
+            sweeps.insert(*finest, sweep);
+            // Who has rested for long marks its cells anew, so that the next sweep finds others.
+            for (entity, own) in views.iter().filter(|(_, own)| own.is_of(store)) {
+                if let Some(state) = producer.views.get_mut(entity) {
+                    state.settled &= own.stamp + views.len() as u32 > store.stamp;
+                }
+            }
+        }
+    }
     for (entity, detail) in &ground.cameras {
         let (Some(state), Ok(view)) = (producer.views.get_mut(entity), cameras.get(*entity)) else {
             continue;
         };
-        let known = details.views.get(entity).filter(|known| {
-            known.ground.terrain().same(terrain)
-                && known.detail.finest == detail.finest
-                && known.detail.max_vertices == detail.max_vertices
-        });
+        let finest = detail.finest.to_bits();
+        let Some(store) = stores.get_mut(&finest) else {
+            continue;
+        };
+        let known = views
+            .get(entity)
+            .filter(|known| known.is_of(store) && known.detail.max_vertices == detail.max_vertices);
         if known.is_none() {
-            let new = DetailState::new(&device, &queue, terrain, *detail);
-            details.views.insert(*entity, new);
+            views.insert(*entity, DetailState::new(&device, store, *detail));
             state.settled = false;
         }
-        let Some(own) = details.views.get_mut(entity) else {
+        let Some(own) = views.get_mut(entity) else {
             continue;
         };
         state.own_bytes = own.bytes();
-        state.looked_at = state.counters.newest.own[HEAD_USED - OWN as usize];
+        state.looked_at = cells_in_use(state);
         // Shadow views see what the camera does not.
         let shadowed = !state.shadows.is_empty();
         let culled = detail
@@ -392,7 +448,7 @@ pub fn prepare<K: DetailKind>(
         }
         if ground.on_host {
             if !state.settled {
-                host::choose(own, seen, state, &queue, &shared);
+                host::choose(own, &mut store.ground, seen, state, &queue, &shared);
             }
             continue;
         }
@@ -405,9 +461,7 @@ pub fn prepare<K: DetailKind>(
             own.bind(&device, &cache, pipelines, written);
         }
         if !state.settled {
-            let newest = state.counters.newest;
-            own.forget_if_full(&queue, state.looked_at, newest.vertices);
-            own.tell(&queue, seen, state);
+            own.tell(&queue, store, seen, state, sweeps.remove(&finest));
         }
     }
 }
@@ -448,6 +502,7 @@ impl DetailState {
                     // Of the next depth.
                     self.arguments[1 - turn].as_entire_binding(),
                     self.closing.as_entire_binding(),
+                    self.stock.as_entire_binding(),
                 )),
             )
         };
@@ -474,7 +529,11 @@ impl DetailState {
             head: device.create_bind_group(
                 "detail_head",
                 &cache.get_bind_group_layout(&pipelines.head),
-                &BindGroupEntries::single(head.as_entire_binding()),
+                &BindGroupEntries::sequential((
+                    head.as_entire_binding(),
+                    self.closing.as_entire_binding(),
+                    self.stock.as_entire_binding(),
+                )),
             ),
         });
         self.written = Some(written.map(Clone::clone));

@@ -1,6 +1,8 @@
 //! What is recorded for a choice, in wgpu's own types: Bevy's systems, tests and studies all call this.
 
-use crate::detail::layout::{DEPTH_PASSES, Groups, LAST_PASSES, Pass, Second, arguments_at};
+use crate::detail::layout::{
+    DEPTH_PASSES, Groups, LAST_PASSES, Pass, SWEEP_PASS, Second, arguments_at, sweep_groups,
+};
 
 /// Bytes between the slots of a uniform buffer.
 pub const SLOT: u64 = 256;
@@ -10,15 +12,30 @@ pub const SLOT: u64 = 256;
 pub struct Step {
     /// The depth that it works on; the last of all for the passes that close a choice.
     pub depth: u32,
-    /// Place of its pipeline: `DEPTH_PASSES`, then `LAST_PASSES`.
+    /// Place of its pipeline: `DEPTH_PASSES`, then `LAST_PASSES`, then `SWEEP_PASS`.
     pub pipeline: usize,
     /// Its file, entry, groups and size.
     pub pass: Pass,
 }
 
+/// What a choice does beside what it always does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// Cells that nobody has looked at for long are dropped first.
+    pub sweeps: bool,
+    /// What nearer ground hides is looked for.
+    pub occluded: bool,
+}
+
 /// make, look, keep for each depth; then middles, fit, numbers, vertices, heights, the horizon where it is
-/// looked at, triangles, head.
-pub fn steps(depth: u32, occluded: bool) -> impl Iterator<Item = Step> {
+/// looked at, triangles, head. Before them the sweep, where there is one.
+pub fn steps(depth: u32, extras: Extras) -> impl Iterator<Item = Step> {
+    let Extras { sweeps, occluded } = extras;
+    let sweep = sweeps.then_some(Step {
+        depth: 0,
+        pipeline: DEPTH_PASSES.len() + LAST_PASSES.len(),
+        pass: SWEEP_PASS,
+    });
     let depths = (0..=depth).flat_map(|depth| {
         let passes = DEPTH_PASSES.into_iter().enumerate();
         passes.map(move |(pipeline, pass)| Step {
@@ -33,7 +50,9 @@ pub fn steps(depth: u32, occluded: bool) -> impl Iterator<Item = Step> {
         pipeline: DEPTH_PASSES.len() + number,
         pass,
     });
-    depths
+    sweep
+        .into_iter()
+        .chain(depths)
         .chain(last)
         .filter(move |step| occluded || step.pass.3 != Groups::Horizon)
 }
@@ -45,14 +64,16 @@ pub struct DetailBound<'a> {
     pub shared: &'a wgpu::BindGroup,
     /// Group 1, by [`Second`]: the ground's data.
     pub ground: &'a wgpu::BindGroup,
-    /// Arguments that even depths write, and odd ones.
+    /// Arguments that even depths write, and odd ones; those of the closing passes, and the stock.
     pub arguments: [&'a wgpu::BindGroup; 2],
     /// Corners, vertices, records.
     pub vertices: &'a wgpu::BindGroup,
     /// Vertices, indices.
     pub triangles: &'a wgpu::BindGroup,
-    /// The head.
+    /// The head, arguments of the closing passes, and the stock.
     pub head: &'a wgpu::BindGroup,
+    /// Cells that there is room for.
+    pub capacity: u32,
     /// Arguments that even depths read, and odd ones.
     pub indirect: [&'a wgpu::Buffer; 2],
     /// Arguments of the closing passes.
@@ -83,6 +104,7 @@ pub fn record_step(
     }
     match count {
         Groups::One => pass.dispatch_workgroups(1, 1, 1),
+        Groups::Blocks => pass.dispatch_workgroups(sweep_groups(bound.capacity), 1, 1),
         Groups::Kept | Groups::Horizon => pass.dispatch_workgroups_indirect(bound.closing, 0),
         Groups::Make | Groups::Look => {
             let at = arguments_at(step.depth, count);

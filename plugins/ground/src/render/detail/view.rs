@@ -1,7 +1,6 @@
 //! A view of Bevy's as the choice sees it, and what it draws.
 
 use bevy::math::{DVec3, Vec2, Vec3};
-use bevy::prelude::*;
 use bevy::render::view::ExtractedView;
 use bytemuck::Zeroable;
 use dolomite_geometry::render::ViewFrame;

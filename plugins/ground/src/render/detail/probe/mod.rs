@@ -101,7 +101,7 @@ pub(crate) fn build(app: &mut App) {
             (
                 prepare::prepare
                     .in_set(GeometrySystems::Bind)
-                    .after(super::prepare::prepare::<GroundKind>),
+                    .after(super::prepare::prepare::<GroundKind<0>>),
                 readback::map.in_set(RenderSystems::Cleanup),
             ),
         )

@@ -17,7 +17,7 @@ pub(super) fn answer(
     view: ViewQuery<Entity, With<ExtractedGeometryCamera>>,
     mut answers: ResMut<GroundAnswers>,
     producers: Res<Producers>,
-    details: Res<DetailViews<GroundKind>>,
+    details: Res<DetailViews<GroundKind<0>>>,
     cache: Res<PipelineCache>,
     mut ctx: RenderContext,
 ) {
@@ -26,10 +26,10 @@ pub(super) fn answer(
     if answers.view != Some(entity) {
         return;
     }
-    let Some((detail, state)) = drawn(&producers, &details, entity) else {
+    let Some((_, state)) = drawn(&producers, &details, entity) else {
         return;
     };
-    if detail.fresh || !state.settled || !state.filled {
+    if !state.settled || !state.filled {
         return;
     }
     let pipeline = answers

@@ -128,10 +128,10 @@ fn turn(all: u32, most: u32, cursor: u32) -> (std::ops::Range<u32>, u32) {
 /// A view's ground, where it is drawn with its detail chosen.
 pub(super) fn drawn<'a>(
     producers: &'a Producers,
-    details: &'a DetailViews<GroundKind>,
+    details: &'a DetailViews<GroundKind<0>>,
     view: Entity,
 ) -> Option<(&'a DetailState, &'a GeometryView)> {
-    let producer = producers.get(detail_key::<GroundKind>())?;
+    let producer = producers.get(detail_key::<GroundKind<0>>())?;
     Some((details.views.get(&view)?, producer.views.get(&view)?))
 }
 
@@ -139,7 +139,7 @@ pub(super) fn drawn<'a>(
 pub(super) fn prepare(
     mut answers: ResMut<GroundAnswers>,
     producers: Res<Producers>,
-    details: Res<DetailViews<GroundKind>>,
+    details: Res<DetailViews<GroundKind<0>>>,
     shader: Res<AnswerShader>,
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,

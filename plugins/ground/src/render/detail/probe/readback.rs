@@ -11,8 +11,7 @@ use dolomite_terrain::{ProbeAnswer, ProbeBatch, ProbePart};
 
 use super::stats::DrawnProbeStats;
 use super::{GroundAnswers, Kept, Ticket};
-use crate::cover::TerrainView;
-use crate::detail::Detail;
+use crate::cover::{PatchDetail, TerrainView};
 use crate::detail::probe::{AnswerHead, DrawnProbes};
 
 /// Takes this frame's question, if anybody asks and any view can answer.
@@ -20,7 +19,7 @@ pub(super) fn ask(
     mut answers: ResMut<GroundAnswers>,
     batch: Extract<Option<Res<ProbeBatch>>>,
     settings: Extract<Res<DrawnProbes>>,
-    cameras: Extract<Query<(RenderEntity, &Camera), (With<TerrainView>, With<Detail>)>>,
+    cameras: Extract<Query<(RenderEntity, &Camera), (With<TerrainView>, Without<PatchDetail>)>>,
 ) {
     let batch = batch.as_ref().filter(|batch| batch.probes() > 0);
     let main = cameras

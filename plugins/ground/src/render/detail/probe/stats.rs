@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use dolomite_terrain::{ProbeBatch, ProbePart, ProbeQuestion};
 
 use super::GroundAnswers;
+use crate::shown::ShownTerrains;
 
 /// Drawn answers, as they arrive in the main world.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,6 +55,8 @@ impl DrawnProbeStats {
 /// Main world, when probes have received their answers.
 pub(super) fn publish(
     batch: Option<Res<ProbeBatch>>,
+    shown: Res<ShownTerrains>,
+    mut told: Local<bool>,
     mut stats: ResMut<DrawnProbeStats>,
     mut diagnostics: Diagnostics,
 ) {
@@ -61,6 +64,13 @@ pub(super) fn publish(
     else {
         return;
     };
+    if shown.count() > 1 && !*told {
+        *told = true;
+        warn!(
+            "{} terrains are drawn, but ground answers are of the triangles of the first of them alone; over the others probes have their true answers",
+            shown.count()
+        );
+    }
     stats.age = batch.frame().wrapping_sub(newest);
     let values = [stats.asked, stats.drawn, stats.age];
     for (path, value) in PATHS.into_iter().zip(values) {

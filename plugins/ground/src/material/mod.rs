@@ -1,0 +1,16 @@
+//! What the ground is made of, as data: layers of materials, each with the bands in which it lies.
+//!
+//! | part | what it holds |
+//! |---|---|
+//! | [`GroundMaterial`] | the layers of a terrain, from the uppermost to the lowest |
+//! | [`Band`] | where a layer lies, by height, slope or the distance to the sea |
+//! | [`MaterialBands`] | six numbers that stand for the usual five layers |
+//! | [`Sea`] | how the water looks |
+
+mod bands;
+mod layer;
+mod sea;
+
+pub use bands::MaterialBands;
+pub use layer::{Band, GroundLayer, GroundMaterial, Measure, Surface};
+pub use sea::Sea;

@@ -1,0 +1,203 @@
+//! The cells of a ground, which all views of it share: heights and error bounds, and how they hang together.
+//!
+//! What a view makes of them (demands, lists, vertices) is its own; see [`super::prepare`]. Views choose one after
+//! the other, in the order of their cameras, so that none meets a cell half made.
+//!
+//! **Room.** Every choice marks the cells that it looks at with its number. Where little room is left, a pass drops
+//! blocks of cells that nobody has looked at for long, the oldest first: how long is halved from sweep to sweep until
+//! there is room. What a view at rest stands on is kept, since ground answers go through it.
+
+use bevy::render::render_resource::{Buffer, BufferDescriptor, BufferInitDescriptor, BufferUsages};
+use bevy::render::renderer::{RenderDevice, RenderQueue};
+use bytemuck::cast_slice;
+use dolomite_terrain::Terrain;
+
+use crate::detail::layout::{Beginning, LEAST_CAPACITY, SHARED_CELL_BYTES, STOCK_HEAD_BYTES};
+use crate::detail::{Cell, Detail, DetailCells};
+
+/// Most cells that are kept: 452 MiB, and 408 MiB a view.
+const MOST_CELLS: u64 = 1 << 22;
+
+/// Choices that a cell may rest through before it is dropped, at first.
+const LONGEST_REST: u32 = 256;
+
+/// Choices from a sweep to the next: counters are three frames old.
+const BETWEEN_SWEEPS: u32 = 4;
+
+/// One ground's cells.
+pub(super) struct CellStore {
+    /// The roots; cells that were made on the CPU, where it chooses.
+    pub ground: DetailCells,
+    /// What lists and links begin with.
+    pub beginning: Beginning,
+    /// Cells that there is room for.
+    pub capacity: u32,
+    /// Whether nothing has been made yet.
+    pub fresh: bool,
+    /// Number of the newest choice of all views.
+    pub stamp: u32,
+    /// Heights of the roots' corners.
+    pub corners: Buffer,
+    /// What was made.
+    pub cells: Buffer,
+    /// How it hangs together.
+    pub links: Buffer,
+    /// What is in use.
+    pub stock: Buffer,
+    room: Room,
+}
+
+/// How many cells a view with this detail takes.
+pub(super) fn capacity_for(device: &RenderDevice, detail: &Detail) -> u32 {
+    // A view looks at some two cells a vertex; as many again for other views, and for what the last ones left.
+    let most = device.limits().max_storage_buffer_binding_size / size_of::<Cell>() as u64;
+    let most = most.clamp(u64::from(LEAST_CAPACITY), MOST_CELLS) as u32;
+    let wanted = detail.max_vertices.saturating_mul(4);
+    wanted.clamp(LEAST_CAPACITY, most) / 4 * 4
+}
+
+impl CellStore {
+    /// Buffers for so many cells, none of which is made.
+    pub fn new(
+        device: &RenderDevice,
+        queue: &RenderQueue,
+        terrain: &Terrain,
+        finest: f32,
+        capacity: u32,
+    ) -> Self {
+        let ground = DetailCells::new(terrain.clone(), finest);
+        let beginning = Beginning::new(&ground);
+        let empty = |label, size: u64| {
+            device.create_buffer(&BufferDescriptor {
+                label: Some(label),
+                size,
+                usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let room = u64::from(capacity);
+        let links = empty("detail_links", 16 * room);
+        let stock = empty("detail_stock", STOCK_HEAD_BYTES + room);
+        queue.write_buffer(&links, 0, cast_slice(&beginning.links));
+        queue.write_buffer(&stock, 0, cast_slice(&beginning.stock()));
+        Self {
+            corners: device.create_buffer_with_data(&BufferInitDescriptor {
+                label: Some("detail_corners"),
+                contents: cast_slice(&beginning.corners),
+                usage: BufferUsages::STORAGE,
+            }),
+            cells: empty("detail_cells", (SHARED_CELL_BYTES - 16) * room),
+            links,
+            stock,
+            ground,
+            beginning,
+            capacity,
+            fresh: true,
+            stamp: 0,
+            room: Room::default(),
+        }
+    }
+
+    /// Number of a new choice.
+    pub fn next_stamp(&mut self) -> u32 {
+        self.stamp = self.stamp.wrapping_add(1).max(1);
+        self.stamp
+    }
+
+    /// Bytes of its buffers.
+    pub fn bytes(&self) -> u64 {
+        [&self.corners, &self.cells, &self.links, &self.stock]
+            .iter()
+            .map(|buffer| buffer.size())
+            .sum()
+    }
+
+    /// Before a choice: whether cells are to be dropped, of `used` ones, and which; see [`Room::sweep`].
+    pub fn sweep(&mut self, used: u32, vertices: u32, views: u32) -> Option<u32> {
+        let Self {
+            room,
+            capacity,
+            stamp,
+            ..
+        } = self;
+        room.sweep(*capacity, *stamp, used, vertices, views)
+    }
+}
+
+/// Keeps an eye on the room that is left.
+#[derive(Clone, Copy, Debug)]
+struct Room {
+    /// Choices that a cell may rest through.
+    rest: u32,
+    /// The choice before which there is no other sweep.
+    next: u32,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self {
+            rest: LONGEST_REST,
+            next: 0,
+        }
+    }
+}
+
+impl Room {
+    /// Cells that no choice from the number on that is given has looked at are to be dropped; `None`: there is
+    /// room. That is where `used` cells leave less than an eighth of it; or less than half, and most of these are
+    /// not of the newest choices, so that a camera that jumps finds room for all that it sees. `vertices` are
+    /// those of all views, the oldest choice of a view that draws has the number `views`.
+    fn sweep(
+        &mut self,
+        capacity: u32,
+        stamp: u32,
+        used: u32,
+        vertices: u32,
+        views: u32,
+    ) -> Option<u32> {
+        // Some two cells are looked at for a vertex.
+        let needed = vertices.saturating_mul(2);
+        let crowded = used > capacity / 2 && used / 2 > needed;
+        if !(crowded || used > capacity / 8 * 7) {
+            self.rest = LONGEST_REST;
+            return None;
+        }
+        if stamp < self.next {
+            return None;
+        }
+        self.next = stamp.saturating_add(BETWEEN_SWEEPS);
+        let oldest = stamp.saturating_sub(self.rest).min(views);
+        self.rest = (self.rest / 2).max(1);
+        Some(oldest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_oldest_cells_go_first_and_those_of_a_view_stay() {
+        let mut room = Room::default();
+        let mut sweep = |stamp, used, views| room.sweep(1000, stamp, used, 100, views);
+        assert_eq!(sweep(1000, 500, 1000), None, "half is free");
+        assert_eq!(sweep(1000, 600, 1000), Some(1000 - 256));
+        assert_eq!(sweep(1001, 600, 1001), None, "no counter is back yet");
+        assert_eq!(sweep(1004, 600, 1004), Some(1004 - 128));
+        assert_eq!(sweep(1008, 600, 900), Some(900), "a view rests since 900");
+        assert_eq!(sweep(1012, 400, 1012), None);
+        assert_eq!(
+            sweep(1013, 600, 1013),
+            Some(1013 - 256),
+            "from the beginning"
+        );
+    }
+
+    #[test]
+    fn a_view_that_needs_its_room_keeps_it() {
+        let mut room = Room::default();
+        // 300 vertices need 600 cells.
+        assert_eq!(room.sweep(1000, 5, 700, 300, 5), None);
+        assert_eq!(room.sweep(1000, 5, 900, 300, 5), Some(0));
+    }
+}

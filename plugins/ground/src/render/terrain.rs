@@ -1,0 +1,126 @@
+//! From the components of a terrain to what its slot draws.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::visibility::RenderLayers;
+use bevy::prelude::*;
+use bevy::render::storage::ShaderBuffer;
+use dolomite_terrain::Terrain;
+use dolomite_tessellation::render::PatchPool;
+
+use super::kind::GroundKind;
+use super::look::GroundLook;
+use super::relief::{TerrainRelief, drawn};
+use super::texture::{GroundTextures, ReadyArrays, textured};
+use crate::cover::{PatchDetail, TerrainView};
+use crate::material::{GroundMaterial, Sea};
+use crate::shown::ShownTerrains;
+
+type GroundQuery<'a> = (
+    Ref<'a, Terrain>,
+    Ref<'a, GroundMaterial>,
+    Ref<'a, GroundTextures>,
+    Option<Ref<'a, Sea>>,
+    Option<Ref<'a, TerrainRelief>>,
+    Option<&'a RenderLayers>,
+);
+
+/// What has to be taken over when a view next looks.
+#[derive(Default)]
+pub(super) struct Due {
+    /// Of which terrain.
+    of: Option<Entity>,
+    terrain: bool,
+    look: bool,
+    /// Whether there was a relief map, and a sea.
+    had: [bool; 2],
+}
+
+/// Takes over the terrain of a slot and its look where they changed.
+pub(super) fn follow<const SLOT: usize>(
+    mut kind: ResMut<GroundKind<SLOT>>,
+    mut buffers: ResMut<Assets<ShaderBuffer>>,
+    shown: Res<ShownTerrains>,
+    terrains: Query<GroundQuery>,
+    views: Query<Option<&PatchDetail>, With<TerrainView>>,
+    ready: Res<ReadyArrays>,
+    mut due: Local<Due>,
+) {
+    let entity = shown.slot(SLOT);
+    let found = entity.and_then(|entity| terrains.get(entity).ok());
+    let Some((terrain, material, textures, sea, relief, layers)) = found else {
+        if kind.terrain.is_some() {
+            *kind = GroundKind::default();
+        }
+        *due = Due::default();
+        return;
+    };
+    let other = due.of != entity;
+    due.of = entity;
+    let sea = sea.filter(|_| terrain.sea_level().is_some());
+    let [had_relief, had_sea] = std::mem::replace(&mut due.had, [relief.is_some(), sea.is_some()]);
+    let changed = |had: bool, now: Option<bool>| had != now.is_some() || now == Some(true);
+    let relief_changed = changed(had_relief, relief.as_ref().map(Ref::is_changed));
+    let sea_changed = changed(had_sea, sea.as_ref().map(Ref::is_changed));
+    due.terrain |= other || terrain.is_changed() || had_sea != sea.is_some();
+    due.look |= due.terrain
+        || material.is_changed()
+        || textures.is_changed()
+        || relief_changed
+        || sea_changed;
+    let is_shown = ready.has(&material, &textures);
+    if kind.shown != is_shown {
+        kind.shown = is_shown;
+    }
+    let layers = layers.cloned().unwrap_or_default();
+    if kind.seen_on != layers {
+        kind.seen_on = layers;
+    }
+    if views.is_empty() {
+        return;
+    }
+    let pool = pool(&views);
+    if kind.pool != pool {
+        kind.pool = pool;
+    }
+    if std::mem::take(&mut due.terrain) {
+        let terrain = drawn(&terrain, sea.is_some());
+        let gpu = terrain.gpu();
+        let mut buffer =
+            |bytes: &[u8]| buffers.add(ShaderBuffer::new(bytes, RenderAssetUsages::RENDER_WORLD));
+        kind.layers = buffer(bytemuck::cast_slice(&gpu.layers));
+        kind.data = buffer(bytemuck::cast_slice(&gpu.data));
+        kind.heights = gpu.uniform.into();
+        let bounds = terrain.bounds(&terrain.extent());
+        kind.heights_apart = (bounds.max - bounds.min).max(0.0);
+        kind.extent_min = terrain.extent().min;
+        kind.terrain = Some(terrain);
+    }
+    if std::mem::take(&mut due.look) {
+        let textured = textured(&material);
+        let array = |handle: &Handle<Image>| textured.then(|| handle.clone());
+        kind.albedo_height = array(&textures.albedo_height);
+        kind.normal_roughness = array(&textures.normal_roughness);
+        kind.relief = relief.as_ref().map(|relief| relief.image.clone());
+        let sea = terrain.sea_level().zip(sea.as_deref().copied());
+        let (look, limits) = GroundLook::new(&material, sea, relief.as_deref());
+        kind.look = look;
+        for limit in limits {
+            warn!("{limit}");
+        }
+    }
+}
+
+/// Most that any view asks for whose ground is of patches.
+fn pool(views: &Query<Option<&PatchDetail>, With<TerrainView>>) -> PatchPool {
+    let details = views.iter().flatten().map(|detail| detail.clamped());
+    let [vertices, primitives] = details.fold([1; 2], |[vertices, primitives], detail| {
+        [
+            vertices.max(detail.max_vertices),
+            primitives.max(detail.max_triangles),
+        ]
+    });
+    PatchPool {
+        vertices,
+        primitives,
+    }
+}
