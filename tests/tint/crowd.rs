@@ -20,12 +20,11 @@ use crate::variants::{Variant, drawn};
 pub fn draw(app: &mut App) -> Vec<Variant> {
     let mut variants: Vec<Variant> = Vec::new();
     spawn(app);
-    for method in [
-        DefaultOpaqueRendererMethod::forward(),
-        DefaultOpaqueRendererMethod::deferred(),
+    for (method, deferred) in [
+        (DefaultOpaqueRendererMethod::forward(), false),
+        (DefaultOpaqueRendererMethod::deferred(), true),
     ] {
-        app.insert_resource(method.clone());
-        let deferred = method.0 == bevy::pbr::OpaqueRendererMethod::Deferred;
+        app.insert_resource(method);
         let cameras: Vec<Entity> = (0..4)
             .map(|order| {
                 let target =

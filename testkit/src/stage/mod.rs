@@ -5,7 +5,7 @@
 mod passes;
 mod record;
 
-pub(crate) use passes::layout;
+pub use passes::layout;
 pub use passes::{StageOptions, StagePasses};
 
 use crate::gpu::{Gpu, GpuError};
@@ -279,7 +279,7 @@ impl<'a> StageRun<'a> {
     }
 
     /// What control and evaluate functions read: parameters, tables, data.
-    pub(crate) fn given(&self) -> [&Buffer; 3] {
+    pub fn given(&self) -> [&Buffer; 3] {
         self.given.each_ref()
     }
 

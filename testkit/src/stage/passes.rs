@@ -23,7 +23,7 @@ pub struct StagePasses {
     /// In the order of [`PASSES`].
     pub(super) passes: Vec<ComputePipeline>,
     pub(crate) tessellator: Tessellator,
-    pub(crate) drawing: Drawing,
+    pub drawing: Drawing,
     split: bool,
 }
 
@@ -191,7 +191,7 @@ impl StagePasses {
     }
 
     /// Shader definitions of its passes.
-    fn defs(&self) -> Vec<&'static str> {
+    pub fn defs(&self) -> Vec<&'static str> {
         let rules = PassRules {
             evaluated: self.drawing == Drawing::Evaluated,
             split: self.split,
@@ -202,7 +202,7 @@ impl StagePasses {
 }
 
 /// A layout of whole buffers, one after the other.
-pub(crate) fn layout(
+pub fn layout(
     gpu: &Gpu,
     visibility: ShaderStages,
     kinds: &[BufferBindingType],

@@ -3,6 +3,8 @@
 
 mod bounded;
 
+pub use bounded::BoundedClassicKind;
+
 use std::sync::Arc;
 
 use bevy::asset::RenderAssetUsages;
