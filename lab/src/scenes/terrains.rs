@@ -204,7 +204,7 @@ fn jacksboro(centre: DVec2) -> HeightMap {
         centre: centre.to_array(),
         filter: Filter::Bicubic,
     };
-    let bytes = include_bytes!("../../../../assets/dem/jacksboro_344x403_i16le_metres.raw");
+    let bytes = include_bytes!("../../../assets/dem/jacksboro_344x403_i16le_metres.raw");
     file.decode(&file.path, bytes)
         .expect("the committed file has the size that is stated beside it")
 }

@@ -5,8 +5,7 @@
 mod passes;
 mod record;
 
-pub(crate) use passes::layout;
-pub use passes::{StageOptions, StagePasses};
+pub use passes::{StageOptions, StagePasses, layout};
 
 use crate::gpu::{Gpu, GpuError};
 use bytemuck::{Zeroable, bytes_of, cast_slice, pod_collect_to_vec, pod_read_unaligned};
@@ -279,7 +278,7 @@ impl<'a> StageRun<'a> {
     }
 
     /// What control and evaluate functions read: parameters, tables, data.
-    pub(crate) fn given(&self) -> [&Buffer; 3] {
+    pub fn given(&self) -> [&Buffer; 3] {
         self.given.each_ref()
     }
 

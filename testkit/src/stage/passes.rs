@@ -22,8 +22,10 @@ pub struct StagePasses {
     pub(super) data_layout: Option<BindGroupLayout>,
     /// In the order of [`PASSES`].
     pub(super) passes: Vec<ComputePipeline>,
-    pub(crate) tessellator: Tessellator,
-    pub(crate) drawing: Drawing,
+    /// Its rules.
+    pub tessellator: Tessellator,
+    /// Where vertices are evaluated.
+    pub drawing: Drawing,
     split: bool,
 }
 
@@ -202,11 +204,7 @@ impl StagePasses {
 }
 
 /// A layout of whole buffers, one after the other.
-pub(crate) fn layout(
-    gpu: &Gpu,
-    visibility: ShaderStages,
-    kinds: &[BufferBindingType],
-) -> BindGroupLayout {
+pub fn layout(gpu: &Gpu, visibility: ShaderStages, kinds: &[BufferBindingType]) -> BindGroupLayout {
     let entries: Vec<_> = (0_u32..)
         .zip(kinds)
         .map(|(binding, ty)| BindGroupLayoutEntry {

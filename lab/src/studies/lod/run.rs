@@ -15,7 +15,7 @@ use crate::csv;
 use crate::scenes::camera::Camera;
 use crate::scenes::cameras::{KINDS, ordinary};
 use crate::scenes::terrains;
-use crate::study::{Asked, Options, Report, Study};
+use crate::study::{Asked, Options, Part, Report, Study};
 use bevy::math::{DVec3, UVec2};
 use dolomite_classic::ClassicHeights;
 use dolomite_terrain::Terrain;

@@ -2,7 +2,7 @@
 //! tessellator may go wrong.
 
 use crate::tessellators::{DOMAINS, MODES, SPACINGS, WINDINGS, positive};
-use dolomite_tessellation::{Domain, Levels, Mode, Spacing, Tessellator, Winding};
+use dolomite_tessellation::{Levels, Tessellator};
 use dolomite_testkit::random::Random;
 
 /// A patch to tessellate, and what else its rules are tried with.

@@ -8,6 +8,7 @@ use crate::plot::{Axes, Chart, Curve};
 use crate::study::{Figure, Report};
 use crate::tessellators::{DOMAINS, MODES, SPACINGS};
 use dolomite_tessellation::{Domain, Mode, Spacing};
+use dolomite_testkit::metrics::ErrorStats;
 use serde_json::{Map, Value, json};
 
 /// Errors of the coordinates of all patches with some number of segments.

@@ -2,6 +2,7 @@
 
 use super::pairs::{Pair, TESSELLATORS, pair, tessellator};
 use super::report::{Section, figure};
+use super::seam::Seam;
 use super::tally::{Kind, Tallies};
 use super::twin::{Sharing, compare};
 use crate::study::Options;
