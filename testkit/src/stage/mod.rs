@@ -5,8 +5,7 @@
 mod passes;
 mod record;
 
-pub use passes::layout;
-pub use passes::{StageOptions, StagePasses};
+pub use passes::{StageOptions, StagePasses, layout};
 
 use crate::gpu::{Gpu, GpuError};
 use bytemuck::{Zeroable, bytes_of, cast_slice, pod_collect_to_vec, pod_read_unaligned};

@@ -22,7 +22,9 @@ pub struct StagePasses {
     pub(super) data_layout: Option<BindGroupLayout>,
     /// In the order of [`PASSES`].
     pub(super) passes: Vec<ComputePipeline>,
-    pub(crate) tessellator: Tessellator,
+    /// Its rules.
+    pub tessellator: Tessellator,
+    /// Where vertices are evaluated.
     pub drawing: Drawing,
     split: bool,
 }
@@ -191,7 +193,7 @@ impl StagePasses {
     }
 
     /// Shader definitions of its passes.
-    pub fn defs(&self) -> Vec<&'static str> {
+    fn defs(&self) -> Vec<&'static str> {
         let rules = PassRules {
             evaluated: self.drawing == Drawing::Evaluated,
             split: self.split,
@@ -202,11 +204,7 @@ impl StagePasses {
 }
 
 /// A layout of whole buffers, one after the other.
-pub fn layout(
-    gpu: &Gpu,
-    visibility: ShaderStages,
-    kinds: &[BufferBindingType],
-) -> BindGroupLayout {
+pub fn layout(gpu: &Gpu, visibility: ShaderStages, kinds: &[BufferBindingType]) -> BindGroupLayout {
     let entries: Vec<_> = (0_u32..)
         .zip(kinds)
         .map(|(binding, ty)| BindGroupLayoutEntry {
