@@ -32,12 +32,18 @@ const IN_PARTS: &str = "dolomite_testkit ";
 
 /// The names of the packages below `plugins/`.
 fn plugins() -> Vec<String> {
-    let folders = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../plugins")).unwrap();
+    let folders = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../plugins"))
+        .expect("plugins/ is a folder");
     let mut names: Vec<_> = folders
-        .map(|folder| folder.unwrap().path().join("Cargo.toml"))
+        .map(|folder| {
+            folder
+                .expect("plugins/ can be read")
+                .path()
+                .join("Cargo.toml")
+        })
         .filter(|manifest| manifest.exists())
         .map(|manifest| {
-            let text = std::fs::read_to_string(&manifest).unwrap();
+            let text = std::fs::read_to_string(&manifest).expect("a manifest is UTF-8");
             let name = text
                 .lines()
                 .find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'));
@@ -56,7 +62,11 @@ fn units(tree: &str) -> Units {
     let mut units = Units::new();
     for line in tree.lines().filter(|line| !line.is_empty()) {
         let mut words = line.splitn(3, ' ');
-        let name = format!("{} {}", words.next().unwrap(), words.next().unwrap_or(""));
+        let name = format!(
+            "{} {}",
+            words.next().expect("splitting gives one part at least"),
+            words.next().unwrap_or("")
+        );
         let mut features = words.next().unwrap_or("").trim_end_matches("(*)").trim();
         while let Some((_, rest)) = features
             .starts_with('(')
@@ -95,10 +105,10 @@ fn cargo_tree(packages: &[&str], tests: bool) -> Units {
         .args(packages)
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
         .output()
-        .unwrap();
+        .expect("cargo can be started");
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{errors}");
-    let units = units(std::str::from_utf8(&output.stdout).unwrap());
+    let units = units(std::str::from_utf8(&output.stdout).expect("cargo prints UTF-8"));
     assert!(
         units.keys().any(|name| name.starts_with("bevy_ecs ")),
         "no Bevy: {units:?}"

@@ -11,9 +11,13 @@ const SKIPPED: [&str; 4] = [".git", "target", "node_modules", "out"];
 
 /// All `.md` files below `folder`.
 fn documents(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+    for entry in fs::read_dir(folder).expect("the project's folders can be read") {
+        let path = entry.expect("the project's folders can be read").path();
+        let name = path
+            .file_name()
+            .expect("a folder's entry has a name")
+            .to_string_lossy()
+            .into_owned();
         if path.is_dir() && !SKIPPED.contains(&name.as_str()) {
             documents(&path, found);
         } else if name.ends_with(".md") {
@@ -78,7 +82,10 @@ fn broken(from: &Path, text: &str, link: &str) -> Option<String> {
     let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
     let target = match file {
         "" => from.to_owned(),
-        file => from.parent().unwrap().join(file),
+        file => from
+            .parent()
+            .expect("a document lies in a folder")
+            .join(file),
     };
     if !target.exists() {
         return Some(format!("{}: no {link}", from.display()));
@@ -88,7 +95,7 @@ fn broken(from: &Path, text: &str, link: &str) -> Option<String> {
     }
     let there = match file {
         "" => text.to_owned(),
-        _ => fs::read_to_string(&target).unwrap(),
+        _ => fs::read_to_string(&target).expect("a document is UTF-8"),
     };
     (!anchors(&there).contains(anchor)).then(|| format!("{}: no heading {link}", from.display()))
 }

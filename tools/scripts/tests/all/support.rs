@@ -83,9 +83,9 @@ impl System {
             COUNT.fetch_add(1, Ordering::Relaxed)
         );
         let folder = std::env::temp_dir().join(name);
-        fs::create_dir_all(folder.join("bin")).unwrap();
-        fs::write(folder.join("known"), "").unwrap();
-        fs::write(folder.join("calls"), "").unwrap();
+        fs::create_dir_all(folder.join("bin")).expect("a temporary folder can be made");
+        fs::write(folder.join("known"), "").expect("the system's folder can be written");
+        fs::write(folder.join("calls"), "").expect("the system's folder can be written");
         let system = Self(folder);
         for tool in TOOLS {
             system.tool(tool);
@@ -101,18 +101,20 @@ impl System {
     /// A command of that name; `body` is Bash, in which `$SYSTEM` is this system's folder.
     pub fn command(&self, name: &str, body: &str) {
         let at = self.0.join("bin").join(name);
-        fs::write(&at, format!("#!/usr/bin/env bash\n{body}\n")).unwrap();
-        fs::set_permissions(&at, fs::Permissions::from_mode(0o755)).unwrap();
+        fs::write(&at, format!("#!/usr/bin/env bash\n{body}\n"))
+            .expect("the system's folder can be written");
+        fs::set_permissions(&at, fs::Permissions::from_mode(0o755))
+            .expect("the system's folder can be written");
     }
 
     /// A link to a real tool beside those that each system has.
     pub fn tool(&self, name: &str) {
-        let path = std::env::var_os("PATH").unwrap();
+        let path = std::env::var_os("PATH").expect("tests run with a PATH");
         let real = std::env::split_paths(&path)
             .map(|at| at.join(name))
             .find(|at| at.is_file())
             .unwrap_or_else(|| panic!("{name} is not on PATH"));
-        symlink(real, self.0.join("bin").join(name)).unwrap();
+        symlink(real, self.0.join("bin").join(name)).expect("the system's folder can be written");
     }
 
     /// The text of a file in its folder.
@@ -122,12 +124,13 @@ impl System {
 
     /// Takes a command away.
     pub fn without(&self, name: &str) {
-        fs::remove_file(self.0.join("bin").join(name)).unwrap();
+        fs::remove_file(self.0.join("bin").join(name)).expect("a command that is there can go");
     }
 
     /// Makes it a Debian that knows these packages.
     pub fn debian(&self, known: &[&str], apt: Apt) {
-        fs::write(self.0.join("known"), known.join("\n") + "\n").unwrap();
+        fs::write(self.0.join("known"), known.join("\n") + "\n")
+            .expect("the system's folder can be written");
         self.command("dpkg-query", DPKG_QUERY);
         let install = match apt {
             Apt::Works => "",
@@ -173,11 +176,12 @@ impl System {
             // So that the certificates of the real machine do not count.
             .env("SSL_CERT_FILE", "/none")
             .output()
-            .unwrap();
+            .expect("bash can be started");
         Said {
             code: output.status.code().unwrap_or(-1),
-            text: String::from_utf8(output.stdout).unwrap(),
-            calls: fs::read_to_string(self.0.join("calls")).unwrap(),
+            text: String::from_utf8(output.stdout).expect("scripts print UTF-8"),
+            calls: fs::read_to_string(self.0.join("calls"))
+                .expect("the system's folder can be read"),
         }
     }
 }
