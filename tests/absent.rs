@@ -17,9 +17,9 @@ use bevy::render::RenderApp;
 use bevy::render::render_resource::{PipelineCache, PollType};
 use bevy::render::renderer::RenderDevice;
 use dolomite::DolomitePlugins;
-use dolomite::ground::{PatchDetail, TerrainView};
 use dolomite::ground::detail::{Detail, DrawnProbes};
 use dolomite::ground::render::{AnswerCensus, DrawnProbeStats, answer_census};
+use dolomite::ground::{PatchDetail, TerrainView};
 use dolomite::terrain::{Fractal, GroundProbe, ProbeBatch, Terrain};
 use dolomite::tessellation::render::{StageCensus, StageStats, census};
 

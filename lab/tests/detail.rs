@@ -212,7 +212,11 @@ fn gpu_the_oldest_cells_are_dropped_and_made_again_the_same() {
         }
         used = swept.used;
     }
-    assert!(used < second.used && used > second.used / 4, "{used} of {}", second.used);
+    assert!(
+        used < second.used && used > second.used / 4,
+        "{used} of {}",
+        second.used
+    );
     // Blocks that were dropped are taken again, for cells elsewhere.
     let again = run(&mut stage, north, 0);
     assert_eq!(of_run(&again), of_run(&first));

@@ -8,7 +8,9 @@ use bevy::math::{Vec2, Vec3};
 use super::heights::{ClassicHeights, SIDE};
 use dolomite_tessellation::layout::StageView;
 use dolomite_tessellation::tables::Instance;
-use dolomite_tessellation::{HostFunctions, HostPatch, HostVertex, Levels, PatchLayout, PatchMesh, Spacing};
+use dolomite_tessellation::{
+    HostFunctions, HostPatch, HostVertex, Levels, PatchLayout, PatchMesh, Spacing,
+};
 
 /// Patches along a side, of 16 m each.
 pub const PATCHES: u32 = 64;

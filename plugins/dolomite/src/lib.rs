@@ -33,7 +33,6 @@ pub use dolomite_ground as ground;
 pub use dolomite_terrain as terrain;
 pub use dolomite_tessellation as tessellation;
 
-
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
 /// Every plugin of Dolomite. Add after Bevy's `DefaultPlugins`.
