@@ -31,6 +31,7 @@ impl PatchKind for Post {
     }
 }
 
+/// Glowing glass.
 #[derive(Resource, AsBindGroup, Clone)]
 pub struct Globe {}
 

@@ -9,6 +9,7 @@ use bevy::render::render_resource::AsBindGroup;
 use dolomite::tessellation::render::{PatchKind, PatchPlugin, PatchShader};
 use dolomite::tessellation::{PatchLayout, Patches, shapes};
 
+/// A boulder.
 #[derive(Resource, AsBindGroup, Clone)]
 pub struct Rock {}
 

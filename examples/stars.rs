@@ -13,6 +13,7 @@ use dolomite::tessellation::{PatchLayout, Patches, shapes};
 
 const STARS: u32 = 6000;
 
+/// Shines by itself.
 #[derive(Resource, AsBindGroup, Clone)]
 pub struct Star {}
 

@@ -10,6 +10,7 @@ use bevy::render::render_resource::AsBindGroup;
 use dolomite::tessellation::render::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
 use dolomite::tessellation::{PatchLayout, PatchMesh, Patches, Winding};
 
+/// Bicubic Bézier surfaces.
 #[derive(Resource, AsBindGroup, Clone)]
 pub struct Bezier {}
 
