@@ -10,12 +10,12 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
 use dolomite::DolomitePlugins;
+use dolomite::ground::{GroundMaterial, GroundTextures, MaterialBands, Sea, TerrainView};
 use dolomite::terrain::{
     Fractal, Ground, GroundRect, Hill, Layer, Source, Sum, Terrain, TerrainData,
 };
 use dolomite::tessellation::render::{PatchKind, PatchPlugin, PatchShader};
 use dolomite::tessellation::{PatchLayout, Patches, shapes};
-use dolomite::ground::{GroundMaterial, GroundTextures, MaterialBands, Sea, TerrainView};
 
 /// A boulder that stands on the island.
 #[derive(Resource, AsBindGroup, Clone)]

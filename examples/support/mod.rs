@@ -10,8 +10,8 @@ use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
 use bevy::window::WindowResolution;
-use dolomite::tessellation::render::StageStats;
 use dolomite::tessellation::StageCamera;
+use dolomite::tessellation::render::StageStats;
 
 /// Frames before the picture: shaders are compiled, textures are there.
 const FRAMES: u32 = 60;

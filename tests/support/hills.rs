@@ -5,8 +5,8 @@ use bevy::asset::RenderAssetUsages;
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-use dolomite::ground::{GroundMaterial, GroundTextures, Sea};
 use dolomite::ground::render::texture::{LAYERS, texture_array};
+use dolomite::ground::{GroundMaterial, GroundTextures, Sea};
 use dolomite::terrain::{Fractal, GroundRect, Layer, Source, Terrain, TerrainData};
 
 /// Hills: where, of what, and the sea among them.

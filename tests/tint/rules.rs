@@ -53,7 +53,8 @@ impl<const LAYOUT: usize, const SPACING: usize, const VERTICES: usize> PatchKind
     // Both of these exchange constants alone; each of them meets each layout and each spacing.
     const WINDING: Winding = [Winding::Ccw, Winding::Cw][(LAYOUT + SPACING + VERTICES) % 2];
     const MODE: Mode = [Mode::Exact, Mode::D3d][(LAYOUT + SPACING + VERTICES / 2) % 2];
-    const DRAWING: Drawing = [Drawing::Stored, Drawing::Evaluated][(VERTICES == EVALUATED) as usize];
+    const DRAWING: Drawing =
+        [Drawing::Stored, Drawing::Evaluated][(VERTICES == EVALUATED) as usize];
     const MOVES: bool = VERTICES == MOVES;
     const VERTEX_SHADED: bool = SPACING == 1;
     const AMPLIFIED: u32 = if VERTICES == AMPLIFIED { 3 } else { 0 };

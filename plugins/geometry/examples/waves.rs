@@ -75,8 +75,13 @@ impl Plugin for WavesPlugin {
         let mut assets = app.world_mut().resource_mut::<Assets<Shader>>();
         let shader = assets.add(shader_asset(WAVES, "waves.wgsl"));
         let draw = shader_asset(DrawShader::source(None, None, None), "waves_draw.wgsl");
-        let draw = DrawShader { handle: assets.add(draw), defs: vec![] };
-        let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
+        let draw = DrawShader {
+            handle: assets.add(draw),
+            defs: vec![],
+        };
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
         let nothing = BindGroupLayoutDescriptor::new("waves", &[]);
         let mut producer = Producer::new("waves", DrawTraits::default(), draw, nothing);
         producer.materials = vec![GeometryMaterial {
@@ -90,9 +95,15 @@ impl Plugin for WavesPlugin {
         let entries = BindGroupLayoutEntries::sequential(ShaderStages::COMPUTE, entries);
         let layout = BindGroupLayoutDescriptor::new("waves", &entries);
         let world = render_app.world_mut();
-        world.resource_mut::<Producers>().insert(ProducerKey::of::<Waves>(), producer);
+        world
+            .resource_mut::<Producers>()
+            .insert(ProducerKey::of::<Waves>(), producer);
         render_app
-            .insert_resource(Pass { shader, layout, id: None })
+            .insert_resource(Pass {
+                shader,
+                layout,
+                id: None,
+            })
             .add_systems(Render, want.in_set(GeometrySystems::Want))
             .add_systems(Core3d, make.in_set(GeometrySystems::Make));
     }
@@ -106,8 +117,13 @@ fn want(
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
 ) {
-    let Some(waves) = producers.get_mut(ProducerKey::of::<Waves>()) else { return };
-    let pool = GeometryPool { vertices: (SIDE + 1) * (SIDE + 1), primitives: 2 * SIDE * SIDE };
+    let Some(waves) = producers.get_mut(ProducerKey::of::<Waves>()) else {
+        return;
+    };
+    let pool = GeometryPool {
+        vertices: (SIDE + 1) * (SIDE + 1),
+        primitives: 2 * SIDE * SIDE,
+    };
     waves.wanted = cameras.iter().map(|camera| (camera, pool)).collect();
     waves.bind_no_data(&device, &cache);
     if pass.id.is_none() && !waves.wanted.is_empty() {
@@ -133,7 +149,9 @@ fn make(
     let waves = producers.get_mut(ProducerKey::of::<Waves>());
     let state = waves.and_then(|waves| waves.views.get_mut(&view));
     let pipeline = pass.id.and_then(|id| cache.get_compute_pipeline(id));
-    let (Some(state), Some(pipeline)) = (state, pipeline) else { return };
+    let (Some(state), Some(pipeline)) = (state, pipeline) else {
+        return;
+    };
     let device = ctx.render_device().clone();
     let anchor = state.frame.anchor.as_vec3().extend(state.frame.time[0]);
     let uniform = device.create_buffer(&BufferDescriptor {
@@ -178,9 +196,24 @@ pub fn setup(
     // A mesh of Bevy's: it stands in the waves, and casts its shadow on them.
     let ball = meshes.add(Sphere::new(0.7));
     let red = materials.add(Color::srgb(0.8, 0.2, 0.1));
-    commands.spawn((Mesh3d(ball), MeshMaterial3d(red), Transform::from_xyz(1.0, 0.4, 0.5)));
-    let sun = DirectionalLight { shadow_maps_enabled: true, ..default() };
-    commands.spawn((sun, Transform::default().looking_to(Vec3::new(-1.0, -1.2, -1.0), Vec3::Y)));
+    commands.spawn((
+        Mesh3d(ball),
+        MeshMaterial3d(red),
+        Transform::from_xyz(1.0, 0.4, 0.5),
+    ));
+    let sun = DirectionalLight {
+        shadow_maps_enabled: true,
+        ..default()
+    };
+    commands.spawn((
+        sun,
+        Transform::default().looking_to(Vec3::new(-1.0, -1.2, -1.0), Vec3::Y),
+    ));
     let eye = Transform::from_xyz(0.0, 3.2, 6.0).looking_at(Vec3::ZERO, Vec3::Y);
-    commands.spawn((Camera3d::default(), Msaa::Off, GeometryCamera::default(), eye));
+    commands.spawn((
+        Camera3d::default(),
+        Msaa::Off,
+        GeometryCamera::default(),
+        eye,
+    ));
 }

@@ -34,14 +34,30 @@ pub fn setup(mut commands: Commands) -> Result {
     let corner = |i: u32, j: u32| (i % 12) + 12 * (j % 6);
     let quad = |k: u32| {
         let (i, j) = (k % 12, k / 12);
-        [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)]
+        [
+            corner(i, j),
+            corner(i + 1, j),
+            corner(i + 1, j + 1),
+            corner(i, j + 1),
+        ]
     };
     let points = (0..72).map(point).collect();
     let mesh = PatchMesh::new(PatchLayout::QUAD, points, (0..72).flat_map(quad).collect())?;
     commands.spawn(Patches::<Torus>::new(Arc::new(mesh)));
-    let sun = DirectionalLight { shadow_maps_enabled: true, ..default() };
-    commands.spawn((sun, Transform::default().looking_to(Vec3::new(-1.0, -2.0, -1.5), Vec3::Y)));
+    let sun = DirectionalLight {
+        shadow_maps_enabled: true,
+        ..default()
+    };
+    commands.spawn((
+        sun,
+        Transform::default().looking_to(Vec3::new(-1.0, -2.0, -1.5), Vec3::Y),
+    ));
     let eye = Transform::from_xyz(0.0, 1.8, 2.6).looking_at(Vec3::ZERO, Vec3::Y);
-    commands.spawn((Camera3d::default(), Msaa::Off, GeometryCamera::default(), eye));
+    commands.spawn((
+        Camera3d::default(),
+        Msaa::Off,
+        GeometryCamera::default(),
+        eye,
+    ));
     Ok(())
 }

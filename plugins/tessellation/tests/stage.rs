@@ -144,7 +144,9 @@ fn a_split_screen_keeps_to_its_parts_gpu() {
         assert!((300..430).contains(&left), "direct {direct}: {left}");
         assert_eq!(right, 0, "direct {direct}");
         // The second looks there too: both see the same, each in its half.
-        app.world_mut().entity_mut(blind).insert(Transform::default());
+        app.world_mut()
+            .entity_mut(blind)
+            .insert(Transform::default());
         app::frames(&mut app, 8);
         let picture = app::picture(&mut app, &target);
         assert_eq!(white(&picture, 0, 32), left, "direct {direct}");
@@ -166,16 +168,23 @@ fn what_is_hidden_costs_nothing_gpu() {
         let picture = app::picture(app, &target);
         white(&picture, 0, 32)
     };
-    app.world_mut().entity_mut(hidden).insert(Visibility::Visible);
+    app.world_mut()
+        .entity_mut(hidden)
+        .insert(Visibility::Visible);
     let size = drawn(&mut app);
     assert!(size > 300 && held(&app).views == 1, "{size}");
     // By its parent.
-    let parent = app.world_mut().spawn((Transform::default(), Visibility::Hidden)).id();
+    let parent = app
+        .world_mut()
+        .spawn((Transform::default(), Visibility::Hidden))
+        .id();
     let inherited = (ChildOf(parent), Visibility::Inherited);
     app.world_mut().entity_mut(hidden).insert(inherited);
     assert_eq!(drawn(&mut app), 0);
     assert_eq!(held(&app).bytes, 0);
-    app.world_mut().entity_mut(parent).insert(Visibility::Visible);
+    app.world_mut()
+        .entity_mut(parent)
+        .insert(Visibility::Visible);
     assert_eq!(drawn(&mut app), size);
     for (layers, seen) in [
         (RenderLayers::layer(1), false),
@@ -188,7 +197,9 @@ fn what_is_hidden_costs_nothing_gpu() {
         let expected = if seen { size } else { 0 };
         assert_eq!(drawn(&mut app), expected, "{layers:?}");
     }
-    app.world_mut().entity_mut(eye).insert(RenderLayers::layer(31));
+    app.world_mut()
+        .entity_mut(eye)
+        .insert(RenderLayers::layer(31));
     assert_eq!(drawn(&mut app), 0, "the camera's layers changed");
     app.world_mut().entity_mut(hidden).remove::<RenderLayers>();
     app.world_mut().entity_mut(eye).remove::<RenderLayers>();
@@ -253,5 +264,8 @@ fn an_app_without_a_renderer_keeps_the_resource_alone() {
     app.cleanup();
     app.update();
     assert!(app.world().contains_resource::<White>());
-    assert_eq!(*app.world().resource::<GeometryStats>(), GeometryStats::default());
+    assert_eq!(
+        *app.world().resource::<GeometryStats>(),
+        GeometryStats::default()
+    );
 }

@@ -15,8 +15,8 @@ use dolomite_ground::detail::DetailCells;
 use dolomite_ground::detail::lattice::MAX_DEPTH;
 use dolomite_ground::detail::layout::{
     ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DEPTH_PASSES, DetailParams,
-    DetailPass, HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, Pass, Second,
-    VIEW_CELL_BYTES, without, STOCK_HEAD_BYTES, SWEEP_PASS,
+    DetailPass, HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, Pass,
+    STOCK_HEAD_BYTES, SWEEP_PASS, Second, VIEW_CELL_BYTES, without,
 };
 use dolomite_ground::render::detail::record::SLOT;
 use layouts::{Layouts, group};
@@ -48,9 +48,9 @@ pub struct DetailRun {
     pub triangles: Vec<[u32; 3]>,
     /// Those that were left out, where they are kept.
     pub others: Vec<[u32; 3]>,
-    /// What demands were divided by.
+    /// What error ratios were divided by.
     pub coarsening: f32,
-    /// The greatest demand that finest cells leave.
+    /// The greatest error ratio that finest cells leave.
     pub left: f32,
     /// Cells that are kept.
     pub used: u32,
