@@ -17,7 +17,7 @@ use bevy::render::RenderApp;
 use bevy::render::render_resource::{PipelineCache, PollType};
 use bevy::render::renderer::RenderDevice;
 use dolomite::DolomitePlugins;
-use dolomite::ground::detail::{Detail, DrawnProbes};
+use dolomite::ground::detail::{DrawnProbes, TerrainLod};
 use dolomite::ground::render::{AnswerCensus, DrawnProbeStats, answer_census};
 use dolomite::ground::{PatchDetail, TerrainView};
 use dolomite::terrain::{Fractal, GroundProbe, ProbeBatch, Terrain};
@@ -111,7 +111,7 @@ fn a_terrain_without_a_view_pays_nothing_and_with_one_it_is_seen() {
 fn a_detailed_view_at_rest_dispatches_nothing() {
     let Some(mut app) = app(true) else { return };
     terrain(&mut app);
-    camera(&mut app, (TerrainView, Detail::default()));
+    camera(&mut app, (TerrainView, TerrainLod::default()));
     let (found, _) = after_frames(&mut app);
     assert_eq!((found.views, found.kinds), (1, 1), "{found:?}");
     let stats = |app: &App| app.world().resource::<StageStats>().clone();
@@ -125,7 +125,7 @@ fn a_detailed_view_at_rest_dispatches_nothing() {
     // The count can fail: a camera that moves has its ground chosen anew.
     let mut cameras = app
         .world_mut()
-        .query_filtered::<&mut Transform, With<Detail>>();
+        .query_filtered::<&mut Transform, With<TerrainLod>>();
     let world = app.world_mut();
     for mut place in cameras.iter_mut(world) {
         place.translation.x += 3.0;
@@ -173,7 +173,7 @@ fn frame(app: &mut App) {
 const FRESH: u32 = 3;
 
 #[test]
-fn ground_answers_cost_nothing_without_a_probe_and_rest_with_one() {
+fn height_queries_cost_nothing_without_a_probe_and_rest_with_one() {
     let Some(mut app) = app(true) else { return };
     terrain(&mut app);
     camera(&mut app, (TerrainView, PatchDetail::default()));
@@ -189,7 +189,7 @@ fn ground_answers_cost_nothing_without_a_probe_and_rest_with_one() {
     assert!(answered(&app, probe).is_none());
     app.world_mut().despawn(probe);
 
-    camera(&mut app, (TerrainView, Detail::default()));
+    camera(&mut app, (TerrainView, TerrainLod::default()));
     for _ in 0..12 {
         frame(&mut app);
     }
@@ -259,7 +259,7 @@ fn ground_answers_cost_nothing_without_a_probe_and_rest_with_one() {
 fn a_crowd_takes_turns() {
     let Some(mut app) = app(true) else { return };
     terrain(&mut app);
-    camera(&mut app, (TerrainView, Detail::default()));
+    camera(&mut app, (TerrainView, TerrainLod::default()));
     app.insert_resource(DrawnProbes { per_frame: 64 });
     let crowd: Vec<Entity> = (0..500_u16)
         .map(|k| {
@@ -295,7 +295,7 @@ fn a_crowd_takes_turns() {
 fn a_million_probes_neither_stall_nor_panic() {
     let Some(mut app) = app(true) else { return };
     terrain(&mut app);
-    camera(&mut app, (TerrainView, Detail::default()));
+    camera(&mut app, (TerrainView, TerrainLod::default()));
     for _ in 0..12 {
         frame(&mut app);
     }
@@ -341,7 +341,7 @@ fn answers_are_three_frames_old_at_most_beside_a_pipelined_renderer() {
         return;
     };
     terrain(&mut app);
-    camera(&mut app, (TerrainView, Detail::default()));
+    camera(&mut app, (TerrainView, TerrainLod::default()));
     let probe = probe_at(&mut app, 3.0, -180.0);
     let mut oldest = 0;
     for number in 0..40_u16 {

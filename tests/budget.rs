@@ -18,11 +18,11 @@ use bevy::prelude::*;
 use dolomite::DolomitePlugins;
 use dolomite::ground::TerrainView;
 use dolomite::ground::detail::budget::{Budget, BudgetReport, FrameTime};
-use dolomite::ground::detail::{Detail, Metric};
+use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::terrain::{Fractal, Ground};
 use dolomite::tessellation::render::StageStats;
 
-/// Where the made-up time is published.
+/// Where the synthetic time is published.
 const SPAN: DiagnosticPath = DiagnosticPath::const_new("render/made_up/elapsed_gpu");
 /// Pixels; the last is what the budget is made for.
 const TOLERANCES: [f32; 3] = [32.0, 0.5, 3.0];
@@ -102,10 +102,10 @@ impl Scene {
 
     /// Draws until counters have settled; the last frame's milliseconds.
     fn settled(&mut self, metric: Metric) -> f64 {
-        let detail = Detail {
+        let detail = TerrainLod {
             metric,
             finest: 0.25,
-            ..Detail::default()
+            ..TerrainLod::default()
         };
         self.app.world_mut().entity_mut(self.camera).insert(detail);
         (0..SETTLED).map(|_| self.frame()).last().expect("frames")
@@ -120,7 +120,7 @@ impl Scene {
     fn held(&mut self, budget: f64) -> (f64, f64) {
         let times: Vec<f64> = (0..FRAMES).map(|_| self.frame() / budget).collect();
         let last = &times[FRAMES - SETTLED..];
-        let drawn = self.app.world().entity(self.camera).get::<Detail>();
+        let drawn = self.app.world().entity(self.camera).get::<TerrainLod>();
         let pixels = self.report().tau;
         assert_eq!(
             drawn.expect("it has one").metric,

@@ -90,7 +90,7 @@ fn gpu_every_mode_does_what_it_says() {
             followed.push(triangles);
         }
     }
-    // Of 1.29 million, a third lies in the frustum. The GPU's levels and the twin's differ by rounding alone,
+    // Of 1.29 million, a third lies in the frustum. The GPU's levels and the CPU reference's differ by rounding alone,
     // and frames by a 200th.
     let (least, most) = (followed.iter().min(), followed.iter().max());
     let (least, most) = (least.copied().unwrap_or(0), most.copied().unwrap_or(0));

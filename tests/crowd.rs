@@ -57,7 +57,7 @@ fn figures(palette: &Palette, time: f32) -> Vec<CrowdFigure> {
         .collect()
 }
 
-/// The figure as the twin skins it, in the world.
+/// The figure as the CPU reference skins it, in the world.
 fn skinned(palette: &Palette, mesh: &SkinnedMesh, figure: &CrowdFigure, anchor: Vec3) -> Mesh {
     let mut positions = Vec::new();
     let mut normals = Vec::new();
@@ -89,7 +89,7 @@ fn uploaded(app: &App) -> u64 {
 }
 
 #[test]
-fn gpu_a_crowd_looks_as_the_twin_has_it() {
+fn gpu_a_crowd_looks_as_the_cpu_reference_has_it() {
     let Some(mut app) = app() else { return };
     let rig = person::rig_with_mesh();
     let clips: Vec<usize> = (0..rig.clips.len()).collect();
@@ -182,7 +182,7 @@ fn gpu_a_crowd_looks_as_the_twin_has_it() {
         apart(&empty, &gone)
     );
     if let Some(folder) = std::env::var_os("DOLOMITE_PICTURES") {
-        for (name, pixels) in [("crowd", &drawn), ("twin", &wanted)] {
+        for (name, pixels) in [("crowd", &drawn), ("reference", &wanted)] {
             let path = std::path::Path::new(&folder).join(format!("crowd_{name}.png"));
             let bytes: Vec<u8> = pixels.iter().flatten().copied().collect();
             image::save_buffer(path, &bytes, SIZE, SIZE, image::ColorType::Rgb8).unwrap();

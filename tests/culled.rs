@@ -19,7 +19,7 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use dolomite::DolomitePlugins;
 use dolomite::ground::TerrainView;
-use dolomite::ground::detail::{Detail, Metric};
+use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::terrain::{Fractal, Ground, Terrain};
 use dolomite::tessellation::StageCamera;
 use dolomite::tessellation::render::StageStats;
@@ -110,12 +110,12 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
     for (name, place, projection, most) in views {
         let mut found = Vec::new();
         for (culled, occluded) in [(false, false), (true, false), (true, true)] {
-            let detail = Detail {
+            let detail = TerrainLod {
                 metric: Metric::ErrorBound { pixels: 2.0 },
                 finest: 0.5,
                 culled,
                 occluded,
-                ..Detail::default()
+                ..TerrainLod::default()
             };
             app.world_mut()
                 .entity_mut(camera)
@@ -149,11 +149,11 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
     };
     let mut found = Vec::new();
     for occluded in [false, true] {
-        let detail = Detail {
+        let detail = TerrainLod {
             metric: Metric::ErrorBound { pixels: 4.0 },
             finest: 0.5,
             occluded,
-            ..Detail::default()
+            ..TerrainLod::default()
         };
         app.world_mut()
             .entity_mut(camera)
@@ -168,12 +168,12 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
     too_much_is_culled(&mut app);
     let mut found = Vec::new();
     for culled in [false, true] {
-        let detail = Detail {
+        let detail = TerrainLod {
             metric: Metric::ErrorBound { pixels: 2.0 },
             finest: 0.5,
             culled,
             occluded: false,
-            ..Detail::default()
+            ..TerrainLod::default()
         };
         app.world_mut()
             .entity_mut(camera)

@@ -19,7 +19,7 @@ use bevy::prelude::*;
 use dolomite::DolomitePlugins;
 use dolomite::ground::TerrainView;
 use dolomite::ground::detail::budget::{Budget, BudgetError, BudgetReport};
-use dolomite::ground::detail::{Detail, Metric};
+use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::terrain::{Fractal, Ground, Terrain};
 use dolomite::tessellation::render::StageStats;
 
@@ -46,12 +46,12 @@ fn ground(app: &mut App) -> Terrain {
     hills.spawn(app)
 }
 
-fn detail(metric: Metric) -> Detail {
-    Detail {
+fn detail(metric: Metric) -> TerrainLod {
+    TerrainLod {
         metric,
         finest: 0.5,
         max_vertices: POOL,
-        ..Detail::default()
+        ..TerrainLod::default()
     }
 }
 
@@ -60,7 +60,7 @@ struct Scene {
     app: App,
     camera: Entity,
     target: Handle<Image>,
-    sane: (Transform, Projection, Detail),
+    sane: (Transform, Projection, TerrainLod),
 }
 
 impl Scene {
@@ -156,7 +156,7 @@ fn gpu_hostile_tolerances_are_clamped_and_leave_nothing_behind() {
         (-3.0, POOL, f32::INFINITY),
         (f32::INFINITY, POOL, 0.0),
     ] {
-        let hostile = Detail {
+        let hostile = TerrainLod {
             finest,
             max_vertices: most,
             shadow_share: share,
@@ -174,7 +174,7 @@ fn gpu_budgets_that_make_no_sense_are_refused_and_hopeless_ones_said_to_be() {
     };
     let before = scene.sane();
     let tolerance = |scene: &Scene| {
-        let detail = scene.app.world().entity(scene.camera).get::<Detail>();
+        let detail = scene.app.world().entity(scene.camera).get::<TerrainLod>();
         detail.expect("it has one").metric
     };
     for milliseconds in [0.0, -1.0, f32::NAN, f32::INFINITY] {

@@ -19,7 +19,7 @@ use bevy::render::render_resource::AsBindGroup;
 use dolomite::DolomitePlugins;
 use dolomite::character::render::{CrowdMaterial, CrowdPlugin};
 use dolomite::ground::TerrainView;
-use dolomite::ground::detail::Detail;
+use dolomite::ground::detail::TerrainLod;
 use dolomite::terrain::Fractal;
 use dolomite::tessellation::render::{PatchKind, PatchPlugin, PatchShader, StageStats};
 use dolomite::tessellation::{PatchLayout, Patches, StageCamera, shapes};
@@ -80,7 +80,7 @@ fn ground(app: &mut App) -> u32 {
     hills.spawn(app);
     let place = Transform::from_xyz(0.0, 50.0, 0.0);
     let prepasses = (DepthPrepass, DeferredPrepass);
-    let view = (place, prepasses, TerrainView, Detail::default());
+    let view = (place, prepasses, TerrainView, TerrainLod::default());
     camera::camera(app, UVec2::splat(64), view);
     triangles(app)
 }

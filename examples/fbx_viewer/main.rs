@@ -30,7 +30,7 @@ struct Arguments {
     /// Save a picture and leave.
     #[arg(long, value_name = "FILE.png")]
     shot: Option<PathBuf>,
-    /// Seconds of the clip that the picture shows.
+    /// Seconds of the clip that the view shows.
     #[arg(long, default_value_t = 0.5)]
     at: f32,
 }

@@ -1,10 +1,10 @@
-//! The level of detail through its passes on whatever adapter there is, against the twin.
+//! The level of detail through its passes on whatever adapter there is, against the CPU reference.
 
 use bevy::math::{DVec2, EulerRot, IVec2, Mat4, Quat, Vec2, Vec3, Vec4};
 use bytemuck::Zeroable;
 use dolomite_ground::detail::layout::{DEPTH_PASSES, DetailParams, LAST_PASSES};
 use dolomite_ground::detail::{
-    Detail, DetailCells, DetailMesh, DetailView, Horizon, HorizonView, Metric, Picture, mesh,
+    CullView, DetailCells, DetailMesh, DetailView, Horizon, HorizonView, Metric, TerrainLod, mesh,
     select,
 };
 use dolomite_terrain::{
@@ -88,9 +88,9 @@ fn view(terrain: &Terrain, yaw: f32, above: f32, metric: Metric) -> DetailView {
     view.near = near;
     view.cos_corner = 1.0 / (1.0 + tan * tan * (1.0 + aspect * aspect)).sqrt();
     view.anchor = IVec2::new(anchor.x as i32, anchor.y as i32).to_array();
-    view.set_metric(&Detail {
+    view.set_metric(&TerrainLod {
         metric,
-        ..Detail::default()
+        ..TerrainLod::default()
     });
     view
 }
@@ -126,7 +126,7 @@ fn params(cells: &DetailCells, view: DetailView) -> DetailParams {
 }
 
 #[test]
-fn gpu_the_passes_choose_and_place_what_the_twin_does() {
+fn gpu_the_passes_choose_and_place_what_the_cpu_reference_does() {
     let Some(gpu) = for_test() else { return };
     let terrain = terrain();
     let mut cells = DetailCells::new(terrain.clone(), 0.25);
@@ -145,13 +145,13 @@ fn gpu_the_passes_choose_and_place_what_the_twin_does() {
     for (k, metric) in metrics.into_iter().enumerate() {
         let view = view(&terrain, k as f32 * 2.0, 2.0 + 30.0 * k as f32, metric);
         let selection = select(&mut cells, &view, 1 << 20);
-        let twin = mesh::mesh(&cells, &selection);
+        let reference = mesh::mesh(&cells, &selection);
         let run = stage.run(params(&cells, view)).expect("runs");
         assert_eq!(run.coarsening, 1.0);
-        let (ours, theirs) = (of_run(&run), of_mesh(&twin, &view));
+        let (ours, theirs) = (of_run(&run), of_mesh(&reference, &view));
         assert_eq!(ours.len(), run.triangles.len(), "no triangle twice");
         assert!(theirs.len() > 2000, "{metric:?}: {}", theirs.len());
-        // A GPU may fuse and reorder, so that heights, hence errors, differ by roundings: demands a
+        // A GPU may fuse and reorder, so that heights, hence errors, differ by roundings: error ratios a
         // hair from the threshold fall on the other side of it.
         let other = ours.symmetric_difference(&theirs).count();
         assert!(
@@ -166,11 +166,11 @@ fn gpu_the_passes_choose_and_place_what_the_twin_does() {
             .collect();
         let anchor = GroundPoint::from(view.anchor().as_dvec2());
         let mut compared = 0;
-        for vertex in &twin.vertices {
+        for vertex in &reference.vertices {
             let place = vertex.point.relative_to(anchor);
             if let Some(height) = heights.get(&[place.x.to_bits(), place.y.to_bits()]) {
-                // Heights of 160 m: 1e-4 m are some roundings. An arriving vertex moves by its error
-                // times the difference of demands, both small.
+                // Heights of 160 m: 1e-4 m are some roundings. A geomorphing vertex moves by its error
+                // times the difference of error ratios, both small.
                 assert!(
                     (height - vertex.height).abs() < 1e-3,
                     "{place} {height} {vertex:?}"
@@ -178,7 +178,7 @@ fn gpu_the_passes_choose_and_place_what_the_twin_does() {
                 compared += 1;
             }
         }
-        assert!(compared * 100 > twin.vertices.len() * 99, "{compared}");
+        assert!(compared * 100 > reference.vertices.len() * 99, "{compared}");
     }
 }
 
@@ -354,7 +354,7 @@ fn gpu_what_a_picture_does_not_show_is_left_out_and_kept_for_shadows() {
         let rotation = Quat::from_euler(EulerRot::YXZ, yaw, -0.15, 0.0);
         let clip = Mat4::perspective_infinite_reverse_rh(1.0, 16.0 / 9.0, 0.1)
             * Mat4::from_rotation_translation(rotation, eye).inverse();
-        let picture = Picture {
+        let picture = CullView {
             clip,
             half_size: Vec2::new(960.0, 540.0),
             one_sided: true,
@@ -373,7 +373,7 @@ fn gpu_what_a_picture_does_not_show_is_left_out_and_kept_for_shadows() {
             seen.len(),
             whole.len()
         );
-        // By the twin. On the threshold, which has its margin, roundings may differ.
+        // By the CPU reference. On the threshold, which has its margin, roundings may differ.
         let at = |k: u32| Vec3::from(run.positions[k as usize]);
         let wrong = |list: &[[u32; 3]], hidden: bool| {
             let differs = |triangle: &&[u32; 3]| picture.hides(triangle.map(at)) != hidden;
@@ -388,7 +388,7 @@ fn gpu_what_a_picture_does_not_show_is_left_out_and_kept_for_shadows() {
     }
 }
 
-/// What nearer ground hides is left out, as the twin says; the times of its passes are printed.
+/// What nearer ground hides is left out, as the CPU reference says; the times of its passes are printed.
 #[test]
 fn gpu_ground_behind_ridges_is_left_out_and_kept_for_shadows() {
     let Some(gpu) = for_test() else { return };
@@ -401,7 +401,7 @@ fn gpu_ground_behind_ridges_is_left_out_and_kept_for_shadows() {
         let rotation = Quat::from_euler(EulerRot::YXZ, yaw, -0.15, 0.0);
         let clip = Mat4::perspective_infinite_reverse_rh(1.0, 16.0 / 9.0, 0.1)
             * Mat4::from_rotation_translation(rotation, Vec3::from(view.eye)).inverse();
-        let picture = Picture {
+        let picture = CullView {
             clip,
             half_size: Vec2::new(960.0, 540.0),
             one_sided: true,
@@ -436,14 +436,14 @@ fn gpu_ground_behind_ridges_is_left_out_and_kept_for_shadows() {
             1e3 * seconds("emit_triangles"),
         );
         assert!(share > least, "{share}");
-        // By the twin, whose logarithms and quotients are rounded otherwise: a square may be drawn into another
+        // By the CPU reference, whose logarithms and quotients are rounded otherwise: a square may be drawn into another
         // layer, which decides over what is behind it.
         let selection = select(&mut cells, &view, 1 << 20);
-        let twin = Horizon::of(horizon, &cells, &selection, &view, 0.0);
+        let reference = Horizon::of(horizon, &cells, &selection, &view, 0.0);
         let at = |k: u32| Vec3::from(run.positions[k as usize]);
         let hides = |triangle: &[u32; 3]| {
             let corners = triangle.map(at);
-            picture.hides(corners) || twin.hides(corners)
+            picture.hides(corners) || reference.hides(corners)
         };
         let wrong = run.triangles.iter().filter(|t| hides(t)).count()
             + run.others.iter().filter(|t| !hides(t)).count();

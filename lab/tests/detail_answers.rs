@@ -1,4 +1,4 @@
-//! Ground answers through the pass on whatever adapter there is: the drawn triangle, in f64 from the mesh
+//! Height queries through the pass on whatever adapter there is: the drawn triangle, in f64 from the mesh
 //! that came back, and the true surface.
 
 use bevy::math::{DVec2, UVec2};

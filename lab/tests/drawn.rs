@@ -110,7 +110,7 @@ fn gpu_a_displaced_vertex_and_a_missing_triangle_are_caught() {
     let (above, holes) = of(&missing, &truth);
     assert!(above >= 3 && holes >= 3, "{above} {holes}");
 
-    // All that the picture shows, so that no edge of the hole is seen.
+    // All that the view shows, so that no edge of the hole is seen.
     let mut bare = good.clone();
     bare.triangles.retain(|&t| !view.may_see(&good.corners(t)));
     assert!(bare.triangles.len() < good.triangles.len());

@@ -56,10 +56,10 @@ fn quadtree(random: &mut Random, most: f32) -> PatchMesh {
     PatchMesh::with_middles(layout, points, indices, &middles).expect("a balanced quadtree")
 }
 
-/// Patches beside two of half their size: the vertices and triangles of the twin, one sheet with one
+/// Patches beside two of half their size: the vertices and triangles of the CPU reference, one sheet with one
 /// border, of which no triangle is turned over.
 #[test]
-fn gpu_a_quadtree_is_one_sheet_and_the_twins() {
+fn gpu_a_quadtree_is_one_sheet_and_the_cpu_references() {
     let Some(gpu) = for_test() else { return };
     let mut random = Random(77);
     let mut split = 0;
@@ -105,13 +105,19 @@ fn gpu_a_quadtree_is_one_sheet_and_the_twins() {
             } else {
                 [1 << 16, 1 << 17]
             };
-            let twin = tessellator.tessellate_mesh(&mesh, control, pools);
+            let reference = tessellator.tessellate_mesh(&mesh, control, pools);
             let emitted = run_with(&gpu, &passes, mesh.clone(), by_points(), pools);
             assert!(emitted.guarded);
-            assert_eq!(emitted.head.lowered, twin.lowered, "{spacing:?} {round}");
+            assert_eq!(
+                emitted.head.lowered, reference.lowered,
+                "{spacing:?} {round}"
+            );
             let found = triangles(&emitted);
-            assert!(found == twin.primitives.triangles(), "{spacing:?} {round}");
-            assert_eq!(emitted.vertices.len(), twin.vertices.len());
+            assert!(
+                found == reference.primitives.triangles(),
+                "{spacing:?} {round}"
+            );
+            assert_eq!(emitted.vertices.len(), reference.vertices.len());
             let manifold = check(&found, emitted.vertices.len()).expect("a manifold");
             assert_eq!((manifold.borders.len(), manifold.euler), (1, 1));
             // Exact: corners are multiples of 1/32, places of 2^-24, sides 16 at most.

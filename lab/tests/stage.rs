@@ -25,9 +25,9 @@ fn sphere(seed: u64, parts: u32, most: f32) -> PatchMesh {
     PatchMesh::new(PatchLayout::TRIANGLE, points, mesh.indices().to_vec()).expect("a mesh")
 }
 
-/// A patch whose position is its coordinate: the very vertices and primitives of the twin.
+/// A patch whose position is its coordinate: the very vertices and primitives of the CPU reference.
 #[test]
-fn gpu_one_patch_is_the_twins() {
+fn gpu_one_patch_is_the_cpu_references() {
     let Some(gpu) = for_test() else { return };
     let mut random = Random(5);
     for domain in [Domain::Triangles, Domain::Quads, Domain::Isolines] {
@@ -82,7 +82,7 @@ fn gpu_one_patch_is_the_twins() {
                 let indices = (0..points.len() as u32).collect();
                 let mesh = PatchMesh::new(layout, points, indices).expect("one patch");
                 let emitted = run_with(&gpu, &passes, mesh, by_points(), [1 << 13, 1 << 14]);
-                let twin = tessellator.tessellate(&levels);
+                let reference = tessellator.tessellate(&levels);
                 assert!(emitted.guarded);
                 let bits = |c: &[f32; 3]| {
                     [
@@ -95,14 +95,14 @@ fn gpu_one_patch_is_the_twins() {
                         },
                     ]
                 };
-                let expected: Vec<[u32; 3]> = twin.coordinates.iter().map(bits).collect();
+                let expected: Vec<[u32; 3]> = reference.coordinates.iter().map(bits).collect();
                 let found: Vec<[u32; 3]> = emitted
                     .vertices
                     .iter()
                     .map(|v| [v[0], v[1], v[2]])
                     .collect();
                 assert!(found == expected, "{tessellator:?} {levels:?}");
-                let flat: Vec<u32> = match twin.primitives {
+                let flat: Vec<u32> = match reference.primitives {
                     Primitives::Triangles(triangles) => triangles.concat(),
                     Primitives::Segments(segments) => segments.concat(),
                 };

@@ -28,7 +28,7 @@ fn faults(mode: Mode) -> Faults {
 }
 
 #[test]
-fn the_twin_agrees_with_captures() {
+fn the_cpu_reference_agrees_with_captures() {
     for mode in [Mode::Exact, Mode::D3d] {
         let found = faults(mode);
         assert!(found.none(), "{mode:?}: {found:?}");

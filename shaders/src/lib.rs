@@ -121,7 +121,7 @@ pub const ALL: &[ShaderFile] = files![
     "stage/user_bounds.wgsl",
     "stage/work.wgsl",
     "terrain/bindings.wgsl",
-    "terrain/classic.wgsl",
+    "terrain/permutation.wgsl",
     "terrain/fixed.wgsl",
     "terrain/fractal.wgsl",
     "terrain/hash.wgsl",

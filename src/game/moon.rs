@@ -35,7 +35,7 @@ pub struct Moon {
     sky: Option<Handle<Image>>,
 }
 
-/// The twin of `MoonLight` in `moon.wgsl`.
+/// Laid out as `MoonLight` in `moon.wgsl`.
 #[derive(ShaderType, Clone, Copy, Default)]
 struct MoonLight {
     /// Exposed luminance of the highlands; w: exposed luminance of 1 in the map of the sky.

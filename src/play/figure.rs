@@ -1,4 +1,4 @@
-//! The walking figure, whose feet stand on the ground of the CPU twin. What it looks like is
+//! The walking figure, whose feet stand on the ground of the CPU reference. What it looks like is
 //! [`hero`](crate::view::hero)'s concern.
 //!
 //! It walks in fixed steps and is drawn between the last two. Its place on the ground is f64;

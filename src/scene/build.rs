@@ -200,7 +200,7 @@ fn detail_layer(detail: Option<Fractal>, amplitude: Option<f32>) -> Option<Layer
 fn source(source: &SourceFile, path: &Path, files: &mut Files) -> Result<Source, SceneError> {
     Ok(match source {
         SourceFile::Fractal(fractal) => Source::Fractal(*fractal),
-        SourceFile::Classic(classic) => Source::Classic(*classic),
+        SourceFile::Permutation(classic) => Source::Permutation(*classic),
         SourceFile::Hill(hill) => Source::Hill(*hill),
         SourceFile::Map(map) => {
             let folder = path.parent().unwrap_or(Path::new(""));

@@ -5,7 +5,7 @@
 //! degrees, ground points `(x, z)` with +x east and −z north, heights +y up.
 
 use dolomite::ground::{GroundMaterial, MaterialBands, Sea};
-use dolomite::terrain::{Classic, Fractal, HeightMapFile, Hill, Mask};
+use dolomite::terrain::{Fractal, HeightMapFile, Hill, Mask, PermutationNoise};
 use serde::Deserialize;
 
 /// A scene, as it stands in its file.
@@ -66,7 +66,7 @@ pub enum SourceFile {
     /// A sum of octaves of gradient noise.
     Fractal(Fractal),
     /// The method of the literature: a shuffled table of 256, four gradients.
-    Classic(Classic),
+    Permutation(PermutationNoise),
     /// A smooth round hill, `height (1 − r²/radius²)³`.
     Hill(Hill),
     /// Measured heights. The path is relative to the folder of the scene file.

@@ -26,7 +26,7 @@ use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 use dolomite::ground::detail::budget::{Budget, FrameTime, frame_time};
-use dolomite::ground::detail::{Detail, Metric};
+use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::ground::{GroundTextures, PatchDetail, TerrainView};
 use dolomite::terrain::Ground;
 use dolomite::tessellation::StageCamera;
@@ -197,7 +197,7 @@ fn follow_switches(
     mut views: Query<(
         Entity,
         &mut StageCamera,
-        &mut Detail,
+        &mut TerrainLod,
         Option<&mut PatchDetail>,
         Option<&Budget>,
     )>,
@@ -213,7 +213,7 @@ fn follow_switches(
     for (entity, mut camera, mut detail, patches, budget) in &mut views {
         // A budget moves the metric itself.
         if let (None, Some(pixels)) = (settings.budget, settings.max_error) {
-            detail.set_if_neq(Detail {
+            detail.set_if_neq(TerrainLod {
                 metric: Metric::ErrorBound { pixels },
                 ..default()
             });

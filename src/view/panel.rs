@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy::time::common_conditions::on_real_timer;
 use dolomite::ground::PatchDetail;
 use dolomite::ground::detail::budget::BudgetReport;
-use dolomite::ground::detail::{Detail, Metric};
+use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::tessellation::render::StageStats;
 
 use super::passes::{self, Clock};
@@ -128,7 +128,7 @@ fn write_figures(
     scene: Res<CurrentScene>,
     switches: Res<Switches>,
     own: Option<Res<PanelRows>>,
-    detail: Option<Single<(&Detail, Option<&BudgetReport>), Without<PatchDetail>>>,
+    detail: Option<Single<(&TerrainLod, Option<&BudgetReport>), Without<PatchDetail>>>,
     text: Option<Single<&mut Text, With<Figures>>>,
 ) {
     let Some(mut text) = text else { return };

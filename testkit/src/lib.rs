@@ -11,7 +11,7 @@
 //! | `draw` | `stage` | what they emitted, drawn, stored or evaluated by the draw |
 //! | `raster` | `stage` | pixels that triangles leave uncovered |
 //! | `detail` | `detail` | the passes that choose the ground's detail, and answer places |
-//! | `skinning` | `skinning` | skinning from a palette on the adapter, by the twin, and in f64 |
+//! | `skinning` | `skinning` | skinning from a palette on the adapter, by the CPU reference, and in f64 |
 //! | `flip` | `flip` | how far apart two pictures are |
 //!
 //! `stage/record.rs` and `detail/record.rs` are all that records passes.

@@ -1,4 +1,4 @@
-//! Skinning from a crowd's palette: the GPU against the CPU's twin in f32, and against f64.
+//! Skinning from a crowd's palette: the GPU against the CPU reference in f32, and against f64.
 
 use crate::gpu::{Binding, Gpu, GpuError, Kernel};
 use crate::random::Random;
@@ -58,11 +58,11 @@ pub enum SkinningError {
 /// Distances of every vertex of every figure, and between normals of unit length.
 #[derive(Debug, Default)]
 pub struct Distances {
-    /// To the twin, metres.
-    pub twin: Vec<f64>,
+    /// To the CPU reference, metres.
+    pub reference: Vec<f64>,
     /// To f64, metres.
     pub exact: Vec<f64>,
-    /// Between normals of GPU and twin.
+    /// Between normals of GPU and CPU reference.
     pub normals: Vec<f64>,
 }
 
@@ -162,7 +162,7 @@ impl Probe {
                     skin::vertex_rows(palette, figure, mesh.joints[vertex], mesh.weights[vertex]);
                 let local = Vec3::from(mesh.positions[vertex]);
                 let cpu = figure.placed(skin::skinned_position(&rows, local));
-                distances.twin.push(f64::from(position.distance(cpu)));
+                distances.reference.push(f64::from(position.distance(cpu)));
                 distances.exact.push(
                     position
                         .as_dvec3()

@@ -1,4 +1,4 @@
-//! Control and evaluate functions of the classic scene in Rust, and its patches: the twin of
+//! Control and evaluate functions of the classic scene in Rust, and its patches: the CPU reference of
 //! `shaders/src/classic/functions.wgsl`.
 
 use std::sync::Arc;
@@ -46,7 +46,7 @@ pub enum ClassicLevels {
     EdgeLength,
     /// The same everywhere, 1 to 64; does not depend on the view.
     Static(f32),
-    /// No patches: the level of detail of the ground keeps to what the camera's `Detail` says.
+    /// No patches: the level of detail of the ground keeps to what the camera's `TerrainLod` says.
     ErrorBound,
 }
 

@@ -5,7 +5,7 @@
 //! | part | what it does |
 //! |---|---|
 //! | [`heights`] | the samples and the surface through them |
-//! | [`functions`] | levels and vertices of a patch, in Rust: the twin of `shaders/src/classic/functions.wgsl` |
+//! | [`functions`] | levels and vertices of a patch, in Rust: the CPU reference of `shaders/src/classic/functions.wgsl` |
 //!
 //! Conventions: metres; x and z from −512 to 512, the origin in the middle; +y up.
 

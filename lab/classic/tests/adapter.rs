@@ -1,5 +1,5 @@
 //! The classic scene: its levels by hand, both sides of each edge, counts by another formula, and its
-//! WGSL on the adapter against the twin.
+//! WGSL on the adapter against the CPU reference.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -124,7 +124,7 @@ fn entity(levels: ClassicLevels, cull: bool) -> Instance {
     instance
 }
 
-/// The twin's levels of every patch.
+/// The CPU reference's levels of every patch.
 fn levels(heights: &ClassicHeights, mesh: &PatchMesh, instance: &Instance, k: u32) -> Vec<Levels> {
     let scene = ClassicScene {
         heights: heights.clone(),
@@ -223,7 +223,7 @@ fn counted(levels: &Levels) -> u64 {
 }
 
 #[test]
-fn the_twin_makes_as_many_triangles_as_counted() {
+fn the_cpu_reference_makes_as_many_triangles_as_counted() {
     let heights = shared();
     let of_the_scene = heights.is_some();
     let heights = heights.unwrap_or_else(made);
@@ -235,7 +235,7 @@ fn the_twin_makes_as_many_triangles_as_counted() {
             .iter()
             .map(counted)
             .sum();
-        let made = twin(&heights, &mesh, entity, k);
+        let made = reference(&heights, &mesh, entity, k);
         assert_eq!(u64::from(made.head.primitives), wanted, "frame {k}");
         assert_eq!(made.head.lowered, 0);
         sum += wanted;
@@ -246,7 +246,7 @@ fn the_twin_makes_as_many_triangles_as_counted() {
     }
 }
 
-fn twin(
+fn reference(
     heights: &ClassicHeights,
     mesh: &Arc<PatchMesh>,
     entity: Instance,
@@ -286,7 +286,7 @@ fn run(
 }
 
 #[test]
-fn gpu_the_adapter_agrees_with_the_twin() {
+fn gpu_the_adapter_agrees_with_the_cpu_reference() {
     let Some(gpu) = for_test() else { return };
     let passes = passes(&gpu);
     let heights = shared().unwrap_or_else(made);
@@ -302,16 +302,16 @@ fn gpu_the_adapter_agrees_with_the_twin() {
     ] {
         let entity = entity(rule, cull);
         let ours = run(&gpu, &passes, &heights, &mesh, entity, k);
-        let twin = twin(&heights, &mesh, entity, k);
+        let reference = reference(&heights, &mesh, entity, k);
         let what = format!("{rule:?}, cull {cull}, frame {k}");
         assert!(ours.guarded, "{what}");
         // A box that touches the frustum to the rounding of a distance may be in or out.
-        let discarded = ours.head.discarded.abs_diff(twin.head.discarded);
+        let discarded = ours.head.discarded.abs_diff(reference.head.discarded);
         assert!(
             discarded <= 2,
             "{what}: {discarded} patches are seen by one alone"
         );
-        assert_eq!(twin.head.discarded > 0, cull, "{what}");
+        assert_eq!(reference.head.discarded > 0, cull, "{what}");
         let triangles: Vec<[u32; 3]> = ours
             .indices
             .chunks_exact(3)
@@ -322,15 +322,15 @@ fn gpu_the_adapter_agrees_with_the_twin() {
             let manifold = check(&triangles, ours.vertices.len()).expect("a manifold");
             assert_eq!((manifold.borders.len(), manifold.euler), (1, 1), "{what}");
         }
-        if ours.indices != twin.indices {
+        if ours.indices != reference.indices {
             // Levels differ by the rounding of distances: some edge in tens of thousands has a segment
             // more on one side.
-            let (a, b) = (ours.head.primitives, twin.head.primitives);
+            let (a, b) = (ours.head.primitives, reference.head.primitives);
             assert!(a.abs_diff(b) <= 64 + b / 1000, "{what}: {a} and {b}");
             continue;
         }
         same += 1;
-        for (a, b) in ours.vertices.iter().zip(&twin.vertices) {
+        for (a, b) in ours.vertices.iter().zip(&reference.vertices) {
             for axis in 0..3 {
                 // Heights: a handful of roundings of 110 m, on slopes of 8 at places that differ by
                 // the rounding of 1024 m. Places: that rounding.
@@ -353,7 +353,7 @@ fn a_missing_patch_is_seen() {
     let mut indices = mesh.indices().to_vec();
     indices.drain(inner..inner + 5);
     let fewer = PatchMesh::new(CLASSIC_LAYOUT, mesh.points().to_vec(), indices).expect("patches");
-    let made = twin(
+    let made = reference(
         &heights,
         &Arc::new(fewer),
         entity(ClassicLevels::Static(2.0), false),

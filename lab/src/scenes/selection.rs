@@ -5,7 +5,7 @@ use super::mesh::{GroundMesh, MOST_TRIANGLES};
 use bevy::math::{DQuat, DVec3, EulerRot};
 use dolomite_ground::detail::layout::DetailParams;
 use dolomite_ground::detail::{
-    Detail, DetailCells, DetailMesh, DetailView, Lens, Metric, Selection, mesh, select,
+    DetailCells, DetailMesh, DetailView, Lens, Metric, Selection, TerrainLod, mesh, select,
 };
 use dolomite_terrain::Terrain;
 
@@ -35,9 +35,9 @@ pub fn detail_view(camera: &Camera, metric: Metric) -> DetailView {
         None => Lens::Perspective((camera.fov_y / 2.0).tan()),
     };
     let mut view = DetailView::new(camera.eye, turn, lens, camera.size, camera.near);
-    view.set_metric(&Detail {
+    view.set_metric(&TerrainLod {
         metric,
-        ..Detail::default()
+        ..TerrainLod::default()
     });
     view
 }

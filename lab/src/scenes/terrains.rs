@@ -14,7 +14,7 @@ pub fn all(seed: u32) -> [Terrain; 3] {
 }
 
 /// An island massif, 16 384 m square, in the manner of the game's scene `mountain`: hills, ridged
-/// and worn fractals, warps, masks by height, and rough ground down to 60 cm.
+/// and eroded fractals, warps, masks by height, and rough ground down to 60 cm.
 #[must_use]
 pub fn mountain(seed: u32) -> Terrain {
     let layer = |source| Layer { source, mask: None };

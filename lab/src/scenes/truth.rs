@@ -91,7 +91,7 @@ impl Truth {
 /// How far the f32 height of a terrain may lie from the f64 one, metres.
 ///
 /// Each source brings its documented share: 1e-5 of the amplitude for fractals whose amplitudes sum
-/// up to twice the first (`Fractal`, and in proportion for others) and for the classic noise, 4e-7
+/// up to twice the first (`Fractal`, and in proportion for others) and for the permutation noise, 4e-7
 /// of a hill, 1e-6 of a map's altitude. A mask s(t) with t = (h − low)/(high − low) has |s′| ≤ 3/2,
 /// so that an error below it comes out 1 + 3/2·|source|/|high − low| times as large. Sums and masks
 /// are rounded: 8 steps of 2⁻²⁴ of all magnitudes so far are allowed a layer.
@@ -109,7 +109,7 @@ pub fn f32_bound(terrain: &Terrain) -> f64 {
                 let amplitude = f64::from(fractal.amplitude).abs();
                 (amplitude * sum, 1e-5 * amplitude * sum.max(2.0) / 2.0)
             }
-            Source::Classic(classic) => {
+            Source::Permutation(classic) => {
                 let amplitude = f64::from(classic.amplitude).abs();
                 (2.0 * amplitude, 1e-5 * amplitude)
             }

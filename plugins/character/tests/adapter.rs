@@ -1,4 +1,4 @@
-//! Skinning from the palette on whatever adapter there is, against the twin in f32 and the truth in f64:
+//! Skinning from the palette on whatever adapter there is, against the CPU reference in f32 and the truth in f64:
 //! every vertex of every mesh.
 
 mod support;
@@ -14,7 +14,7 @@ fn greatest(errors: &[f64]) -> f64 {
 }
 
 #[test]
-fn every_vertex_is_where_the_twin_has_it() {
+fn every_vertex_is_where_the_cpu_reference_has_it() {
     let Some(gpu) = for_test() else { return };
     let probe = Probe::new(gpu).unwrap();
     let mut rigs = vec![person::rig_with_mesh()];
@@ -23,15 +23,19 @@ fn every_vertex_is_where_the_twin_has_it() {
         let clips: Vec<usize> = (0..rig.clips.len()).collect();
         let palette = Palette::bake(rig, 0, &clips, 30.0).unwrap();
         let distances = probe.measure(&palette, &rig.meshes, 21).unwrap();
-        let [twin, exact, normals] =
-            [&distances.twin, &distances.exact, &distances.normals].map(|errors| greatest(errors));
+        let [reference, exact, normals] =
+            [&distances.reference, &distances.exact, &distances.normals]
+                .map(|errors| greatest(errors));
         eprintln!(
-            "{} vertices on {}: twin {twin:.2e} m, f64 {exact:.2e} m, normals {normals:.2e}",
-            distances.twin.len(),
+            "{} vertices on {}: reference {reference:.2e} m, f64 {exact:.2e} m, normals {normals:.2e}",
+            distances.reference.len(),
             probe.device()
         );
         // The bound.
-        assert!(twin <= 1e-5 && exact <= 1e-5, "{twin:e} m, {exact:e} m");
+        assert!(
+            reference <= 1e-5 && exact <= 1e-5,
+            "{reference:e} m, {exact:e} m"
+        );
         // An inverse square root of the GPU may be off by 2 ulp, directions by some more roundings.
         assert!(normals <= 5e-6, "{normals:e}");
         // A wrong joint is seen: the same figure with every joint the next one.

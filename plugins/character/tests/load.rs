@@ -113,7 +113,7 @@ fn a_small_file_is_read() {
     let clip = rig.clip("all").unwrap();
     let mut pose = Pose::default();
     Sampler::new().sample(clip, 0.75, &mut pose);
-    // A step stays, a great arc is half-way back, a spline without slopes is half-way too.
+    // A step stays, a slerp is half-way back, a spline without slopes is half-way too.
     assert_eq!(pose.get(1).translation, Vec3::new(0.0, 2.0, 0.0));
     let turned = pose.get(1).rotation * Vec3::Z;
     assert!(

@@ -5,7 +5,7 @@
 //!
 //! | plugin | crate | gives | needs a renderer |
 //! |---|---|---|---|
-//! | [`TerrainPlugin`](terrain::TerrainPlugin) | [`terrain`] | heights, slopes and ground answers from noise and height maps, in f64 | no |
+//! | [`TerrainPlugin`](terrain::TerrainPlugin) | [`terrain`] | heights, slopes and height queries from noise and height maps, in f64 | no |
 //! | [`CharacterPlugin`](character::CharacterPlugin) | [`character`] | animated figures with feet on the ground, sampled as large as they are seen | no |
 //! | [`CrowdPlugin`](character::render::CrowdPlugin) | [`character`] | crowds drawn from a palette of poses, 16 bytes a figure | yes |
 //! | [`FbxPlugin`](fbx::FbxPlugin) | [`fbx`] | `load("hero.fbx")`, with the sub-assets of Bevy's glTF loader | no |

@@ -1,4 +1,4 @@
-//! A vertex as it is stored, five words: the twin of `shaders/src/geometry/vertex.wgsl`.
+//! A vertex as it is stored, five words: the CPU reference of `shaders/src/geometry/vertex.wgsl`.
 
 use bevy::math::{Vec2, Vec3};
 

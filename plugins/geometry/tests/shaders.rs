@@ -30,7 +30,7 @@ fn wgsl_struct(module: &Module, name: &str) -> (u32, Vec<(String, u32)>) {
     found.unwrap_or_else(|| panic!("no struct {name}"))
 }
 
-/// Asserts that size and offsets of a Rust struct are those of its WGSL twin.
+/// Asserts that size and offsets of a Rust struct are those of its WGSL counterpart.
 macro_rules! same_layout {
     ($module:expr, $rust:ident { $($field:ident),* $(,)? }) => {{
         let (size, members) = wgsl_struct($module, stringify!($rust));

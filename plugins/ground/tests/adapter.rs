@@ -1,4 +1,4 @@
-//! The ground's real WGSL on the adapter, through the passes of the stage, against its Rust twin: the
+//! The ground's real WGSL on the adapter, through the passes of the stage, against its CPU reference: the
 //! same triangles, vertices within f32 rounding, and no crack by the bits of the positions.
 
 mod support;
@@ -74,7 +74,7 @@ fn triangles(emitted: &Emitted) -> Vec<[u32; 3]> {
 }
 
 #[test]
-fn the_adapter_agrees_with_the_twin() {
+fn the_adapter_agrees_with_the_cpu_reference() {
     let Some(gpu) = for_test() else { return };
     let passes = passes(&gpu);
     let terrain = terrain(6);
@@ -83,19 +83,19 @@ fn the_adapter_agrees_with_the_twin() {
     for round in 0..12 {
         let scene = random_scene(&mut random, &terrain, 64.0);
         let ours = run(&gpu, &passes, &scene);
-        let twin = scene.tessellate(POOLS);
+        let reference = scene.tessellate(POOLS);
         assert!(ours.guarded, "round {round}");
-        assert_eq!(ours.head.discarded, twin.discarded, "round {round}");
+        assert_eq!(ours.head.discarded, reference.discarded, "round {round}");
         // Levels differ by rounding of distances: where one crosses an odd number, an edge has two
         // segments more on one side. Few rounds are free of it, but then all is the same.
-        if triangles(&ours) != twin.primitives.triangles() {
-            let (a, b) = (ours.head.primitives, twin.primitives.len() as u32);
+        if triangles(&ours) != reference.primitives.triangles() {
+            let (a, b) = (ours.head.primitives, reference.primitives.len() as u32);
             // A dozen edges in tens of thousands.
             assert!(a.abs_diff(b) <= 64 + b / 500, "round {round}: {a} and {b}");
             continue;
         }
         same += 1;
-        for (vertex, position) in scene.vertices(&twin).iter().zip(positions(&ours)) {
+        for (vertex, position) in scene.vertices(&reference).iter().zip(positions(&ours)) {
             for (axis, (a, b)) in vertex.position.to_array().iter().zip(position).enumerate() {
                 // x and z: a place along an edge may move with its level by the rounding of
                 // distances, 1e-6 of the side of a patch of 1 km. y: 1e-5 of the amplitude of 200 m
@@ -138,8 +138,8 @@ fn two_hundred_cameras_have_no_crack_on_the_adapter() {
             by_position <= by_index,
             "round {round}: {by_position} of {by_index}"
         );
-        let twin = scene.tessellate(POOLS);
-        if found == twin.primitives.triangles() {
+        let reference = scene.tessellate(POOLS);
+        if found == reference.primitives.triangles() {
             let functions = scene.functions();
             let drawn: Vec<bool> = (0..scene.patches.mesh.patches() as u32)
                 .map(|patch| functions.control(patch).outer[0] > 0.0)
@@ -147,7 +147,7 @@ fn two_hundred_cameras_have_no_crack_on_the_adapter() {
             let cracks = cracks(
                 &scene.patches,
                 &drawn,
-                &twin.edge_segments,
+                &reference.edge_segments,
                 &positions,
                 &found,
             );

@@ -1,5 +1,5 @@
 //! The quadtree's promises: an exact cover, balanced, the same from the same focus; and no crack
-//! in what the twin makes of it.
+//! in what the CPU reference makes of it.
 
 mod support;
 

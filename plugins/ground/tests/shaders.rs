@@ -30,7 +30,7 @@ fn wgsl_struct(module: &Module, name: &str) -> (u32, Vec<(String, u32)>) {
     found.unwrap_or_else(|| panic!("no struct {name}"))
 }
 
-/// Asserts that size and offsets of a Rust struct are those of its WGSL twin.
+/// Asserts that size and offsets of a Rust struct are those of its WGSL counterpart.
 macro_rules! same_layout {
     ($module:expr, $rust:ident { $($field:ident),* $(,)? }) => {{
         let (size, members) = wgsl_struct($module, stringify!($rust));
@@ -219,7 +219,7 @@ fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
 }
 
 #[test]
-fn the_records_of_ground_answers_lie_as_in_rust() {
+fn the_records_of_height_queries_lie_as_in_rust() {
     use dolomite_ground::detail::probe::{ANSWER_GROUP, ANSWER_PASS, AnswerHead, Asked};
     use dolomite_terrain::ProbeAnswer;
     let module = composed(ANSWER_PASS.0);

@@ -3,7 +3,7 @@
 use crate::ground::GroundPoint;
 use crate::height_map::{Filter, HeightMap};
 use crate::hill::Hill;
-use crate::noise::{Octave, PreparedClassic, PreparedFractal};
+use crate::noise::{Octave, PreparedFractal, PreparedPermutation};
 use crate::terrain::{MaskStep, Prepared, Terrain};
 use bytemuck::{Pod, Zeroable};
 
@@ -19,8 +19,8 @@ pub enum LayerKind {
     Billow = 2,
     /// Fractal: eroded.
     Eroded = 3,
-    /// Classic noise.
-    Classic = 4,
+    /// Permutation noise.
+    Permutation = 4,
     /// Height map, bilinear.
     Bilinear = 5,
     /// Height map, bicubic.
@@ -29,15 +29,15 @@ pub enum LayerKind {
     Hill = 7,
 }
 
-/// One layer, the twin of the WGSL `Layer`: 20 words. Words that a kind does not use are 0.
+/// One layer, laid out as the WGSL `Layer`: 20 words. Words that a kind does not use are 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuLayer {
     /// A [`LayerKind`].
     pub kind: u32,
-    /// Fractal, classic: octaves.
+    /// Fractal, permutation: octaves.
     pub octaves: u32,
-    /// Fractal, classic: index in the data of the octave table (12 words an octave); the classic
+    /// Fractal, permutation: index in the data of the octave table (12 words an octave); the permutation noise
     /// permutation (256 words) follows it. Map: index of the first sample.
     pub data: u32,
     /// Fractal: octaves of the warp, 0 for none. Map: levels of windows.
@@ -65,7 +65,7 @@ pub struct GpuLayer {
     pub scale: [f32; 2],
 }
 
-/// The uniform beside the layers, the twin of the WGSL `TerrainUniform`.
+/// The uniform beside the layers, laid out as the WGSL `TerrainUniform`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct GpuTerrainUniform {
@@ -107,7 +107,7 @@ impl Terrain {
                 let mask = MaskStep::new(mask);
                 let layer = match source {
                     Prepared::Fractal(source) => fractal(source, &mut data),
-                    Prepared::Classic(source) => classic(source, &mut data),
+                    Prepared::Permutation(source) => permutation(source, &mut data),
                     Prepared::Map(source) => map(source, &mut data),
                     Prepared::Hill(source) => hill(source),
                 };
@@ -184,11 +184,11 @@ fn fractal(source: &PreparedFractal, data: &mut Vec<u32>) -> GpuLayer {
     }
 }
 
-fn classic(source: &PreparedClassic, data: &mut Vec<u32>) -> GpuLayer {
+fn permutation(source: &PreparedPermutation, data: &mut Vec<u32>) -> GpuLayer {
     let at = octave_table(&source.octaves, data);
     data.extend(source.permutation.iter().map(|&p| u32::from(p)));
     GpuLayer {
-        kind: LayerKind::Classic as u32,
+        kind: LayerKind::Permutation as u32,
         octaves: source.octaves.len() as u32,
         data: at,
         ..GpuLayer::default()

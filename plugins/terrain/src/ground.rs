@@ -175,7 +175,7 @@ impl GroundSample {
     }
 }
 
-/// The ground at one place, in `f32`: the value that the GPU twin computes.
+/// The ground at one place, in `f32`: the value that the WGSL computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Height {
     /// Height, metres (for a [`Terrain`](crate::Terrain): above y = 0).

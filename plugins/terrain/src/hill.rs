@@ -58,7 +58,7 @@ impl Hill {
         }
     }
 
-    /// 1/R as every twin multiplies by it.
+    /// 1/R as every implementation multiplies by it.
     pub(crate) fn inverse_radius(&self) -> f32 {
         1.0 / self.radius
     }

@@ -39,7 +39,7 @@ pub use height_map::{
     Filter, HeightMap, HeightMapError, HeightMapFile, MapFormat, RawFormat, metres_per_degree,
 };
 pub use hill::Hill;
-pub use noise::{Classic, Fractal, NoiseError, Sum, Warp};
+pub use noise::{Fractal, NoiseError, PermutationNoise, Sum, Warp};
 pub use plugin::TerrainPlugin;
 pub use probe::{
     AnswerSource, DrawnAnswer, GroundAnswer, GroundProbe, GroundProbeSystems, ProbeAnswer,

@@ -1,4 +1,4 @@
-//! The ECS side: ground answers for entities, in f64, without a GPU.
+//! The ECS side: height queries for entities, in f64, without a GPU.
 
 use bevy::app::{App, Plugin};
 

@@ -4,7 +4,7 @@ use crate::bounds::HeightBounds;
 use crate::ground::{Ground, GroundPoint, GroundRect, GroundSample, Height, in_range};
 use crate::height_map::{HeightMap, HeightMapError};
 use crate::hill::Hill;
-use crate::noise::{Classic, Fractal, NoiseError, PreparedClassic, PreparedFractal};
+use crate::noise::{Fractal, NoiseError, PermutationNoise, PreparedFractal, PreparedPermutation};
 use bevy::ecs::component::Component;
 use bevy::math::DVec2;
 use bevy::reflect::Reflect;
@@ -52,7 +52,7 @@ pub enum Source {
     /// Endless fractal ground.
     Fractal(Fractal),
     /// The method of the literature: permutation table, four gradients.
-    Classic(Classic),
+    Permutation(PermutationNoise),
     /// Measured or stored heights.
     Map(HeightMap),
     /// One round hill (or, with a negative height, hollow).
@@ -63,7 +63,7 @@ pub enum Source {
 #[derive(Clone, Debug)]
 pub(crate) enum Prepared {
     Fractal(PreparedFractal),
-    Classic(PreparedClassic),
+    Permutation(PreparedPermutation),
     Map(HeightMap),
     Hill(Hill),
 }
@@ -173,7 +173,9 @@ impl Terrain {
             let named = |source| TerrainError::Source { layer, source };
             prepared.push(match source {
                 Source::Fractal(fractal) => Prepared::Fractal(fractal.prepare().map_err(named)?),
-                Source::Classic(classic) => Prepared::Classic(classic.prepare().map_err(named)?),
+                Source::Permutation(permutation) => {
+                    Prepared::Permutation(permutation.prepare().map_err(named)?)
+                }
                 Source::Map(map) => Prepared::Map(map.clone()),
                 Source::Hill(hill) => {
                     hill.validate().map_err(named)?;
@@ -233,7 +235,7 @@ impl Terrain {
             .zip(self.0.data.layers.iter().map(|layer| layer.mask))
     }
 
-    /// Height and gradient in f32: the twin of `terrain_height` in WGSL. About 20 ns an octave;
+    /// Height and gradient in f32: the CPU reference of `terrain_height` in WGSL. About 20 ns an octave;
     /// many points are cheaper by [`Terrain::fill_tile`] and [`Terrain::fill_points`].
     #[must_use]
     pub fn sample(&self, point: GroundPoint) -> Height {
@@ -258,7 +260,7 @@ impl Terrain {
         self.prepared().fold(base, |below, (source, mask)| {
             let added = match source {
                 Prepared::Fractal(fractal) => fractal.sample_f64(xz),
-                Prepared::Classic(classic) => classic.sample_f64(xz),
+                Prepared::Permutation(permutation) => permutation.sample_f64(xz),
                 Prepared::Map(map) => map.sample_f64(xz),
                 Prepared::Hill(hill) => hill.sample_f64(xz),
             };
@@ -303,7 +305,7 @@ impl Prepared {
     pub(crate) fn sample(&self, point: GroundPoint) -> Height {
         match self {
             Self::Fractal(fractal) => fractal.sample(point),
-            Self::Classic(classic) => classic.sample(point),
+            Self::Permutation(permutation) => permutation.sample(point),
             Self::Map(map) => map.sample(point),
             Self::Hill(hill) => hill.sample(point),
         }

@@ -4,7 +4,7 @@
 mod support;
 
 use bevy::math::DVec2;
-use dolomite_terrain::{Classic, Fractal, Sum};
+use dolomite_terrain::{Fractal, PermutationNoise, Sum};
 use support::{Random, SUMS, WARP};
 
 const DISTANCES: [f64; 8] = [1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7];
@@ -118,7 +118,7 @@ fn other_sums_and_warps_do_not_drift_either() {
 #[test]
 fn classic_is_as_accurate() {
     let mut random = Random(4);
-    let classic = Classic::default();
+    let classic = PermutationNoise::default();
     let prepared = classic.prepare().expect("valid");
     for distance in DISTANCES {
         for _ in 0..2000 {

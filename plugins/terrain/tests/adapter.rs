@@ -1,4 +1,4 @@
-//! The WGSL twin on whatever adapter there is: `terrain_height` at places up to 1e7 m away against
+//! The WGSL on whatever adapter there is: `terrain_height` at places up to 1e7 m away against
 //! the f64 oracle. The output is filled with a sentinel first, so that an unwritten place is seen.
 
 mod support;
@@ -6,7 +6,8 @@ mod support;
 use bevy::math::DVec2;
 use bytemuck::{bytes_of, cast_slice, pod_collect_to_vec};
 use dolomite_terrain::{
-    Classic, Filter, Fractal, GroundPoint, HeightMap, Hill, Layer, Mask, Source, Sum, Terrain,
+    Filter, Fractal, GroundPoint, HeightMap, Hill, Layer, Mask, PermutationNoise, Source, Sum,
+    Terrain,
 };
 use dolomite_testkit::gpu::{Binding, Gpu, Kernel, for_test};
 use support::{Random, SUMS, WARP, of_fractal, plain, terrain};
@@ -137,7 +138,7 @@ fn every_kind_of_source_agrees() {
             cases.push(("fractal", of_fractal(fractal), 1e6, value, gradient));
         }
     }
-    let classic = plain(Source::Classic(Classic::default()));
+    let classic = plain(Source::Permutation(PermutationNoise::default()));
     cases.push((
         "classic",
         terrain(1e4, 0.0, vec![classic.clone()]),

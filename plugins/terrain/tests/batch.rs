@@ -4,8 +4,8 @@ mod support;
 
 use bevy::math::DVec2;
 use dolomite_terrain::{
-    BatchError, Classic, Filter, Fractal, GroundPoint, Height, HeightMap, HeightTile, Hill, Layer,
-    Mask, Planes, Source, Terrain,
+    BatchError, Filter, Fractal, GroundPoint, Height, HeightMap, HeightTile, Hill, Layer, Mask,
+    PermutationNoise, Planes, Source, Terrain,
 };
 use support::{Random, SUMS, WARP, of_fractal, plain, terrain};
 
@@ -64,7 +64,7 @@ fn mixed() -> Terrain {
         radius: 90.0,
         height: 30.0,
     })));
-    layers.push(plain(Source::Classic(Classic::default())));
+    layers.push(plain(Source::Permutation(PermutationNoise::default())));
     terrain(1000.0, 12.5, layers)
 }
 

@@ -4,8 +4,8 @@ mod support;
 
 use bevy::math::DVec2;
 use dolomite_terrain::{
-    Classic, Filter, Fractal, GroundRect, HeightBounds, HeightMap, Hill, Layer, Mask, Source, Sum,
-    Terrain, Warp,
+    Filter, Fractal, GroundRect, HeightBounds, HeightMap, Hill, Layer, Mask, PermutationNoise,
+    Source, Sum, Terrain, Warp,
 };
 use proptest::prelude::*;
 use support::{Random, WARP, of_fractal, plain, terrain};
@@ -140,7 +140,7 @@ proptest! {
             plain(Source::Fractal(below)),
             plain(Source::Hill(hill)),
             Layer { source: Source::Fractal(above), mask },
-            Layer { source: Source::Classic(Classic::default()), mask },
+            Layer { source: Source::Permutation(PermutationNoise::default()), mask },
         ];
         assert_holds(&terrain(1000.0, 3.0, layers), &rect);
     }

@@ -4,8 +4,8 @@ mod support;
 
 use bevy::math::DVec2;
 use dolomite_terrain::{
-    Classic, Fractal, Ground, GroundRect, Hill, Layer, Mask, Source, Sum, Terrain, TerrainData,
-    TerrainError,
+    Fractal, Ground, GroundRect, Hill, Layer, Mask, PermutationNoise, Source, Sum, Terrain,
+    TerrainData, TerrainError,
 };
 use support::{Random, WARP, plain, terrain};
 
@@ -62,7 +62,7 @@ fn bad_data_is_refused_by_name() {
 
     let bad = |source| {
         message(data(vec![
-            plain(Source::Classic(Classic::default())),
+            plain(Source::Permutation(PermutationNoise::default())),
             plain(source),
         ]))
     };
@@ -71,9 +71,9 @@ fn bad_data_is_refused_by_name() {
         ..Fractal::default()
     });
     assert!(bad(fractal).starts_with("layer 1: wavelength is -1"));
-    let classic = Source::Classic(Classic {
+    let classic = Source::Permutation(PermutationNoise {
         octaves: 0,
-        ..Classic::default()
+        ..PermutationNoise::default()
     });
     assert!(bad(classic).starts_with("layer 1: octaves is 0"));
     let hill = Source::Hill(Hill {
@@ -90,7 +90,8 @@ fn bad_data_is_refused_by_name() {
         }]);
         assert!(message(masked).starts_with("layer 0: mask from"));
     }
-    let many = vec![plain(Source::Classic(Classic::default())); Terrain::MAX_LAYERS + 1];
+    let many =
+        vec![plain(Source::Permutation(PermutationNoise::default())); Terrain::MAX_LAYERS + 1];
     assert!(message(data(many)).contains("33 layers, but a terrain may have at most 32"));
 }
 

@@ -1,4 +1,4 @@
-//! Where the vertices of a patch lie in its domain. The twin of
+//! Where the vertices of a patch lie in its domain. The CPU reference of
 //! `shaders/src/stage/coordinate.wgsl`.
 //!
 //! Inner vertices of a triangle lie on rings: ring k is the triangle on which each barycentric

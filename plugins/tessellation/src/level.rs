@@ -1,5 +1,5 @@
 //! From the levels that a control function wrote to the levels that count: discard, clamp, round
-//! (OpenGL 4.6 core, 11.2.2.1; Vulkan 1.3, "Tessellator Spacing"). The twin of
+//! (OpenGL 4.6 core, 11.2.2.1; Vulkan 1.3, "Tessellator Spacing"). The CPU reference of
 //! `shaders/src/stage/level.wgsl`.
 //!
 //! Numbers are read by their bits: NaN, infinities and denormals mean the same on a GPU that

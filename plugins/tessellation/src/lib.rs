@@ -1,6 +1,6 @@
 //! The tessellation stage in Rust: any patch of triangles, quads or isolines, as OpenGL 4.6 and
 //! Vulkan 1.3 specify it, in integers from the levels on, so that it gives the same bits on every
-//! machine; the WGSL in `shaders/src/stage/` is its twin, integer for integer.
+//! machine; the WGSL in `shaders/src/stage/` is the same on the GPU, integer for integer.
 //!
 //! ```
 //! use dolomite_tessellation::{Domain, Levels, Spacing, tessellate};

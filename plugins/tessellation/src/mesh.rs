@@ -1,4 +1,4 @@
-//! A whole mesh at once, in Rust: the twin of the passes on the GPU (control, measure, plan, place,
+//! A whole mesh at once, in Rust: the CPU reference of the passes on the GPU (control, measure, plan, place,
 //! emit), vertex for vertex and primitive for primitive.
 
 use super::coordinate::{Coordinate, coordinate, corner_coordinate, side_coordinate};

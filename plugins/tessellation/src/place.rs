@@ -1,4 +1,4 @@
-//! Where the vertices of an edge lie. The twin of `shaders/src/stage/place.wgsl`.
+//! Where the vertices of an edge lie. The CPU reference of `shaders/src/stage/place.wgsl`.
 //!
 //! A fractional level f with n segments (n − 2 < f ≤ n) blends the edge of n − 2 equal segments with
 //! that of n: vertex p of n lies at (1 − g) i / (n − 2) + g p / n with g = (f − (n − 2)) / 2, where i

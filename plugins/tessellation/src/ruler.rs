@@ -1,4 +1,4 @@
-//! How the strip between two rows of vertices is stitched. The twin of
+//! How the strip between two rows of vertices is stitched. The CPU reference of
 //! `shaders/src/stage/ruler.wgsl`.
 //!
 //! Each half of a row of n segments holds the first ⌊n / 2⌋ vertices of one list: the 32 places of

@@ -1,5 +1,5 @@
 //! How many vertices and primitives a patch has, and which vertices each primitive joins; any
-//! primitive by its number, without the ones before it. The twin of `shaders/src/stage/shape.wgsl`.
+//! primitive by its number, without the ones before it. The CPU reference of `shaders/src/stage/shape.wgsl`.
 
 use super::level::{self, Level, Levels};
 use super::ruler::{Step, half_strip, regular, transition};

@@ -59,7 +59,7 @@ fn from_vertex(place: GroundPoint, vertex: vec3<f32>) -> vec2<f32> {
     return vec2(fixed_metres(fixed_sub(x, metres_fixed(vertex.x))), fixed_metres(fixed_sub(z, metres_fixed(vertex.z))));
 }
 
-// The drawn surface at a vertex that has arrived.
+// The drawn surface at a vertex whose geomorph is done.
 fn surface_at(vertex: Vertex) -> f32 {
     if vertex.slot == ROOT_CORNER {
         return max(root_corners[vertex.cell].x, detail.sea);

@@ -1,4 +1,4 @@
-// Writes the vertices of all cells that are drawn, each as it is once it has arrived; and what the heights
+// Writes the vertices of all cells that are drawn, each as it is once its geomorph is done; and what the heights
 // of those in their geomorph depend on. A thread a cell.
 
 #import dolomite::detail::types::NO_CELL
@@ -7,7 +7,7 @@
 #import dolomite::detail::records::{RECORD, records}
 #import dolomite::detail::room::corner_count
 #import dolomite::detail::roots::root_corner
-#import dolomite::detail::vertices::{CENTRE, Vertex, appears, arrived, cell_error_ratio, cell_ground, corner_of, vertex_number}
+#import dolomite::detail::vertices::{CENTRE, Vertex, appears, morph_share, cell_error_ratio, cell_ground, corner_of, vertex_number}
 #import dolomite::geometry::vertex::{VERTEX_WORDS, pack_normal}
 #import dolomite::terrain::fixed::ground_relative
 
@@ -70,7 +70,7 @@ fn place_vertices(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_wor
             }
             let at = select(cell_side_mid(centre, half, slot), centre, slot == CENTRE);
             let surface = store(number, at, cell_ground(vertex));
-            let share = arrived(cell_error_ratio(vertex));
+            let share = morph_share(cell_error_ratio(vertex));
             let base = RECORD * number;
             records[base] = bitcast<u32>(share);
             records[base + 1u] = bitcast<u32>(surface);

@@ -11,7 +11,7 @@
 struct Term {
     number: u32,
     weight: f32,
-    // Its share of the way, and the surface where it has arrived.
+    // Its share of the way, and the surface where its geomorph is done.
     share: f32,
     surface: f32,
 }

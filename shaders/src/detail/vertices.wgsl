@@ -24,7 +24,7 @@ fn appears() -> f32 {
 }
 
 // Share of the way to the ground of a vertex with this error ratio.
-fn arrived(error_ratio: f32) -> f32 {
+fn morph_share(error_ratio: f32) -> f32 {
     return clamp((error_ratio / coarsening() - APPEARS) / (1.0 - APPEARS), 0.0, 1.0);
 }
 

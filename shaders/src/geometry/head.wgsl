@@ -1,7 +1,7 @@
 #define_import_path dolomite::geometry::head
 
 // How the work buffer of every producer begins, in words: arguments of the draws, and what is counted.
-// The twin of GeometryHead in plugins/geometry/src/layout.rs.
+// The GPU version of GeometryHead in plugins/geometry/src/layout.rs.
 
 // draw_indexed_indirect: index count, 1, 0, 0, 0.
 const INDEXED: u32 = 0u;

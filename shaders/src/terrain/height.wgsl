@@ -7,7 +7,7 @@
 #import dolomite::terrain::layer::{Layer, ERODED, CLASSIC, BILINEAR, BICUBIC, HILL}
 #import dolomite::terrain::bindings::{terrain, terrain_layers}
 #import dolomite::terrain::fractal::fractal_height
-#import dolomite::terrain::classic::classic_height
+#import dolomite::terrain::permutation::permutation_height
 #import dolomite::terrain::height_map::map_height
 
 // height * (1 - r^2/R^2)^3 within R.
@@ -48,7 +48,7 @@ fn terrain_height(p: GroundPoint) -> vec3<f32> {
 #endif
 #ifndef TERRAIN_WITHOUT_CLASSIC
         if layer.kind == CLASSIC {
-            added = classic_height(layer, x, z);
+            added = permutation_height(layer, x, z);
         }
 #endif
 #ifndef TERRAIN_WITHOUT_MAPS

@@ -15,9 +15,9 @@ const HILL: u32 = 7u;
 // One source of the terrain. What a kind does not use is 0.
 struct Layer {
     kind: u32,
-    // Fractal, classic: number of octaves.
+    // Fractal, permutation: number of octaves.
     octaves: u32,
-    // Fractal, classic: index in terrain_data of the octave table, OCTAVE_WORDS an octave; the
+    // Fractal, permutation: index in terrain_data of the octave table, OCTAVE_WORDS an octave; the
     // classic permutation (256 words) follows it. Map: index of the first sample.
     data: u32,
     // Fractal: octaves of the warp, 0 for none. Map: levels of windows.

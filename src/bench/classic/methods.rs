@@ -3,7 +3,7 @@
 
 use bevy::prelude::*;
 use clap::ValueEnum;
-use dolomite::ground::detail::{self, Detail};
+use dolomite::ground::detail::{self, TerrainLod};
 use dolomite_classic::render::ClassicSettings;
 use dolomite_classic::{ClassicLevels, STATIC_LEVEL};
 use thiserror::Error;
@@ -161,15 +161,15 @@ impl Methods {
 
     /// What the camera asks of the level of detail, where that makes the triangles. The default of the
     /// error is a pixel.
-    pub fn detail(&self) -> Option<Detail> {
+    pub fn detail(&self) -> Option<TerrainLod> {
         let bounded = self.settings().levels == ClassicLevels::ErrorBound;
-        bounded.then(|| Detail {
+        bounded.then(|| TerrainLod {
             metric: detail::Metric::ErrorBound {
                 pixels: self.tau.unwrap_or(1.0),
             },
             finest: FINEST,
             max_vertices: 1 << 19,
-            ..Detail::default()
+            ..TerrainLod::default()
         })
     }
 }

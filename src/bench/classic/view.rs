@@ -5,7 +5,7 @@ use bevy::camera::{CompositingSpace, RenderTarget};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
-use dolomite::ground::detail::Detail;
+use dolomite::ground::detail::TerrainLod;
 use dolomite::terrain::GroundProbe;
 use dolomite::tessellation::StageCamera;
 use dolomite_classic::ClassicHeights;
@@ -118,7 +118,7 @@ fn follow(
     settings: Res<Settings>,
     methods: Res<Methods>,
     mut classic: ResMut<ClassicSettings>,
-    mut cameras: Query<(Entity, &mut StageCamera, Option<&mut Detail>)>,
+    mut cameras: Query<(Entity, &mut StageCamera, Option<&mut TerrainLod>)>,
     mut commands: Commands,
 ) {
     classic.set_if_neq(methods.settings());
@@ -131,7 +131,7 @@ fn follow(
                 commands.entity(entity).insert(wanted);
             }
             (None, Some(_)) => {
-                commands.entity(entity).remove::<Detail>();
+                commands.entity(entity).remove::<TerrainLod>();
             }
             (None, None) => {}
         }

@@ -1,4 +1,4 @@
-//! Ground answers after a choice: at once for tests, or frame by frame without waiting.
+//! Height queries after a choice: at once for tests, or frame by frame without waiting.
 
 use super::layouts::{READ, UNIFORM, WRITE};
 use super::{DetailError, DetailStage};

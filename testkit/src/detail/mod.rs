@@ -48,9 +48,9 @@ pub struct DetailRun {
     pub triangles: Vec<[u32; 3]>,
     /// Those that were left out, where they are kept.
     pub others: Vec<[u32; 3]>,
-    /// What demands were divided by.
+    /// What error ratios were divided by.
     pub coarsening: f32,
-    /// The greatest demand that finest cells leave.
+    /// The greatest error ratio that finest cells leave.
     pub left: f32,
     /// Cells that are kept.
     pub used: u32,

@@ -10,7 +10,7 @@ use dolomite_terrain::Terrain;
 use super::ClassicSettings;
 use crate::ClassicHeights;
 use dolomite_geometry::GeometryPlugin;
-use dolomite_ground::detail::Detail;
+use dolomite_ground::detail::TerrainLod;
 use dolomite_ground::render::HeightUniform;
 use dolomite_ground::render::detail::{self, DetailKind};
 
@@ -30,7 +30,7 @@ pub struct BoundedClassicKind {
 }
 
 impl DetailKind for BoundedClassicKind {
-    type Cameras = With<Detail>;
+    type Cameras = With<TerrainLod>;
     const MATERIAL: &'static str = "dolomite::classic::bounded";
     const VERTEX_SHADED: bool = true;
     const SHADOWS: bool = false;

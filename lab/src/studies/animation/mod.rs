@@ -5,7 +5,7 @@
 //! And how far is a vertex that the GPU skins from the one that the CPU skins?
 
 pub mod accuracy;
-pub mod bevy_rival;
+pub mod bevy_baseline;
 pub mod blending;
 pub mod method;
 pub mod model;
@@ -91,7 +91,7 @@ pub const FIGURES: usize = 1000;
 fn methods(model: &Model, clips: [usize; 3]) -> Vec<Box<dyn Method>> {
     vec![
         Box::new(ours::Ours::new(model)),
-        Box::new(bevy_rival::Bevy::new(model, clips)),
+        Box::new(bevy_baseline::Bevy::new(model, clips)),
     ]
 }
 

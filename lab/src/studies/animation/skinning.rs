@@ -1,4 +1,4 @@
-//! Skinning from a crowd's palette: the GPU against the CPU's twin in f32, and against f64.
+//! Skinning from a crowd's palette: the GPU against the CPU reference in f32, and against f64.
 
 use super::model::Model;
 use crate::csv::Row;
@@ -35,7 +35,7 @@ pub fn rows(model: &Model, options: &Options) -> Result<Vec<Row>, SkinningError>
         device: probe.device().into(),
     };
     Ok(vec![
-        row("GPU against CPU", distances.twin),
+        row("GPU against CPU", distances.reference),
         row("GPU against f64", distances.exact),
     ])
 }

@@ -1,4 +1,4 @@
-//! Who controls: ours, and the rivals that anyone would try first.
+//! Who controls: ours, and the baselines that anyone would try first.
 
 use dolomite_geometry::budget::{Budget, BudgetController, NextFrame, TimeSample};
 
@@ -65,12 +65,12 @@ impl PidControl {
     }
 }
 
-#[expect(clippy::disallowed_methods, reason = "a rival of a study")]
+#[expect(clippy::disallowed_methods, reason = "a baseline of a study")]
 fn ln(x: f64) -> f64 {
     x.ln()
 }
 
-#[expect(clippy::disallowed_methods, reason = "a rival of a study")]
+#[expect(clippy::disallowed_methods, reason = "a baseline of a study")]
 fn exp(x: f64) -> f64 {
     x.exp()
 }
@@ -106,7 +106,7 @@ pub struct Ours {
 }
 
 impl Ours {
-    /// With or without demand curves, and counted triangles.
+    /// With or without work curves, and counted triangles.
     pub fn new(budget: Budget, curves: bool, counts: bool) -> Self {
         Self {
             controller: BudgetController::new(budget).expect("a budget of the study is one"),
@@ -125,7 +125,7 @@ impl Control for Ours {
             });
         }
         self.controller.decide(&NextFrame {
-            demand: next.demand.filter(|_| self.curves),
+            curve: next.curve.filter(|_| self.curves),
             ..*next
         })
     }

@@ -2,7 +2,7 @@
 
 use super::control::Control;
 use super::plant::{Event, Plant, RATE};
-use dolomite_geometry::budget::{Budget, DemandCurve, NextFrame, TimeSample};
+use dolomite_geometry::budget::{Budget, NextFrame, TimeSample, WorkCurve};
 use dolomite_testkit::metrics::{ErrorStats, Hash64};
 use std::time::Instant;
 
@@ -23,17 +23,17 @@ pub struct Trace {
     pub nanoseconds: f64,
 }
 
-/// Demand curves of all frames, which every controller sees alike.
-pub fn demands(plant: &dyn Plant) -> Vec<DemandCurve> {
+/// Work curves of all frames, which every controller sees alike.
+pub fn curves(plant: &dyn Plant) -> Vec<WorkCurve> {
     (0..plant.frames())
-        .map(|frame| plant.demand(frame))
+        .map(|frame| plant.curve(frame))
         .collect()
 }
 
 /// Flies. A frame's time arrives two or three frames later, by turns without rule.
 pub fn fly(
     plant: &dyn Plant,
-    demands: &[DemandCurve],
+    curves: &[WorkCurve],
     budget: &Budget,
     control: &mut dyn Control,
 ) -> Trace {
@@ -47,7 +47,7 @@ pub fn fly(
     let whole = f64::from(budget.milliseconds);
     let mut arrived = 0;
     let mut seen = Vec::new();
-    for (frame, demand) in demands.iter().enumerate().take(frames) {
+    for (frame, curve) in curves.iter().enumerate().take(frames) {
         seen.clear();
         // Never out of order; the odd bits of a hash say whether it takes three frames.
         let late = 2 + (frame.wrapping_mul(0x9e37_79b9) >> 13) % 2;
@@ -62,7 +62,7 @@ pub fn fly(
         }
         let next = NextFrame {
             number: frame as u64,
-            demand: Some(demand),
+            curve: Some(curve),
             cut: plant.event(frame) == Some(Event::Teleport),
         };
         let begun = Instant::now();
@@ -209,7 +209,7 @@ mod tests {
 
     fn flown(control: &mut dyn Control) -> Verdict {
         let plant = MadeUp::new(11);
-        let trace = fly(&plant, &demands(&plant), &budget(), control);
+        let trace = fly(&plant, &curves(&plant), &budget(), control);
         judge(&plant, &budget(), &trace)
     }
 

@@ -1,5 +1,5 @@
 //! The controller as the engine runs it: a camera in an app, its times published as diagnostics, its tolerance read
-//! from the metric that the ground's detail draws with. No demand curve, for nothing in the engine writes one;
+//! from the metric that the ground's detail draws with. No work curve, for nothing in the engine writes one;
 //! nothing counted; and a time says nothing of its frame but that it is about three frames old.
 
 use super::control::Control;
@@ -11,7 +11,7 @@ use bevy::platform::time::Instant;
 use bevy::transform::components::GlobalTransform;
 use dolomite_geometry::budget::{Budget, FrameTime, NextFrame, TimeSample};
 use dolomite_ground::detail::budget::{DetailBudgetPlugin, frame_time};
-use dolomite_ground::detail::{Detail, Metric};
+use dolomite_ground::detail::{Metric, TerrainLod};
 use std::time::Duration;
 
 /// A camera that was put elsewhere is this far away, metres.
@@ -46,7 +46,12 @@ impl InApp {
         }
         let camera = app
             .world_mut()
-            .spawn((budget, source, Detail::default(), GlobalTransform::IDENTITY))
+            .spawn((
+                budget,
+                source,
+                TerrainLod::default(),
+                GlobalTransform::IDENTITY,
+            ))
             .id();
         Self {
             app,
@@ -82,7 +87,7 @@ impl Control for InApp {
             *pose = GlobalTransform::from_xyz(x, 0.0, 0.0);
         }
         self.app.update();
-        let detail = self.app.world().get::<Detail>(self.camera);
+        let detail = self.app.world().get::<TerrainLod>(self.camera);
         match detail.map(|detail| detail.metric) {
             Some(Metric::ErrorBound { pixels }) => pixels,
             // Other metrics have no tolerance; the default is the one above.
@@ -105,7 +110,7 @@ mod tests {
         let mut control = InApp::new(budget);
         let next = |number| NextFrame {
             number,
-            demand: None,
+            curve: None,
             cut: false,
         };
         assert_eq!(control.decide(&[], &next(0)), 64.0);

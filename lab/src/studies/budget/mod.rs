@@ -11,7 +11,7 @@ use crate::plot::{Axes, Chart, Curve};
 use crate::study::{Asked, Figure, Options, Report, Study};
 use control::{Control, Ours, PidControl};
 use dolomite_geometry::budget::Budget;
-use fly::{BAND, START, Trace, Verdict, demands, fly, judge};
+use fly::{BAND, START, Trace, Verdict, curves, fly, judge};
 use in_app::InApp;
 use plant::{MadeUp, NOISE, Plant};
 use serde_json::{Map, Value, json};
@@ -64,39 +64,39 @@ const ASKED: [Asked; 12] = [
         unit: "of the tolerance",
     },
     Asked {
-        what: "99th percentile of measured time over the budget, least of three budgets, controller alone with a demand curve",
+        what: "99th percentile of measured time over the budget, least of three budgets, controller alone with a work curve",
         asked: "≥ 0.8",
-        at: "/worst/ours, demand curve given/p99_least",
+        at: "/worst/ours, work curve given/p99_least",
         unit: "ratio",
     },
     Asked {
-        what: "99th percentile of measured time over the budget, greatest of three budgets, controller alone with a demand curve",
+        what: "99th percentile of measured time over the budget, greatest of three budgets, controller alone with a work curve",
         asked: "≤ 1.05",
-        at: "/worst/ours, demand curve given/p99_greatest",
+        at: "/worst/ours, work curve given/p99_greatest",
         unit: "ratio",
     },
     Asked {
-        what: "Frames outside 0.8 to 1.05 of the budget after a teleport, worst, controller alone with a demand curve",
+        what: "Frames outside 0.8 to 1.05 of the budget after a teleport, worst, controller alone with a work curve",
         asked: "≤ 6",
-        at: "/worst/ours, demand curve given/recovery_teleport",
+        at: "/worst/ours, work curve given/recovery_teleport",
         unit: "frames",
     },
     Asked {
-        what: "Frames outside after a change of load, worst, controller alone with a demand curve",
+        what: "Frames outside after a change of load, worst, controller alone with a work curve",
         asked: "≤ 6",
-        at: "/worst/ours, demand curve given/recovery_load",
+        at: "/worst/ours, work curve given/recovery_load",
         unit: "frames",
     },
     Asked {
-        what: "Reversals of the tolerance while the camera stands or walks, worst, controller alone with a demand curve",
+        what: "Reversals of the tolerance while the camera stands or walks, worst, controller alone with a work curve",
         asked: "< 1",
-        at: "/worst/ours, demand curve given/turns_a_second_calm",
+        at: "/worst/ours, work curve given/turns_a_second_calm",
         unit: "a second",
     },
     Asked {
-        what: "Change of the tolerance from frame to frame there, 99th percentile, controller alone with a demand curve",
+        what: "Change of the tolerance from frame to frame there, 99th percentile, controller alone with a work curve",
         asked: "≤ 0.01",
-        at: "/worst/ours, demand curve given/step_calm_p99",
+        at: "/worst/ours, work curve given/step_calm_p99",
         unit: "of the tolerance",
     },
 ];
@@ -112,7 +112,7 @@ const TRACED: usize = 12;
 /// Added to the seed of the flight on which gains are tuned.
 const TUNING_SEED: u32 = 1000;
 
-/// Steps of τ, of which 99 in 100 are smaller, that a rival may make in a calm view where it is tuned
+/// Steps of τ, of which 99 in 100 are smaller, that a baseline may make in a calm view where it is tuned
 /// for one: what ours keeps to.
 const CALM: f64 = 0.01;
 
@@ -124,8 +124,8 @@ const DIFFERENTIALS: [f64; 2] = [0.0, 0.2];
 /// What ships.
 const SHIPPED: &str = "ours, in an app";
 /// The controller alone, with what the engine does not supply.
-const GIVEN: &str = "ours, demand curve given";
-const GIVEN_UNCOUNTED: &str = "ours, demand curve given, nothing counted";
+const GIVEN: &str = "ours, work curve given";
+const GIVEN_UNCOUNTED: &str = "ours, work curve given, nothing counted";
 const PER_LEG: &str = "best fixed per leg (offline)";
 
 fn run(options: &Options) -> Report {
@@ -138,7 +138,7 @@ fn run(options: &Options) -> Report {
     };
     let plant = MadeUp::new(options.seed);
     let other = MadeUp::new(options.seed.wrapping_add(TUNING_SEED));
-    let (curves, other_curves) = (demands(&plant), demands(&other));
+    let (curves, other_curves) = (curves(&plant), curves(&other));
     let mut summary = Map::new();
     for milliseconds in BUDGETS {
         eprintln!("{}: {milliseconds} ms", STUDY.name);
@@ -147,9 +147,9 @@ fn run(options: &Options) -> Report {
             least: 0.25,
             greatest: 64.0,
         };
-        let on = |plant, demands| Course {
+        let on = |plant, curves| Course {
             plant,
-            demands,
+            curves,
             budget,
         };
         let course = on(&plant, &curves);
@@ -172,7 +172,7 @@ fn run(options: &Options) -> Report {
             (PER_LEG, Box::new(best_per_leg(&course))),
         ];
         let flown = methods.map(|(name, mut control)| {
-            let trace = fly(course.plant, course.demands, &budget, control.as_mut());
+            let trace = fly(course.plant, course.curves, &budget, control.as_mut());
             let verdict = judge(course.plant, &budget, &trace);
             (name, trace, verdict)
         });
@@ -230,8 +230,8 @@ fn notes() -> Vec<String> {
     vec![
         format!(
             "{SHIPPED:?} is what ships: the engine's systems on a camera, times as diagnostics, three frames old \
-             for all that it knows, no demand curve. {GIVEN:?} is the controller alone, told the frame of each \
-             time, triangles, and the demand curve of the frame to come, which no code of the engine supplies."
+             for all that it knows, no work curve. {GIVEN:?} is the controller alone, told the frame of each \
+             time, triangles, and the work curve of the frame to come, which no code of the engine supplies."
         ),
         format!(
             "Times are divided by the budget. Measured times have {} % of noise and spikes of 20 % in \
@@ -243,7 +243,7 @@ fn notes() -> Vec<String> {
             BAND.1
         ),
         "The ground is made up: two power laws, hard edges, a finest level; time is not proportional \
-         to vertices; demand curves are off by up to 10 %, differently in each place."
+         to vertices; work curves are off by up to 10 %, differently in each place."
             .into(),
         "Gains of proportional and PID are the best of a grid on another flight; of the calm one, the \
          best whose steps of the tolerance in a calm view stay below 1 %. The offline \

@@ -1,10 +1,10 @@
-//! What is controlled: time by tolerance, frame for frame, along a flight over made-up ground.
+//! What is controlled: time by tolerance, frame for frame, along a flight over synthetic terrain.
 //!
 //! It is not the controller's own model: vertices follow a sum of two power laws and a floor of hard
 //! edges, bent towards what the finest level has; time is not proportional to vertices; what the
-//! demand curve foretells is off by some percent, differently in each place.
+//! work curve predicts is off by some percent, differently in each place.
 
-use dolomite_geometry::budget::DemandCurve;
+use dolomite_geometry::budget::WorkCurve;
 use dolomite_testkit::random::Random;
 
 /// Frames a second of the flight.
@@ -19,7 +19,7 @@ pub const NOISE: f64 = 0.03;
 const SPIKE: (f64, f64) = (0.003, 0.2);
 /// (frame, factor of all time) of a second app that comes and goes.
 const LOADS: [(usize, f64); 4] = [(1500, 1.35), (2700, 1.0), (4500, 1.25), (5900, 1.0)];
-/// Range of tolerances of a demand curve, pixels.
+/// Range of tolerances of a work curve, pixels.
 const CURVE: (f32, f32) = (0.25, 64.0);
 
 /// What happens to a frame that a controller cannot have seen in earlier ones.
@@ -31,13 +31,13 @@ pub enum Event {
     Load,
 }
 
-/// A flight whose time depends on the tolerance. Real demand curves take the place of made-up ones by
+/// A flight whose time depends on the tolerance. Real work curves take the place of synthetic ones by
 /// another implementation.
 pub trait Plant {
     /// How many frames it has.
     fn frames(&self) -> usize;
-    /// What the selection foretells of a frame before it is drawn.
-    fn demand(&self, frame: usize) -> DemandCurve;
+    /// What the selection predicts of a frame before it is drawn.
+    fn curve(&self, frame: usize) -> WorkCurve;
     /// Triangles that are drawn with a tolerance, pixels.
     fn triangles(&self, frame: usize, tau: f64) -> f64;
     /// Time without noise, milliseconds.
@@ -70,14 +70,14 @@ struct Place {
     fixed: f64,
     /// ms a million vertices.
     each: f64,
-    /// Foretold over drawn vertices.
-    foretold: f64,
+    /// Predicted over drawn vertices.
+    predicted: f64,
 }
 
 /// How much a leg moves: standing, walking, flying.
 const MOTIONS: [f64; 3] = [0.0, 0.08, 0.6];
 
-/// The made-up ground.
+/// The synthetic terrain.
 pub struct MadeUp {
     places: Vec<Place>,
     disturbances: Vec<f64>,
@@ -123,7 +123,7 @@ impl MadeUp {
                     finest: between(r, 6.0, 12.0),
                     fixed: between(r, 0.15, 0.4),
                     each: between(r, 0.85, 1.15),
-                    foretold: between(r, 0.9, 1.1),
+                    predicted: between(r, 0.9, 1.1),
                 }
             })
             .collect();
@@ -154,7 +154,7 @@ impl MadeUp {
         place.amounts[1] += motion * (wave(10.0, 0.4) + 0.3 * wave(1.7, 0.2));
         place.fixed *= 1.0 + 0.3 * motion * wave(4.0, 0.3);
         place.each *= 1.0 + 0.1 * motion * wave(10.0, 0.8);
-        place.foretold *= 1.0 + 0.05 * motion * wave(4.0, 0.5);
+        place.predicted *= 1.0 + 0.05 * motion * wave(4.0, 0.5);
         place
     }
 }
@@ -175,13 +175,13 @@ impl Plant for MadeUp {
         LEG * LEGS
     }
 
-    fn demand(&self, frame: usize) -> DemandCurve {
+    fn curve(&self, frame: usize) -> WorkCurve {
         let place = self.place(frame);
         let tolerances =
-            DemandCurve::tolerances(CURVE.0, CURVE.1).expect("the range of the curve is one");
+            WorkCurve::tolerances(CURVE.0, CURVE.1).expect("the range of the curve is one");
         let counts =
-            tolerances.map(|tau| (1e6 * place.foretold * place.millions(f64::from(tau))) as f32);
-        DemandCurve::new(CURVE.0, CURVE.1, counts).expect("counts are finite")
+            tolerances.map(|tau| (1e6 * place.predicted * place.millions(f64::from(tau))) as f32);
+        WorkCurve::new(CURVE.0, CURVE.1, counts).expect("counts are finite")
     }
 
     fn triangles(&self, frame: usize, tau: f64) -> f64 {

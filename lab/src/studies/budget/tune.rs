@@ -1,17 +1,17 @@
-//! Every rival at its best: gains by a search over a grid on a flight of its own, tolerances offline.
+//! Every baseline at its best: gains by a search over a grid on a flight of its own, tolerances offline.
 
 use super::control::{Fixed, PerLeg, Pid, PidControl};
 use super::fly::{Verdict, fly, judge};
 use super::plant::Plant;
-use dolomite_geometry::budget::{Budget, DemandCurve};
+use dolomite_geometry::budget::{Budget, WorkCurve};
 use dolomite_testkit::metrics::ErrorStats;
 
 /// A flight with its curves, and the budget on it.
 pub struct Course<'a> {
     /// The flight.
     pub plant: &'a dyn Plant,
-    /// Its demand curves.
-    pub demands: &'a [DemandCurve],
+    /// Its work curves.
+    pub curves: &'a [WorkCurve],
     /// What is to be held.
     pub budget: Budget,
 }
@@ -45,7 +45,7 @@ pub fn tuned(course: &Course, grid: [&[f64]; 3], step: f64) -> Pid {
                         aim,
                     };
                     let mut control = PidControl::new(gains, course.budget);
-                    let trace = fly(course.plant, course.demands, &course.budget, &mut control);
+                    let trace = fly(course.plant, course.curves, &course.budget, &mut control);
                     let verdict = judge(course.plant, &course.budget, &trace);
                     let loss = if verdict.steps.0 <= step {
                         loss(&verdict)
@@ -108,7 +108,7 @@ pub fn best_per_leg(course: &Course) -> PerLeg {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::studies::budget::fly::demands;
+    use crate::studies::budget::fly::curves;
     use crate::studies::budget::plant::MadeUp;
 
     #[test]
@@ -116,7 +116,7 @@ mod tests {
         let plant = MadeUp::new(2);
         let course = Course {
             plant: &plant,
-            demands: &demands(&plant),
+            curves: &curves(&plant),
             budget: Budget {
                 milliseconds: 2.0,
                 least: 0.25,
@@ -124,7 +124,7 @@ mod tests {
             },
         };
         let mut legs = best_per_leg(&course);
-        let trace = fly(&plant, course.demands, &course.budget, &mut legs);
+        let trace = fly(&plant, course.curves, &course.budget, &mut legs);
         for leg in trace.measured.chunks(super::super::plant::LEG) {
             let p99 = ErrorStats::of(leg.iter().copied()).unwrap().p99;
             // One more sample over 600 changes the percentile by the gap between two: 2 %.

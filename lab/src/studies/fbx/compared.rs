@@ -14,12 +14,12 @@ pub(super) fn compared(lines: &[&Line]) -> Value {
     let of = |name: &str| {
         let pairs: Vec<(f64, f64)> = lines
             .iter()
-            .flat_map(|line| &line.rivals)
-            .filter(|rival| rival.name == name)
-            .map(|rival| {
+            .flat_map(|line| &line.baselines)
+            .filter(|baseline| baseline.name == name)
+            .map(|baseline| {
                 (
-                    rival.ours_over_size,
-                    rival.error_over_size.unwrap_or(f64::INFINITY),
+                    baseline.ours_over_size,
+                    baseline.error_over_size.unwrap_or(f64::INFINITY),
                 )
             })
             .collect();
@@ -33,7 +33,7 @@ pub(super) fn compared(lines: &[&Line]) -> Value {
             .count();
         let bytes = |pick: fn(&Line) -> usize| -> usize {
             let both = lines.iter().filter(|line| {
-                line.rivals
+                line.baselines
                     .iter()
                     .any(|r| r.name == name && r.bytes.is_some())
             });
@@ -41,7 +41,7 @@ pub(super) fn compared(lines: &[&Line]) -> Value {
         };
         let theirs: usize = lines
             .iter()
-            .flat_map(|line| &line.rivals)
+            .flat_map(|line| &line.baselines)
             .filter(|r| r.name == name)
             .filter_map(|r| r.bytes)
             .sum();

@@ -1,7 +1,7 @@
 //! What is said of one file.
 
+use super::baselines::{Baseline, Baselines};
 use super::file::FbxFile;
-use super::rivals::{Rival, Rivals};
 use super::time::timed;
 use crate::study::Options as LabOptions;
 use dolomite_fbx::check::{FileCheck, check_file};
@@ -46,12 +46,12 @@ pub struct Line {
     /// What is lost, by kind.
     pub lost: Vec<String>,
     /// What others make of the file.
-    pub rivals: Vec<Rival>,
+    pub baselines: Vec<Baseline>,
 }
 
 impl Line {
     /// Converts a file and looks at what came out; writes the .glb into the lab's folder.
-    pub fn of(file: &FbxFile, rivals: &Rivals, lab: &LabOptions, poses: usize) -> Self {
+    pub fn of(file: &FbxFile, baselines: &Baselines, lab: &LabOptions, poses: usize) -> Self {
         let began = Instant::now();
         let options = Options {
             weights: Weights::Four,
@@ -69,7 +69,7 @@ impl Line {
                 line.fill(&check);
                 line.write(&check.glb, lab);
                 (line.timed_ms, line.load_ms) = timed(&file.path, lab.repeats);
-                line.rivals = rivals.of(file, &check, poses);
+                line.baselines = baselines.of(file, &check, poses);
             }
             Ok(Err(error)) => line.error = Some(error.to_string()),
             Err(_) => {
@@ -136,7 +136,7 @@ impl Line {
             "stated_error_m": self.stated_error,
             "unit_m": self.unit,
             "lost": self.lost,
-            "rivals": self.rivals.iter().map(Rival::to_json).collect::<Vec<_>>(),
+            "baselines": self.baselines.iter().map(Baseline::to_json).collect::<Vec<_>>(),
         })
     }
 }

@@ -6,10 +6,10 @@
 //! them, others against ufbx, vertex by vertex at the file's frames. Where FBX2glTF (`FBX2GLTF` names
 //! its binary) or Assimp (`assimp` on the path) are installed, their results are held against the same.
 
+mod baselines;
 mod compared;
 mod file;
 mod line;
-mod rivals;
 mod time;
 
 pub use file::{FbxFile, files_below};
@@ -56,10 +56,10 @@ fn run(options: &Options) -> Report {
             Vec::new()
         }
     };
-    let rivals = rivals::Rivals::find(&mut notes);
+    let baselines = baselines::Baselines::find(&mut notes);
     let mut lines = Vec::with_capacity(files.len());
     for file in &files {
-        let line = Line::of(file, &rivals, options, POSES);
+        let line = Line::of(file, &baselines, options, POSES);
         // The lines are the study's result as they come; the table is written at the end.
         println!("{}", line.to_json());
         lines.push(line);
@@ -96,7 +96,7 @@ fn report(lines: &[Line], notes: Vec<String>, folder: &Path) -> Report {
         "median_conversion_over_load": median(
             good.iter().filter(|line| line.load_ms > 0.0).map(|line| line.timed_ms / line.load_ms).collect()
         ),
-        "rivals": compared::compared(&good),
+        "baselines": compared::compared(&good),
     });
     eprintln!("fbx: {summary:#}");
     Report {
@@ -136,11 +136,14 @@ fn rows(line: &Line) -> Vec<Row> {
         Some(line.timed_ms),
         Some(line.bytes),
     )];
-    rows.extend(
-        line.rivals
-            .iter()
-            .map(|rival| row(rival.name, rival.error_over_size, None, rival.bytes)),
-    );
+    rows.extend(line.baselines.iter().map(|baseline| {
+        row(
+            baseline.name,
+            baseline.error_over_size,
+            None,
+            baseline.bytes,
+        )
+    }));
     rows
 }
 
@@ -174,7 +177,7 @@ mod tests {
         let files = files_below(&folder).unwrap();
         let line = Line::of(
             &files[0],
-            &rivals::Rivals::default(),
+            &baselines::Baselines::default(),
             &Options::default(),
             1,
         );

@@ -275,7 +275,7 @@ fn figures(cases: &[Case], flights: &[(usize, usize, Ages)]) -> Vec<Figure> {
             name: "ground_time".into(),
             caption: "Time of all answers of a frame, from submit to done.".into(),
             chart: chart(
-                "Time of ground answers",
+                "Time of height queries",
                 "ms",
                 Axes::Logarithmic,
                 curves(&|case| case.ms),
@@ -308,7 +308,7 @@ fn figures(cases: &[Case], flights: &[(usize, usize, Ages)]) -> Vec<Figure> {
         Figure {
             name: "ground_age".into(),
             caption: "Frames from a question to the first frame that uses its answer.".into(),
-            chart: chart("Age of ground answers", "frames", Axes::Logarithmic, ages.into()),
+            chart: chart("Age of height queries", "frames", Axes::Logarithmic, ages.into()),
         },
     ]
 }

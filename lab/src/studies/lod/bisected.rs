@@ -1,8 +1,8 @@
 //! Two methods on the bisection of triangles: sides of equal length on the screen, as most engines
 //! refine, and least error, which knows the truth.
 
+use super::baseline::{Baseline, Knob};
 use super::bisection::{Bisection, Lattice, Node, Triangle};
-use super::rival::{Knob, Rival};
 use crate::scenes::camera::{Camera, View};
 use crate::scenes::mesh::MOST_TRIANGLES;
 use crate::scenes::mesh::{Drawn, GroundMesh};
@@ -42,7 +42,7 @@ impl Bisected {
     }
 }
 
-impl Rival for Bisected {
+impl Baseline for Bisected {
     fn name(&self) -> &'static str {
         match self.priority {
             Priority::Edge => "equal edges",
@@ -231,8 +231,8 @@ mod tests {
             (Priority::Edge, [128.0, 64.0]),
             (Priority::Error, [16.0, 8.0]),
         ] {
-            let rival = Bisected::new(priority);
-            let [coarse, fine] = knobs.map(|k| rival.draw(&truth, &camera, k).unwrap());
+            let baseline = Bisected::new(priority);
+            let [coarse, fine] = knobs.map(|k| baseline.draw(&truth, &camera, k).unwrap());
             assert!(fine.vertices() > coarse.vertices(), "{priority:?}");
             let view = camera.view();
             let mut checked = 0;

@@ -2,7 +2,7 @@
 //! Heightmaps"): a quadtree of grids, chosen by the distance in space; towards the end of its range a
 //! grid's vertices move onto the next coarser grid.
 
-use super::rival::{Knob, Rival};
+use super::baseline::{Baseline, Knob};
 use crate::scenes::camera::{Camera, View};
 use crate::scenes::mesh::MOST_TRIANGLES;
 use crate::scenes::mesh::{Drawn, GroundMesh};
@@ -29,7 +29,7 @@ pub struct Cdlod {
 /// A node of the quadtree: depth, and column and row at that depth.
 type Node = (u32, [u32; 2]);
 
-impl Rival for Cdlod {
+impl Baseline for Cdlod {
     fn name(&self) -> &'static str {
         "CDLOD"
     }

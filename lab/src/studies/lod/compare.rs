@@ -1,8 +1,8 @@
 //! Methods beside each other under the same cameras, each with its knob turned to the same error.
 
+use super::baseline::{AtMost, Baseline};
 use super::bisected::{Bisected, Priority};
 use super::cdlod::Cdlod;
-use super::rival::{AtMost, Rival};
 use super::tune::{TuneError, Tuned, tune};
 use super::uniform::Uniform;
 use crate::scenes::camera::Camera;
@@ -15,8 +15,8 @@ use dolomite_terrain::Terrain;
 pub struct Row {
     /// Number of the camera.
     pub camera: usize,
-    /// [`Rival::name`].
-    pub rival: &'static str,
+    /// [`Baseline::name`].
+    pub baseline: &'static str,
     /// What its knob is, with its unit.
     pub knob: &'static str,
     /// What came out.
@@ -25,7 +25,7 @@ pub struct Row {
 
 /// The methods that others are compared with.
 #[must_use]
-pub fn all_rivals() -> Vec<Box<dyn Rival>> {
+pub fn all_baselines() -> Vec<Box<dyn Baseline>> {
     vec![
         Box::new(Uniform),
         Box::new(Cdlod::default()),
@@ -34,14 +34,14 @@ pub fn all_rivals() -> Vec<Box<dyn Rival>> {
     ]
 }
 
-/// Places that [`rivals`] measures at, for each camera.
+/// Places that [`baselines`] measures at, for each camera.
 pub const PLACES: usize = 1 << 17;
 
-/// Every method of [`all_rivals`] under every camera at `wanted` pixels of error.
+/// Every method of [`all_baselines`] under every camera at `wanted` pixels of error.
 #[must_use]
-pub fn rivals(terrain: &Terrain, cameras: &[Camera], wanted: f64, seed: u32) -> Vec<Row> {
+pub fn baselines(terrain: &Terrain, cameras: &[Camera], wanted: f64, seed: u32) -> Vec<Row> {
     let budget = (wanted, PLACES);
-    compare(&all_rivals(), terrain, cameras, budget, None, seed)
+    compare(&all_baselines(), terrain, cameras, budget, None, seed)
 }
 
 /// These methods under every camera at `wanted` pixels of error over some `places` places, the same
@@ -49,7 +49,7 @@ pub fn rivals(terrain: &Terrain, cameras: &[Camera], wanted: f64, seed: u32) -> 
 /// a method goes to standard error.
 #[must_use]
 pub fn compare(
-    methods: &[Box<dyn Rival>],
+    methods: &[Box<dyn Baseline>],
     terrain: &Terrain,
     cameras: &[Camera],
     (wanted, places): (f64, usize),
@@ -65,7 +65,7 @@ pub fn compare(
         let mut limit = u64::MAX;
         for (k, method) in methods.iter().enumerate() {
             let method = AtMost {
-                rival: &**method,
+                baseline: &**method,
                 vertices: limit,
             };
             let tuned = tune(&method, &truth, camera, (&here, &fresh), wanted);
@@ -89,7 +89,7 @@ pub fn compare(
             }
             rows.push(Row {
                 camera: number,
-                rival: method.name(),
+                baseline: method.name(),
                 knob: method.knob().name,
                 tuned,
             });
@@ -104,12 +104,12 @@ mod tests {
     use crate::scenes::{cameras, terrains};
 
     #[test]
-    fn all_rivals_meet_the_error_and_the_one_that_knows_it_draws_least() {
+    fn all_baselines_meet_the_error_and_the_one_that_knows_it_draws_least() {
         let terrain = terrains::fbm(1);
         let cameras = cameras::ordinary(&terrain);
         let wanted = 16.0;
         let rows = compare(
-            &all_rivals(),
+            &all_baselines(),
             &terrain,
             &cameras[1..],
             (wanted, 4000),
@@ -120,7 +120,7 @@ mod tests {
         for rows in rows.chunks(4) {
             let tuned: Vec<Tuned> = rows.iter().map(|row| row.tuned.unwrap()).collect();
             let [uniform, cdlod, edges, greedy] = tuned[..] else {
-                panic!("four rivals");
+                panic!("four baselines");
             };
             for tuned in &tuned {
                 assert!(tuned.measured.max <= wanted, "{tuned:?}");

@@ -354,7 +354,7 @@ mod tests {
         }
     }
 
-    /// Worn noise that is calm where a cell has its samples and rough between them: with half the tail the
+    /// Eroded noise that is calm where a cell has its samples and rough between them: with half the tail the
     /// error here was 1.2 times the tolerance.
     #[test]
     fn a_rough_spot_between_samples_keeps_to_its_bound() {

@@ -328,7 +328,7 @@ fn bin(error: f64) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rival::Rival;
+    use super::super::baseline::Baseline;
     use super::super::uniform::Uniform;
     use super::*;
     use crate::scenes::mesh::GroundMesh;

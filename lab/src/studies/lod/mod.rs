@@ -8,7 +8,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`mod@measure`] | what errors come to |
-//! | [`rival`] | what a method offers |
+//! | [`baseline`] | what a method offers |
 //! | [`uniform`], [`cdlod`], [`bisected`] | a static grid; CDLOD; equal edges and greedy |
 //! | [`bisection`] | the triangles of the last two |
 //! | [`mod@tune`], [`mod@compare`] | turns the knob; all methods under all cameras |
@@ -25,6 +25,7 @@
     reason = "f64 measurements: the last bit of a logarithm or a tangent decides nothing"
 )]
 
+pub mod baseline;
 pub mod bisected;
 pub mod bisection;
 pub mod cdlod;
@@ -38,7 +39,6 @@ pub mod passes;
 pub mod pops;
 pub mod precision;
 pub mod report;
-pub mod rival;
 pub mod run;
 pub mod soak;
 pub mod speed;

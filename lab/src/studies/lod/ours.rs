@@ -1,6 +1,6 @@
-//! Our selection as a method among the others: its CPU twin, cells and all, for three metrics.
+//! Our selection as a method among the others: its CPU reference, cells and all, for three metrics.
 
-use super::rival::{Knob, Rival};
+use super::baseline::{Baseline, Knob};
 use crate::scenes::camera::Camera;
 use crate::scenes::mesh::Drawn;
 use crate::scenes::selection::{FINEST, MOST_VERTICES, cells_of, detail_view, ground_mesh};
@@ -63,7 +63,7 @@ impl Ours {
     }
 }
 
-impl Rival for Ours {
+impl Baseline for Ours {
     fn name(&self) -> &'static str {
         match self.asked {
             Asked::ErrorBound => "ours",

@@ -122,7 +122,7 @@ pub fn compared_rows(compared: &[Compared]) -> Vec<csv::Row> {
     for Compared { wanted, rows: of } in compared {
         for one in of {
             let sweep = format!("vertices, camera {}, {wanted} px", one.camera);
-            let empty = row(&sweep, one.rival, String::new(), f64::NAN);
+            let empty = row(&sweep, one.baseline, String::new(), f64::NAN);
             rows.push(match &one.tuned {
                 Ok(tuned) => csv::Row {
                     parameter: format!("{}={}", one.knob, tuned.knob),
@@ -153,7 +153,7 @@ pub fn compared(compared: &[Compared]) -> Value {
             }
             let ours = rows
                 .iter()
-                .find(|other| other.camera == row.camera && other.rival == "ours")
+                .find(|other| other.camera == row.camera && other.baseline == "ours")
                 .and_then(|other| other.tuned.ok());
             let told = match &row.tuned {
                 Ok(tuned) => json!({
@@ -170,7 +170,7 @@ pub fn compared(compared: &[Compared]) -> Value {
                 }),
                 Err(error) => json!({ "none": error.to_string() }),
             };
-            cameras[row.camera].insert(row.rival.to_owned(), told);
+            cameras[row.camera].insert(row.baseline.to_owned(), told);
         }
         all.insert(format!("{wanted} px"), json!(cameras));
     }
@@ -188,10 +188,10 @@ pub fn figures(compared: &[Compared]) -> Vec<Figure> {
             if row.camera != camera {
                 continue;
             }
-            let at = curves.iter().position(|curve| curve.name == row.rival);
+            let at = curves.iter().position(|curve| curve.name == row.baseline);
             let at = at.unwrap_or_else(|| {
                 curves.push(Curve {
-                    name: row.rival.to_owned(),
+                    name: row.baseline.to_owned(),
                     colour: 0,
                     points: Vec::new(),
                 });

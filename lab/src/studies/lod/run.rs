@@ -1,6 +1,7 @@
 //! The study: how much of everything, and what is told of it.
 
-use super::compare::{PLACES, all_rivals, compare};
+use super::baseline::Baseline;
+use super::compare::{PLACES, all_baselines, compare};
 use super::cracks;
 use super::guarantee::{TAUS, guarantee};
 use super::ours::Ours;
@@ -8,7 +9,6 @@ use super::passes::passes;
 use super::pops::{MOVES, RATE, TAU, pops};
 use super::precision::{FAR, far_noise, pairs};
 use super::report::{self, Compared, row};
-use super::rival::Rival;
 use super::soak;
 use super::speed::speed;
 use crate::csv;
@@ -253,8 +253,8 @@ fn beside_others(plan: &Plan) -> Vec<Compared> {
     let cameras = ordinary(ground);
     let ours = Ours::all()
         .into_iter()
-        .map(|ours| Box::new(ours) as Box<dyn Rival>);
-    let methods: Vec<Box<dyn Rival>> = ours.chain(all_rivals()).collect();
+        .map(|ours| Box::new(ours) as Box<dyn Baseline>);
+    let methods: Vec<Box<dyn Baseline>> = ours.chain(all_baselines()).collect();
     plan.wanted
         .iter()
         .map(|&wanted| Compared {
@@ -297,7 +297,7 @@ fn times(plan: &Plan, rows: &mut Vec<csv::Row>) -> Value {
     eprintln!("lod: time");
     let mut told = Vec::new();
     // As games have it by default.
-    let finest = dolomite_ground::detail::Detail::default().finest;
+    let finest = dolomite_ground::detail::TerrainLod::default().finest;
     for (number, camera) in ordinary(&plan.ground).iter().enumerate() {
         let camera = crate::scenes::camera::Camera {
             size: plan.picture * 2,
@@ -335,7 +335,7 @@ fn on_the_adapter(plan: &Plan) -> Value {
         Err(error) => return json!({ "not_measured": error.to_string() }),
     };
     let [standing, flying, _] = ordinary(&plan.ground);
-    let finest = dolomite_ground::detail::Detail::default().finest;
+    let finest = dolomite_ground::detail::TerrainLod::default().finest;
     let mut views = vec![
         ("standing", plan.ground.clone(), standing, finest),
         ("flying", plan.ground.clone(), flying, finest),

@@ -24,7 +24,7 @@ pub struct Speed {
     pub vertices: u64,
     /// Triangles.
     pub triangles: u64,
-    /// Greatest demand that was not met; see `Selection::held`.
+    /// Greatest error ratio that was not met; see `Selection::held`.
     pub held: f64,
 }
 

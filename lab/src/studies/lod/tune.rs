@@ -1,7 +1,7 @@
 //! Turns a method's knob until its largest error is the wanted one.
 
+use super::baseline::Baseline;
 use super::measure::{Measured, measure};
-use super::rival::Rival;
 use crate::scenes::camera::Camera;
 use crate::scenes::places::Places;
 use crate::scenes::truth::Truth;
@@ -67,14 +67,14 @@ const LAST_STEP: f64 = 0.05;
 /// # Errors
 /// [`TuneError`].
 pub fn tune(
-    rival: &dyn Rival,
+    baseline: &dyn Baseline,
     truth: &Truth,
     camera: &Camera,
     (places, fresh): (&Places, &Places),
     wanted: f64,
 ) -> Result<Tuned, TuneError> {
     let view = camera.view();
-    let knob = rival.knob();
+    let knob = baseline.knob();
     // ln of the knob, from 0 at the coarsest end to `length` at the finest.
     let length = (knob.finest / knob.coarsest).ln().abs();
     let sign = (knob.finest / knob.coarsest).ln().signum();
@@ -83,7 +83,7 @@ pub fn tune(
     let mut try_at = |t: f64| {
         draws += 1;
         let start = Instant::now();
-        let Some(drawn) = rival.draw(truth, camera, at(t)) else {
+        let Some(drawn) = baseline.draw(truth, camera, at(t)) else {
             return Ok(None);
         };
         let draw = start.elapsed();
@@ -159,7 +159,7 @@ pub fn tune(
             None => coarse = (middle, f64::INFINITY),
         }
     }
-    if let Some(drawn) = rival.draw(truth, camera, fine.knob)
+    if let Some(drawn) = baseline.draw(truth, camera, fine.knob)
         && let Some(fresh) = measure(truth, &view, &*drawn, fresh)
     {
         fine.fresh = fresh;
@@ -169,7 +169,7 @@ pub fn tune(
 
 #[cfg(test)]
 mod tests {
-    use super::super::rival::AtMost;
+    use super::super::baseline::AtMost;
     use super::super::uniform::Uniform;
     use super::*;
     use crate::scenes::{cameras, terrains};
@@ -208,7 +208,7 @@ mod tests {
         let enough = |share: f64| {
             let most = (fine.vertices as f64 * share) as u64;
             let limited = AtMost {
-                rival: &Uniform,
+                baseline: &Uniform,
                 vertices: most,
             };
             tune(&limited, &truth, &camera, (&places, &fresh), 1.0)

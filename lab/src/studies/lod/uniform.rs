@@ -1,6 +1,6 @@
 //! The static mesh: one grid of equal cells over all of the terrain.
 
-use super::rival::{Knob, Rival};
+use super::baseline::{Baseline, Knob};
 use crate::scenes::camera::Camera;
 use crate::scenes::mesh::{Drawn, barycentric};
 use crate::scenes::truth::Truth;
@@ -11,7 +11,7 @@ use bevy::math::{DVec2, DVec3};
 #[derive(Debug, Clone, Copy)]
 pub struct Uniform;
 
-impl Rival for Uniform {
+impl Baseline for Uniform {
     fn name(&self) -> &'static str {
         "uniform grid"
     }

@@ -4,13 +4,13 @@
 //! the method's own definition in f64, for 1 to 12 octaves? And how does that error grow with the
 //! distance from the origin, 1 m to 10^7 m?
 
+pub mod baselines;
 pub mod measure;
 pub mod method;
 pub mod noiz_definition;
 pub mod ours;
 pub mod points;
 pub mod report;
-pub mod rivals;
 pub mod wgsl;
 
 use crate::csv::Row;
@@ -128,10 +128,10 @@ fn methods(octaves: u32, seed: u32, adapter: Option<&wgsl::Adapter>) -> Vec<Box<
     if let Some(adapter) = adapter {
         methods.push(Box::new(wgsl::Wgsl::new(octaves, seed, adapter.clone())));
     }
-    methods.push(Box::new(rivals::Noise09::new(octaves, seed)));
-    methods.push(Box::new(rivals::Noiz05::new(octaves, seed)));
-    methods.push(Box::new(rivals::FastNoiseLite11::new(octaves, seed)));
-    methods.push(Box::new(rivals::NoiseFunctions08::new(octaves, seed)));
+    methods.push(Box::new(baselines::Noise09::new(octaves, seed)));
+    methods.push(Box::new(baselines::Noiz05::new(octaves, seed)));
+    methods.push(Box::new(baselines::FastNoiseLite11::new(octaves, seed)));
+    methods.push(Box::new(baselines::NoiseFunctions08::new(octaves, seed)));
     methods
 }
 

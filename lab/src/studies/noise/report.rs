@@ -17,7 +17,7 @@ const SPEED_OVER_NOISE: f64 = 8.0;
 /// Times as fast as `noiz` 0.5 (value only) that the batch with gradient is to be.
 const SPEED_OVER_NOIZ: f64 = 1.5;
 
-/// What a reader must know of the rivals, whatever came out.
+/// What a reader must know of the baselines, whatever came out.
 pub fn standing_notes() -> Vec<String> {
     [
         "noise 0.9 computes in f64 and is its own definition: no error is given. Its permutation has \
@@ -192,14 +192,14 @@ fn summary(rows: &[Row]) -> Value {
             json!({ "tile": of("tile"), "scattered": of("scattered") }),
         );
     }
-    let ratio = |rival: &str, layout: &str| {
+    let ratio = |baseline: &str, layout: &str| {
         let ours = time_of(rows, ours::BATCH, layout, "gradient")?;
-        Some(time_of(rows, rival, layout, "value")? / ours)
+        Some(time_of(rows, baseline, layout, "value")? / ours)
     };
-    let speed = |rival: &str, reach: f64| {
+    let speed = |baseline: &str, reach: f64| {
         json!({
-            "tile": ratio(rival, "tile"),
-            "scattered": ratio(rival, "scattered"),
+            "tile": ratio(baseline, "tile"),
+            "scattered": ratio(baseline, "scattered"),
             "reach": reach,
         })
     };

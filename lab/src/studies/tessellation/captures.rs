@@ -1,4 +1,4 @@
-//! `tessellation --cases FILE.jsonl`: the CPU twin and the WGSL, in both modes, against captures.
+//! `tessellation --cases FILE.jsonl`: the CPU reference and the WGSL, in both modes, against captures.
 
 use super::cases::{Case, CaseError, read};
 use super::check::{Faults, against_capture};
@@ -44,9 +44,9 @@ pub fn compare(path: &Path) -> Result<Value, CaptureError> {
             .collect();
         adapter.tessellate(&patches, |k, ours| {
             let (case, (tessellator, levels)) = (&cases[k], &patches[k]);
-            let twin = tessellator.tessellate_fixed(levels);
-            different_bits += usize::from(twin != ours);
-            cpu.0[slot].add(&against_capture(case, mode, &twin));
+            let reference = tessellator.tessellate_fixed(levels);
+            different_bits += usize::from(reference != ours);
+            cpu.0[slot].add(&against_capture(case, mode, &reference));
             gpu.0[slot].add(&against_capture(case, mode, &ours));
         })?;
     }

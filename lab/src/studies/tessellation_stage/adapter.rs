@@ -1,10 +1,10 @@
 //! Pairs of patches through all passes of the stage on the adapter.
 
+use super::cpu::Sharing;
 use super::functions::TAGGED;
 use super::pairs::{Pair, TESSELLATORS, layout, pair, tessellator};
 use super::seam::{Bits, Seams};
 use super::tally::{Kind, Tallies};
-use super::twin::Sharing;
 use dolomite_tessellation::shape::Shape;
 use dolomite_tessellation::tables::Instance;
 use dolomite_tessellation::{Domain, Drawing, PatchLayout, PatchMesh, Tessellator};

@@ -1,10 +1,10 @@
 //! Cracks: do both patches beside an edge use vertices of the same bits there?
 
+use super::cpu::{Sharing, compare};
 use super::pairs::{Pair, TESSELLATORS, pair, tessellator};
 use super::report::{Section, figure};
 use super::seam::Seam;
 use super::tally::{Kind, Tallies};
-use super::twin::{Sharing, compare};
 use crate::study::Options;
 use dolomite_testkit::cores::on_all_cores;
 use dolomite_testkit::gpu::Gpu;
@@ -30,16 +30,16 @@ pub fn run(options: &Options, gpu: Option<&Gpu>) -> Section {
         "cracks",
         "0 of 10^6 pairs of patches have other bits along the edge that they share",
     );
-    let twin = on_twin(options);
+    let cpu = on_cpu_reference(options);
     let adapter = gpu.map(|gpu| {
         let pairs = (options.samples / ADAPTER).max(4 * TESSELLATORS);
         let tallies = super::adapter::run(gpu, options.seed, pairs);
         (gpu, tallies)
     });
-    section.rows = twin.rows("CPU");
-    let mut curves = named(&twin, "CPU");
-    let mut details = json!({ "cpu": device(&twin) });
-    let mut open = twin.0[0].open_pairs + twin.0[0].other_places.unwrap_or(0);
+    section.rows = cpu.rows("CPU");
+    let mut curves = named(&cpu, "CPU");
+    let mut details = json!({ "cpu": device(&cpu) });
+    let mut open = cpu.0[0].open_pairs + cpu.0[0].other_places.unwrap_or(0);
     match adapter {
         Some((gpu, Ok(found))) => {
             open += found.0[0].open_pairs;
@@ -84,7 +84,7 @@ fn standing_notes() -> [String; 2] {
          edge lies up to 100 of its lengths from the origin. Triangles of both patches are compared \
          as sets of edges between positions, by the bits of the positions."
             .into(),
-        "On the CPU the twin emits both patches with the topology of their mesh as the passes do. \
+        "On the CPU the CPU reference emits both patches with the topology of their mesh as the passes do. \
          pairs_with_other_places: each patch's own coordinates along the side name other places, as \
          integers of 2^-24. On the adapter all passes run and vertices and indices are read back."
             .into(),
@@ -108,7 +108,7 @@ fn device(tallies: &Tallies) -> Value {
     })
 }
 
-fn on_twin(options: &Options) -> Tallies {
+fn on_cpu_reference(options: &Options) -> Tallies {
     let mut tallies = Tallies::default();
     let mut random = Random::new(options.seed);
     let (start, mut told) = (Instant::now(), Instant::now());

@@ -4,7 +4,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`cracks`] | pairs of patches with a side in common, bit by bit |
-//! | [`pairs`], [`twin`], [`adapter`], [`seam`] | the pairs; what the twin and the adapter emit for them; whether it meets |
+//! | [`pairs`], [`cpu`], [`adapter`], [`seam`] | the pairs; what the CPU reference and the adapter emit for them; whether it meets |
 //! | [`frames`] | background pixels around a camera inside of closed surfaces |
 //! | [`shadows`], [`gbuffer`], [`scene`] | frames with shadow views; their draws; what is drawn |
 //! | [`bytes`] | bytes a triangle over the level |
@@ -13,6 +13,7 @@
 
 pub mod adapter;
 pub mod bytes;
+pub mod cpu;
 pub mod cracks;
 pub mod frames;
 pub mod functions;
@@ -23,7 +24,6 @@ pub mod scene;
 pub mod seam;
 pub mod shadows;
 pub mod tally;
-pub mod twin;
 
 use crate::study::{Options, Report, Study};
 use dolomite_testkit::gpu::Gpu;
@@ -97,7 +97,7 @@ mod tests {
         );
     }
 
-    /// Without an adapter the twin's cracks are what is left.
+    /// Without an adapter the CPU reference's cracks are what is left.
     #[test]
     fn cracks_are_found_without_an_adapter() {
         let options = Options {

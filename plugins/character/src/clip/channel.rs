@@ -7,11 +7,11 @@ use thiserror::Error;
 pub enum Interpolation {
     /// The earlier key's value.
     Step,
-    /// A straight line; of rotations the shorter great arc.
+    /// A straight line; of rotations the shorter slerp.
     #[default]
     Linear,
-    /// A cubic spline with tangents at both ends, per second. Values come in threes: tangent of arrival,
-    /// value, tangent of departure. Rotations are normalised afterwards.
+    /// A cubic spline with tangents at both ends, per second. Values come in threes: incoming tangent,
+    /// value, outgoing tangent. Rotations are normalised afterwards.
     Cubic,
 }
 

@@ -1,5 +1,5 @@
 //! The truth in f64, from the channels themselves: what sampling, blending and model matrices are
-//! measured against. Other formulas than theirs where there are any: great arcs by `acos` and `sin`, keys
+//! measured against. Other formulas than theirs where there are any: slerp by `acos` and `sin`, keys
 //! found by a walk, matrices multiplied out row by column.
 
 use super::channel::{Channel, ClipData, Interpolation, Values};
@@ -87,7 +87,7 @@ fn line(a: [f64; 3], b: [f64; 3], u: f64) -> [f64; 3] {
     core::array::from_fn(|i| a[i] + (b[i] - a[i]) * u)
 }
 
-/// The shorter great arc.
+/// The shorter slerp.
 #[expect(
     clippy::disallowed_methods,
     reason = "an f64 oracle; only tests and studies use it"

@@ -1,4 +1,4 @@
-//! A figure of a crowd in 16 bytes. The twin of `character/figure.wgsl`.
+//! A figure of a crowd in 16 bytes. The CPU reference of `character/figure.wgsl`.
 
 use super::palette::PaletteFrame;
 use bevy::math::Vec3;
@@ -74,7 +74,7 @@ impl CrowdFigure {
     }
 }
 
-/// The sine of `step` 1024ths of a right angle. The polynomial is that of sampling's great arcs: sin(x)/x
+/// The sine of `step` 1024ths of a right angle. The polynomial is that of sampling's slerp: sin(x)/x
 /// in x², relative error 1e-7.
 fn quarter_sine(step: u32) -> f32 {
     let x = step as f32 * 0.001_533_980_8;

@@ -1,4 +1,4 @@
-//! Skinning from a palette on the CPU. The twin of `character/skin.wgsl`.
+//! Skinning from a palette on the CPU. The CPU reference of `character/skin.wgsl`.
 
 use super::figure::CrowdFigure;
 use super::palette::Palette;

@@ -21,7 +21,7 @@ pub struct CharacterEye {
     pub full: f32,
     /// Smaller than this, pixels, a figure is not sampled.
     pub least: f32,
-    /// Metres within which figures out of the picture are sampled every second frame, for their shadows.
+    /// Metres within which figures out of view are sampled every second frame, for their shadows.
     pub shadows: f32,
 }
 

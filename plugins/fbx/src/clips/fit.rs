@@ -1,6 +1,6 @@
 //! The fewest keys that pass within a tolerance of every sample.
 //!
-//! Keys stand on samples (not on foretold middles) and are exact there. From each key the next one is taken as far away as all
+//! Keys stand on samples (not on predicted middles) and are exact there. From each key the next one is taken as far away as all
 //! samples between stay within tolerance: found by doubling the distance, then halving the gap. A
 //! cubic's two tangents are fitted to the samples between its keys (least squares), each stretch by
 //! itself, which glTF allows: a key's tangents on its two sides are two values.

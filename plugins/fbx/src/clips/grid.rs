@@ -191,7 +191,7 @@ impl Grid {
         }
     }
 
-    /// Up to four samples that foretell the middle of a gap: its two ends first, then others that no
+    /// Up to four samples that predict the middle of a gap: its two ends first, then others that no
     /// key lies before. They are at least half a gap apart from each other, for polynomials through
     /// samples that crowd together go astray elsewhere.
     pub(crate) fn stencil(&self, gap: usize) -> Vec<usize> {

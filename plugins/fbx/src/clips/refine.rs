@@ -1,9 +1,9 @@
 //! More samples where a clip bends.
 //!
 //! Keys that pass through all samples may still be off between them. Inside of a stretch between two
-//! of the file's keys curves are smooth, so the polynomial through up to four samples foretells the
+//! of the file's keys curves are smooth, so the polynomial through up to four samples predicts the
 //! middle between two of them to fourth order. Where that middle is off the straight line, it is
-//! looked at; where it is not where it was foretold, its two sides are looked at in turn.
+//! looked at; where it is not where it was predicted, its two sides are looked at in turn.
 
 use super::grid::Grid;
 use super::metric::Leverage;
@@ -17,7 +17,7 @@ use glam::{DQuat, DVec3};
 use ufbx::SceneRoot;
 
 /// How near what lies between samples is known, as a share of the bound: a middle that is nearer than this
-/// to the straight line is not looked at, and one that is nearer to where it was foretold ends
+/// to the straight line is not looked at, and one that is nearer to where it was predicted ends
 /// the search, for the next would be sixteen times nearer.
 pub(super) const KNOWN_TO: f64 = 0.2;
 
@@ -57,12 +57,12 @@ pub(crate) fn refine(
         }
         open = add(samples, source, &middles, leverage, near)?;
     }
-    foretell(samples);
+    predict(samples);
     Ok(())
 }
 
-/// Puts the foretold middle into every gap, so that keys are held to what lies between samples too.
-fn foretell(samples: &mut Samples) {
+/// Puts the predicted middle into every gap, so that keys are held to what lies between samples too.
+fn predict(samples: &mut Samples) {
     let grid = &samples.grid;
     let gaps = 0..grid.len().saturating_sub(1);
     let middles: Vec<Middle> = gaps
@@ -132,12 +132,12 @@ fn weave_grid(samples: &mut Samples, middles: &[Middle]) -> Vec<Option<usize>> {
     from
 }
 
-/// The middle of a gap, and how the samples around foretell it.
+/// The middle of a gap, and how the samples around predict it.
 struct Middle {
     gap: usize,
     time: f64,
     label: f32,
-    /// Samples that foretell it, and their weights.
+    /// Samples that predict it, and their weights.
     stencil: Vec<(usize, f64)>,
 }
 
@@ -269,8 +269,8 @@ fn add(
         let targets = &source.model.meshes[morph.mesh].targets;
         for (i, (middle, missed)) in middles.iter().zip(&mut missed).enumerate() {
             *missed |= targets.iter().enumerate().any(|(target, of)| {
-                let foretold = middle.morph(&morph.weights, morph.targets, target);
-                (foretold - looked[i * morph.targets + target]).abs() * of.reach > near
+                let predicted = middle.morph(&morph.weights, morph.targets, target);
+                (predicted - looked[i * morph.targets + target]).abs() * of.reach > near
             });
         }
         morph.weights = woven(&morph.weights, middles, looked, morph.targets);

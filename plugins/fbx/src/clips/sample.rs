@@ -68,7 +68,7 @@ pub(crate) struct Samples {
     pub(crate) grid: Grid,
     pub(crate) tracks: Vec<Track>,
     pub(crate) morphs: Vec<MorphTrack>,
-    /// Samples that keys may stand on: those that were looked at, not foretold.
+    /// Samples that keys may stand on: those that were looked at, not predicted.
     pub(crate) stops: Vec<usize>,
     /// Samples that memory allows.
     pub(crate) most: usize,

@@ -48,7 +48,7 @@ impl Value for DVec3 {
     }
 }
 
-/// A great arc between two unit quaternions.
+/// A slerp between two unit quaternions.
 pub(crate) struct Arc {
     from: DQuat,
     /// The unit quaternion at right angles to `from`, towards the other end.

@@ -2,9 +2,9 @@
 
 use bevy::math::ops;
 
-use super::demand::DemandCurve;
 use super::estimate::{CostModel, Learnt, Work};
 use super::settings::{Budget, BudgetError, BudgetLimit, BudgetReport};
+use super::work_curve::WorkCurve;
 
 /// Standard deviations above the mean that 99 % of a normal distribution keep below.
 const ONE_IN_HUNDRED: f64 = 2.326;
@@ -18,7 +18,7 @@ const CUT_WORK: f32 = 1.5;
 const REACH: f32 = 2.0;
 /// Measurements after which neither is new.
 const SETTLED: u32 = 8;
-/// Range of counted over foretold work that is believed.
+/// Range of counted over predicted work that is believed.
 const BELIEVED: [f64; 2] = [1.0 / 16.0, 16.0];
 /// Frames whose work is remembered; measurements come back two or three frames late.
 const REMEMBERED: usize = 16;
@@ -31,7 +31,7 @@ pub struct TimeSample {
     /// The tolerance that it was drawn with, pixels.
     pub tau: f32,
     /// Triangles (or vertices, as long as it is always the same) that were counted in it, if they were:
-    /// they correct what the demand curve foretells.
+    /// they correct what the work curve predicts.
     pub triangles: Option<u32>,
     /// Which frame, as [`NextFrame::number`] had it. A frame that is no longer remembered is passed over.
     pub frame: u64,
@@ -43,8 +43,8 @@ pub struct NextFrame<'a> {
     /// Its number, greater than the last one's.
     pub number: u64,
     /// What its view asks for; without, work is taken as 1/τ.
-    pub demand: Option<&'a DemandCurve>,
-    /// Whether the view is another one than the last frame's: a teleport, a cut. With a demand curve a
+    pub curve: Option<&'a WorkCurve>,
+    /// Whether the view is another one than the last frame's: a teleport, a cut. With a work curve a
     /// great change of work counts as one too.
     pub cut: bool,
 }
@@ -56,18 +56,18 @@ struct Decided {
     tau: f32,
     /// Counts cuts.
     view: u64,
-    demand: Option<DemandCurve>,
+    curve: Option<WorkCurve>,
 }
 
 /// Holds a measured time at a budget by the error tolerance; see the [module](super).
 ///
-/// A call costs some 2 µs with a demand curve, 1 µs without, and allocates nothing.
+/// A call costs some 2 µs with a work curve, 1 µs without, and allocates nothing.
 #[derive(Clone, Debug)]
 pub struct BudgetController {
     budget: Budget,
     tau: f32,
     model: Option<CostModel>,
-    /// Counted over foretold work, once counts have come.
+    /// Counted over predicted work, once counts have come.
     counted: Option<f64>,
     view: u64,
     decided: [Option<Decided>; REMEMBERED],
@@ -163,11 +163,11 @@ impl BudgetController {
         } else {
             frame.tau
         };
-        let kind = kind_of(frame.demand.as_ref());
-        if let (Some(demand), Some(count)) = (frame.demand, sample.triangles) {
-            self.count(f64::from(demand.at(tau)), f64::from(count));
+        let kind = kind_of(frame.curve.as_ref());
+        if let (Some(curve), Some(count)) = (frame.curve, sample.triangles) {
+            self.count(f64::from(curve.at(tau)), f64::from(count));
         }
-        let amount = self.amount(frame.demand.as_ref(), tau);
+        let amount = self.amount(frame.curve.as_ref(), tau);
         match &mut self.model {
             Some(model) if model.work() == kind => match model.learn(amount, milliseconds) {
                 Learnt::Refined => {}
@@ -184,10 +184,10 @@ impl BudgetController {
         self.measurements = self.measurements.saturating_add(1);
     }
 
-    /// Corrects what is foretold by what was counted. Counts are exact: half of the way each time,
+    /// Corrects what is predicted by what was counted. Counts are exact: half of the way each time,
     /// since they are of views some frames ago.
-    fn count(&mut self, foretold: f64, counted: f64) {
-        let ratio = counted / foretold;
+    fn count(&mut self, predicted: f64, counted: f64) {
+        let ratio = counted / predicted;
         if !(BELIEVED[0]..=BELIEVED[1]).contains(&ratio) {
             return;
         }
@@ -202,10 +202,10 @@ impl BudgetController {
         }
     }
 
-    fn amount(&self, demand: Option<&DemandCurve>, tau: f32) -> f64 {
-        let amount = match demand {
-            Some(demand) => f64::from(demand.at(tau)) * self.counted.unwrap_or(1.0),
-            None => f64::from(DemandCurve::inverse(tau)),
+    fn amount(&self, curve: Option<&WorkCurve>, tau: f32) -> f64 {
+        let amount = match curve {
+            Some(curve) => f64::from(curve.at(tau)) * self.counted.unwrap_or(1.0),
+            None => f64::from(WorkCurve::inverse(tau)),
         };
         amount.max(f64::from(f32::MIN_POSITIVE))
     }
@@ -218,7 +218,7 @@ impl BudgetController {
             greatest,
         } = self.budget;
         let cut = next.cut || self.work_jumps(next);
-        let kind = kind_of(next.demand);
+        let kind = kind_of(next.curve);
         if cut {
             self.view += 1;
             (self.measured, self.measurements) = (None, 0);
@@ -230,7 +230,7 @@ impl BudgetController {
         let model = self.model.filter(|model| model.work() == kind);
         if let Some(model) = model {
             let provided = |tau: f32| {
-                (self.provided(&model, next.demand, tau) / f64::from(milliseconds)) as f32
+                (self.provided(&model, next.curve, tau) / f64::from(milliseconds)) as f32
             };
             let goal = goal(least, greatest, provided);
             let now = provided(tau);
@@ -258,10 +258,10 @@ impl BudgetController {
             number: next.number,
             tau,
             view: self.view,
-            demand: next.demand.copied(),
+            curve: next.curve.copied(),
         });
         self.report.frame = next.number;
-        self.tell(model, next.demand);
+        self.tell(model, next.curve);
         tau
     }
 
@@ -287,8 +287,8 @@ impl BudgetController {
     }
 
     /// Time to provide for a frame, milliseconds, so that 99 in 100 keep to it.
-    fn provided(&self, model: &CostModel, demand: Option<&DemandCurve>, tau: f32) -> f64 {
-        let amount = self.amount(demand, tau);
+    fn provided(&self, model: &CostModel, curve: Option<&WorkCurve>, tau: f32) -> f64 {
+        let amount = self.amount(curve, tau);
         let spared = ONE_IN_HUNDRED * model.deviation(amount);
         let most = MOST_SPARED * f64::from(self.budget.milliseconds);
         model.expected(amount) + spared.min(most)
@@ -301,16 +301,16 @@ impl BudgetController {
             .iter()
             .flatten()
             .max_by_key(|frame| frame.number);
-        let (Some(last), Some(now)) = (last, next.demand) else {
+        let (Some(last), Some(now)) = (last, next.curve) else {
             return false;
         };
-        last.demand.is_some_and(|before| {
+        last.curve.is_some_and(|before| {
             let (before, now) = (before.at(last.tau), now.at(last.tau));
             now > before * CUT_WORK || before > now * CUT_WORK
         })
     }
 
-    fn tell(&mut self, model: Option<CostModel>, demand: Option<&DemandCurve>) {
+    fn tell(&mut self, model: Option<CostModel>, curve: Option<&WorkCurve>) {
         let Budget {
             milliseconds,
             least,
@@ -329,15 +329,15 @@ impl BudgetController {
             (self.report.held, self.report.expected) = (false, 0.0);
             return;
         };
-        let expected = model.expected(self.amount(demand, self.tau)) as f32;
+        let expected = model.expected(self.amount(curve, self.tau)) as f32;
         self.report.expected = expected;
         self.report.noise = model.noise() as f32;
         self.report.held = expected <= milliseconds;
     }
 }
 
-fn kind_of(demand: Option<&DemandCurve>) -> Work {
-    if demand.is_some() {
+fn kind_of(curve: Option<&WorkCurve>) -> Work {
+    if curve.is_some() {
         Work::Known
     } else {
         Work::Assumed

@@ -2,7 +2,7 @@
 //! tolerance it is does not matter.
 //!
 //! Conventions: τ (tau) is the error tolerance in pixels, greater is coarser and cheaper; times are
-//! milliseconds; *work* is what a frame's geometry asks for, as a [`DemandCurve`] counts it.
+//! milliseconds; *work* is what a frame's geometry asks for, as a [`WorkCurve`] counts it.
 //!
 //! **The model.** A frame costs `fixed + each · work(τ)` milliseconds. The two numbers are estimated
 //! from the frames that were measured, each with the work of its own frame, so that a measurement which
@@ -23,7 +23,7 @@
 //! | part | what it does |
 //! |---|---|
 //! | [`BudgetController`] | the decision, without an ECS |
-//! | [`DemandCurve`] | vertices by tolerance, of one view |
+//! | [`WorkCurve`] | vertices by tolerance, of one view |
 //! | [`Budget`], [`BudgetReport`], [`BudgetPlugin`] | the same for cameras |
 //!
 //! ```
@@ -51,12 +51,12 @@
 //! The lab's study `budget` measures it beside other controllers.
 
 mod controller;
-mod demand;
 mod estimate;
 mod settings;
 mod systems;
+mod work_curve;
 
 pub use controller::{BudgetController, NextFrame, TimeSample};
-pub use demand::{DemandCurve, DemandError};
 pub use settings::{Budget, BudgetError, BudgetLimit, BudgetReport};
-pub use systems::{BudgetPlugin, BudgetSystems, Demand, FrameTime, TimeSamples};
+pub use systems::{BudgetPlugin, BudgetSystems, FrameTime, TimeSamples, ViewWork};
+pub use work_curve::{WorkCurve, WorkCurveError};

@@ -5,8 +5,8 @@ use bevy::prelude::*;
 use bevy::time::Real;
 
 use super::controller::{BudgetController, NextFrame, TimeSample};
-use super::demand::DemandCurve;
 use super::settings::{Budget, BudgetReport};
+use super::work_curve::WorkCurve;
 
 /// A camera that moved farther than this in one frame was put elsewhere, metres: an aircraft at the
 /// speed of sound makes 12 m in a frame of a slow display (30 Hz).
@@ -17,7 +17,7 @@ const CUT_TURN: f32 = 0.766;
 /// Keeps every [`Budget`]: decides the tolerance of each frame in `PostUpdate`, after transforms are
 /// propagated. Without a budget in the world it does nothing.
 ///
-/// A frame goes: who selects detail puts the view's [`Demand`] on the camera; [`BudgetSystems`] decide; who
+/// A frame goes: who selects detail puts the view's [`ViewWork`] on the camera; [`BudgetSystems`] decide; who
 /// owns the tolerance takes [`BudgetReport::tau`] over after them. May be added any number of times.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BudgetPlugin;
@@ -73,7 +73,7 @@ pub enum FrameTime {
     Diagnostics {
         /// Which are added up.
         paths: Vec<DiagnosticPath>,
-        /// Frames between a frame's decision and the arrival of its time. Diagnostics carry no number;
+        /// Frames between a frame's decision and the moment when its time is known. Diagnostics carry no number;
         /// 3 is the most that Bevy's take. Rather one too many: a time taken for one of an older view is
         /// passed over, one taken for one of a newer view misleads.
         lag: u32,
@@ -119,7 +119,7 @@ impl TimeSamples {
 /// What the camera's view of this frame asks for; who selects detail writes it. Without it, work is
 /// taken as 1/τ.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Demand(pub Option<DemandCurve>);
+pub struct ViewWork(pub Option<WorkCurve>);
 
 /// The controller of a camera, made when its budget is first seen.
 #[derive(Component, Clone, Debug)]
@@ -190,14 +190,14 @@ fn decide(
         Entity,
         &Budget,
         &GlobalTransform,
-        Option<&Demand>,
+        Option<&ViewWork>,
         Option<&mut Controlled>,
         &mut TimeSamples,
         &mut BudgetReport,
     )>,
 ) {
-    for (camera, budget, pose, demand, controlled, mut samples, mut report) in &mut cameras {
-        let demand = demand.and_then(|demand| demand.0.as_ref());
+    for (camera, budget, pose, curve, controlled, mut samples, mut report) in &mut cameras {
+        let curve = curve.and_then(|curve| curve.0.as_ref());
         let mut new = None;
         let state = match controlled {
             Some(state) => state.into_inner(),
@@ -220,7 +220,7 @@ fn decide(
         state.frame += 1;
         let next = NextFrame {
             number: state.frame,
-            demand,
+            curve,
             cut: is_cut(&state.pose, pose),
         };
         state.pose = *pose;

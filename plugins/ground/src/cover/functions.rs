@@ -1,4 +1,4 @@
-//! Control and evaluate functions of the ground in Rust: the twin of
+//! Control and evaluate functions of the ground in Rust: the CPU reference of
 //! `shaders/src/ground/functions.wgsl`, for tests, tools and machines without a GPU.
 
 use bevy::math::{UVec2, Vec2, Vec3};

@@ -2,9 +2,9 @@
 //!
 //! ```
 //! # use bevy::prelude::*;
-//! # use dolomite_ground::detail::Detail;
+//! # use dolomite_ground::detail::TerrainLod;
 //! # use dolomite_ground::detail::budget::{Budget, frame_time};
-//! fn hold_four_milliseconds(mut commands: Commands, camera: Single<Entity, With<Detail>>) {
+//! fn hold_four_milliseconds(mut commands: Commands, camera: Single<Entity, With<TerrainLod>>) {
 //!     commands.entity(*camera).insert((Budget::default(), frame_time()));
 //! }
 //! ```
@@ -13,7 +13,7 @@ use bevy::prelude::*;
 
 pub use dolomite_geometry::budget::*;
 
-use super::{Detail, Metric};
+use super::{Metric, TerrainLod};
 
 /// The GPU's time for choosing the ground's detail and drawing it into the G-buffer: what its tolerance
 /// moves. Needs Bevy's `RenderDiagnosticsPlugin`.
@@ -24,7 +24,7 @@ pub fn frame_time() -> FrameTime {
 
 /// Writes the tolerances into the metrics of the ground's detail. [`Metric::Classic`] has none and stays as
 /// it is.
-fn follow(mut cameras: Query<(&BudgetReport, &mut Detail), With<Budget>>) {
+fn follow(mut cameras: Query<(&BudgetReport, &mut TerrainLod), With<Budget>>) {
     for (report, mut detail) in &mut cameras {
         // Before the first decision there is none.
         if report.tau <= 0.0 {
@@ -84,9 +84,9 @@ mod tests {
         for path in &paths {
             store.add(Diagnostic::new(path.clone()));
         }
-        let mut detail = Detail::default();
+        let mut detail = TerrainLod::default();
         app.world_mut().entity_mut(camera).insert(detail);
-        let tau = |app: &App| match app.world().get::<Detail>(camera).unwrap().metric {
+        let tau = |app: &App| match app.world().get::<TerrainLod>(camera).unwrap().metric {
             Metric::ErrorBound { pixels } => pixels,
             other => panic!("{other:?}"),
         };
@@ -123,9 +123,12 @@ mod tests {
             height: 10.0,
         };
         app.world_mut().entity_mut(camera).insert(detail);
-        let other = app.world_mut().spawn(Detail::default()).id();
+        let other = app.world_mut().spawn(TerrainLod::default()).id();
         app.update();
-        assert_eq!(app.world().get::<Detail>(camera), Some(&detail));
-        assert_eq!(app.world().get::<Detail>(other), Some(&Detail::default()));
+        assert_eq!(app.world().get::<TerrainLod>(camera), Some(&detail));
+        assert_eq!(
+            app.world().get::<TerrainLod>(other),
+            Some(&TerrainLod::default())
+        );
     }
 }

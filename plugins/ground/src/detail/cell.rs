@@ -40,7 +40,7 @@ const ROUNDING: f32 = 6e-7;
 /// A vertex on the ground: the height of the bed, and its gradient.
 pub type Corner = Height;
 
-/// What is known of a cell; the twin of `Cell` in `shaders/src/detail/types.wgsl`.
+/// What is known of a cell; laid out as `Cell` in `shaders/src/detail/types.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Cell {

@@ -1,5 +1,5 @@
-//! Triangles of which a picture shows nothing: those beyond one of its borders, and those that face away.
-//! The twin of `shaders/src/detail/cull.wgsl`.
+//! Triangles of which a view shows nothing: those beyond one of its borders, and those that face away.
+//! The CPU reference of `shaders/src/detail/cull.wgsl`.
 //!
 //! Nothing else depends on it: which vertices there are and where they stand is chosen as before, so that
 //! the bound and the closed mesh are untouched. It decides as the draw does, by clip space and by the order
@@ -24,7 +24,7 @@ const SNAP: f32 = 0.1;
 
 /// What a camera draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Picture {
+pub struct CullView {
     /// From places in the stage (relative to its anchor, height too) to clip space.
     pub clip: Mat4,
     /// Half the size, pixels.
@@ -40,7 +40,7 @@ struct Drawn {
     beyond: u32,
 }
 
-impl Picture {
+impl CullView {
     fn drawn(&self, place: Vec3) -> Drawn {
         let clip = self.clip * place.extend(1.0);
         let size = (clip.abs() + Vec4::splat(clip.w.abs())) * ROUNDING;
@@ -60,7 +60,7 @@ impl Picture {
         Drawn { clip, beyond }
     }
 
-    /// Whether the picture shows nothing of a triangle.
+    /// Whether the view shows nothing of a triangle.
     #[must_use]
     pub fn hides(&self, triangle: [Vec3; 3]) -> bool {
         let corners = triangle.map(|corner| self.drawn(corner));
@@ -113,7 +113,7 @@ mod tests {
     }
 
     /// Cameras of both kinds at the origin, some upside down and mirrored.
-    fn picture(k: u32) -> Picture {
+    fn picture(k: u32) -> CullView {
         let turn = Quat::from_euler(
             bevy::math::EulerRot::YXZ,
             std::f32::consts::TAU * hash(k, 1),
@@ -137,7 +137,7 @@ mod tests {
         } else {
             Vec3::ONE
         };
-        Picture {
+        CullView {
             clip: Mat4::from_scale(mirror) * lens * Mat4::from_quat(turn).inverse(),
             half_size,
             one_sided: true,
@@ -221,7 +221,7 @@ mod tests {
 
     #[test]
     fn two_sided_draws_keep_what_faces_away_and_nothing_hides_what_is_no_number() {
-        let one = Picture {
+        let one = CullView {
             clip: Mat4::orthographic_rh(-1.0, 1.0, -1.0, 1.0, 10.0, 0.0),
             half_size: Vec2::splat(100.0),
             one_sided: true,
@@ -232,7 +232,7 @@ mod tests {
             Vec3::new(0.0, 0.5, -1.0),
         ];
         assert!(!one.hides([a, b, c]) && one.hides([a, c, b]));
-        let two = Picture {
+        let two = CullView {
             one_sided: false,
             ..one
         };

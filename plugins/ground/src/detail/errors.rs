@@ -1,4 +1,4 @@
-//! How far the meshes that bisection makes of a cell are from its samples; the twin of
+//! How far the meshes that bisection makes of a cell are from its samples; the CPU reference of
 //! `shaders/src/detail/errors.wgsl`.
 //!
 //! A mesh interpolates between corners: what it draws at a sample is a sum of corners by weights that depend

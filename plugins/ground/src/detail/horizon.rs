@@ -1,4 +1,4 @@
-//! Ground that other ground hides: the twin of `shaders/src/detail/horizon.wgsl` and of the passes
+//! Ground that other ground hides: the CPU reference of `shaders/src/detail/horizon.wgsl` and of the passes
 //! `draw_horizon` and `close_horizon`.
 //!
 //! Heights have one value at a place, so whatever lies on a ray from the eye beyond a point of it that is
@@ -6,7 +6,7 @@
 //! from the last one, and the picture is the same without it.
 //!
 //! **The map.** The upright plane one metre ahead of the eye: along it u, upwards s. A place at depth x, y to
-//! the side, h above the eye lies at u = y/x, s = h/x; triangles stay triangles. What the picture shows of u
+//! the side, h above the eye lies at u = y/x, s = h/x; triangles stay triangles. What the view shows of u
 //! is divided into [`COLUMNS`], depths into [`LAYERS`], four an octave. A column of a layer holds the
 //! greatest s below which all rays in the column are below the drawn ground somewhere in the layers up to
 //! this one.
@@ -33,7 +33,7 @@ use bevy::math::{DVec3, Vec2, Vec3};
 use bytemuck::{Pod, Zeroable};
 
 use super::cell::DetailCells;
-use super::cull::Picture;
+use super::cull::CullView;
 use super::select::{Selection, cell_box};
 use super::view::DetailView;
 
@@ -64,7 +64,7 @@ pub struct HorizonView {
     pub nearest: f32,
     /// Unit direction (x, z) of depth.
     pub ahead: [f32; 2],
-    /// Greatest |u| that the picture shows.
+    /// Greatest |u| that the view shows.
     pub reach: f32,
     /// u of a pixel straight ahead.
     pub pixel: f32,
@@ -93,7 +93,7 @@ impl HorizonView {
     pub fn new(
         cells: &DetailCells,
         view: &DetailView,
-        picture: &Picture,
+        picture: &CullView,
         anchor_height: f32,
     ) -> Option<Self> {
         if view.orthographic == 1.0 {
@@ -332,7 +332,7 @@ impl Horizon {
         }
     }
 
-    /// Whether a triangle is behind drawn ground wherever the picture shows it. Corners relative to the
+    /// Whether a triangle is behind drawn ground wherever the view shows it. Corners relative to the
     /// stage's anchor.
     #[must_use]
     pub fn hides(&self, triangle: [Vec3; 3]) -> bool {

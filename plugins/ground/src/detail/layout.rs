@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use dolomite_terrain::{Filter, GpuTerrainUniform, Source, Terrain};
 
 use super::cell::DetailCells;
-use super::cull::Picture;
+use super::cull::CullView;
 use super::horizon::{COLUMNS, HorizonView, LAYERS};
 use super::lattice::DetailLattice;
 use super::view::DetailView;
@@ -50,7 +50,7 @@ pub const OCCLUDED: u32 = 8;
 
 impl DetailParams {
     /// For a view of the cells' ground, with room for so many cells, vertices and triangles. Nothing is left
-    /// out of the picture; see [`Self::cull`].
+    /// out of view; see [`Self::cull`].
     #[must_use]
     pub fn new(cells: &DetailCells, view: DetailView, capacity: u32, pools: [u32; 2]) -> Self {
         let lattice = &cells.lattice;
@@ -86,7 +86,7 @@ impl DetailParams {
     /// The same with the triangles left out of the list that `picture` shows nothing of; `keep_others` puts
     /// them at its end, where draws into shadow maps find them.
     #[must_use]
-    pub fn cull(self, picture: &Picture, keep_others: bool) -> Self {
+    pub fn cull(self, picture: &CullView, keep_others: bool) -> Self {
         let facing = if picture.one_sided { FACING } else { 0 };
         let others = if keep_others { KEEP_OTHERS } else { 0 };
         Self {
@@ -145,7 +145,7 @@ pub const STOCK_HEAD_BYTES: u64 = 16;
 pub const VIEW_CELL_BYTES: u64 = 96;
 /// Bytes of the lists, for each cell that there is room for: of blocks two words for four, of kept cells one.
 pub const LIST_BYTES: u64 = 6;
-/// Bytes of what the height of a vertex depends on, and of the number of one that is arriving.
+/// Bytes of what the height of a vertex depends on, and of the number of one that is geomorphing.
 pub const RECORD_BYTES: u64 = 20;
 /// Words of the counts that a choice begins with.
 pub const COUNT_WORDS: usize = 352;
@@ -161,7 +161,7 @@ pub const GROUP: u32 = 64;
 pub const MOST_GROUPS: u32 = 65_535;
 /// Word of the head that holds the coarsening, as f32.
 pub const HEAD_COARSENING: usize = 24;
-/// Word of the head that holds the greatest demand that finest cells leave, as f32.
+/// Word of the head that holds the greatest error ratio that finest cells leave, as f32.
 pub const HEAD_LEFT: usize = 25;
 /// Word of the head that holds how many cells are kept.
 pub const HEAD_USED: usize = 26;
@@ -300,7 +300,7 @@ const LEFT_OUT: [(&str, fn(&Source) -> bool); 6] = [
         matches!(source, Source::Fractal(_))
     }),
     ("TERRAIN_WITHOUT_CLASSIC", |source| {
-        matches!(source, Source::Classic(_))
+        matches!(source, Source::Permutation(_))
     }),
     ("TERRAIN_WITHOUT_HILLS", |source| {
         matches!(source, Source::Hill(_))

@@ -1,12 +1,12 @@
 //! From the chosen vertices to heights and triangles.
 //!
-//! **Height of a vertex that is arriving.** Let S(θ) be the mesh of all vertices whose share
-//! s = (demand − a) / (1 − a), a = [`APPEARS`], is above θ: each is a mesh as the selection could have made
+//! **Height of a vertex that is geomorphing.** Let S(θ) be the mesh of all vertices whose share
+//! s = (error ratio − a) / (1 − a), a = [`APPEARS`], is above θ: each is a mesh as the selection could have made
 //! it for a tolerance between a times the asked one and all of it, so its error is at most the asked tolerance. The drawn height is the mean
-//! of S(θ) over θ from 0 to 1, so its error is at most that too; it is continuous in the demands, 0 to 1;
+//! of S(θ) over θ from 0 to 1, so its error is at most that too; it is continuous in the error ratios, 0 to 1;
 //! and a vertex lies in the plane of its triangle where it appears. In S(θ) a vertex with s ≤ θ lies in the
 //! middle of the edge that it would cut; so the mean is found by putting the ends of that edge in the
-//! place of the vertices one after the other, the least demand first.
+//! place of the vertices one after the other, the least error ratio first.
 
 use bevy::math::{UVec2, Vec2};
 use dolomite_terrain::{GroundPoint, Height};
@@ -38,10 +38,10 @@ pub struct DetailMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Share of the way to the ground of a vertex with this demand.
+/// Share of the way to the ground of a vertex with this error ratio.
 #[must_use]
-pub fn arrived(demand: f32) -> f32 {
-    ((demand - APPEARS) / (1.0 - APPEARS)).clamp(0.0, 1.0)
+pub fn morph_share(error_ratio: f32) -> f32 {
+    ((error_ratio - APPEARS) / (1.0 - APPEARS)).clamp(0.0, 1.0)
 }
 
 /// A vertex as the others see it.
@@ -74,13 +74,13 @@ impl Finder<'_> {
                 .cell(CellPlace::of_centre(at))
                 .expect("whatever a vertex needs is there");
             return Placed {
-                share: arrived(cell.centre),
+                share: morph_share(cell.centre),
                 ground: self.cells.cell(cell.number).centre(),
             };
         }
         let (cell, side) = self.owner(at).expect("whatever a vertex needs is there");
         Placed {
-            share: arrived(cell.sides[side]),
+            share: morph_share(cell.sides[side]),
             ground: self.cells.cell(cell.number).mid(side),
         }
     }
@@ -189,7 +189,7 @@ mod tests {
     use std::collections::HashMap;
 
     use super::*;
-    use crate::detail::settings::{Detail, Metric};
+    use crate::detail::settings::{Metric, TerrainLod};
     use crate::detail::view::tests::perspective;
     use crate::detail::{DetailView, select};
     use bevy::math::{DVec2, EulerRot, Quat, Vec3};
@@ -217,9 +217,9 @@ mod tests {
         let eye = Vec3::new(xz.x as f32, ground + above, xz.y as f32);
         let rotation = Quat::from_euler(EulerRot::YXZ, yaw, -0.1, 0.0);
         let mut view = perspective(eye, rotation, 1.0, 0.1);
-        view.set_metric(&Detail {
+        view.set_metric(&TerrainLod {
             metric: Metric::ErrorBound { pixels },
-            ..Detail::default()
+            ..TerrainLod::default()
         });
         view
     }

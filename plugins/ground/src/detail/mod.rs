@@ -6,14 +6,15 @@
 //! cell can become a cell of its own. Every vertex stands on a fixed lattice, so that heights and errors
 //! are made once and kept.
 //!
-//! Each vertex has a **demand**: by how much the surface that is drawn without it, or without any vertex
-//! that needs it, misses the metric's tolerance (1: just reached). Demands are raised so that a vertex
+//! Each vertex has a **normalized screen-space error**, or error ratio: by how much the surface that is
+//! drawn without it, or without any vertex that needs it, misses the metric's tolerance (1: just reached).
+//! Error ratios are raised so that a vertex
 //! never asks for more than those that it needs; hence the vertices above any threshold make a mesh
 //! without gaps (as P. Lindstrom and V. Pascucci 2002 have it by nested spheres; here the maximum is
 //! taken in the picture, for this view alone). Nothing else decides: the choice depends on view, ground and
 //! settings, never on what was drawn before.
 //!
-//! A vertex whose demand is 1 or more stands on the ground. At [`APPEARS`] it lies in the triangle that
+//! A vertex whose error ratio is 1 or more stands on the ground. At [`APPEARS`] it lies in the triangle that
 //! it cuts; between the two it moves vertically in proportion, so that nothing pops.
 //!
 //! | part | what it does |
@@ -26,10 +27,10 @@
 //! | [`view`] | what a vertical metre is in pixels, at most |
 //! | [`mod@select`] | which vertices a view gets |
 //! | [`mod@mesh`] | their heights, and the triangles |
-//! | [`cull`] | which of these a picture shows nothing of |
+//! | [`cull`] | which of these a view shows nothing of |
 //! | [`horizon`] | which of these other ground hides |
 //! | [`layout`] | the same on the GPU: records and passes |
-//! | [`probe`] | the triangle under a place: ground answers |
+//! | [`probe`] | the triangle under a place: height queries |
 
 pub mod budget;
 pub mod cell;
@@ -45,16 +46,16 @@ pub mod settings;
 pub mod view;
 
 pub use cell::{Cell, DetailCells};
-pub use cull::Picture;
+pub use cull::CullView;
 pub use horizon::{Horizon, HorizonView};
 pub use lattice::{CellPlace, DetailLattice};
 pub use mesh::{DetailMesh, DetailVertex};
 pub use probe::DrawnProbes;
 pub use select::{Selection, select};
-pub use settings::{Detail, Metric};
+pub use settings::{Metric, TerrainLod};
 pub use view::{DetailView, Lens};
 
-/// The demand at which a vertex appears, still in the plane of the triangle that it cuts; at 1 it has
+/// The error ratio at which a vertex appears, still in the plane of the triangle that it cuts; at 1 it has
 /// reached the ground. Nearer 1 fewer vertices stand between, and each moves faster: the error of what
 /// is drawn is that of a tolerance between this share of the asked one and all of it, while a vertex
 /// crosses its way as the eye comes nearer by a quarter of the distance. The lab's study `lod` shows both.

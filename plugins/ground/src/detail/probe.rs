@@ -1,12 +1,12 @@
-//! Ground answers: the drawn triangle under a place.
+//! Height queries: the drawn triangle under a place.
 //!
 //! A place is followed from its root down to the cell whose quarter it lies in is no cell of its own; two
 //! comparisons tell which of the cell's triangles it is. On the GPU that is `shaders/src/detail/locate.wgsl`
-//! and `answer.wgsl`, which take the corners from the very vertices that are drawn; here is the twin, from
+//! and `answer.wgsl`, which take the corners from the very vertices that are drawn; here is the CPU reference, from
 //! a [`Selection`].
 //!
 //! **Bound.** Each cell knows how far its triangles are from the ground where their corners stand on it
-//! (`cell.rs`). Corners that are arriving lie off the ground; in the triangle between them the surface is
+//! (`cell.rs`). Corners that are geomorphing lie off the ground; in the triangle between them the surface is
 //! off by the mean of that, weighted as the place lies. The sum of both does not depend on the metric, nor on
 //! whether the pools were too small; it is as good as the cells' own bounds.
 
@@ -30,7 +30,7 @@ pub const MOST_ASKED: u32 = 1 << 20;
 
 /// How many ground probes are answered from what is drawn.
 ///
-/// The view that answers is that of the active camera with a [`Detail`](super::Detail) whose order is the
+/// The view that answers is that of the active camera with a [`TerrainLod`](super::TerrainLod) whose order is the
 /// least. Without one, the ground is drawn as patches or not at all, and probes have their true answers
 /// alone.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
@@ -211,9 +211,9 @@ pub fn drawn_at(
         let [px, pz] = place.to_fixed();
         let metres = |fixed: i64| fixed as f64 / (1_u64 << 32) as f64;
         let height = finder.height(at);
-        let arriving = height - finder.vertex(at).ground.value.max(sea);
+        let morphing = height - finder.vertex(at).ground.value.max(sea);
         let xz = DVec2::new(metres(x.wrapping_sub(px)), metres(z.wrapping_sub(pz)));
-        (xz, f64::from(height), f64::from(arriving))
+        (xz, f64::from(height), f64::from(morphing))
     };
     let [first, second, third] = found.corners.map(corner);
     let (a, b) = (second.0 - first.0, third.0 - first.0);

@@ -1,22 +1,22 @@
 //! Which vertices a view gets.
 //!
 //! From the roots down, one depth after the other. A cell is looked at when its parent's centre is drawn.
-//! It has three **own** demands, of its error bounds at the place in it where the picture shows most: as
+//! It has three **own** error ratios, of its error bounds at the place in it where the view shows most: as
 //! two triangles, of the triangles at each side, and of everything finer. What is finer counts at most
-//! as much as what is coarser, and a cell at most as much as what is finer in its parent; so own demands
+//! as much as what is coarser, and a cell at most as much as what is finer in its parent; so own error ratios
 //! fall from depth to depth.
 //!
-//! The **demand** of a cell's centre is the greatest of its own, of those of the triangles beyond each
+//! The **error ratio** of a cell's centre is the greatest of its own, of those of the triangles beyond each
 //! side, and of what is finer in any of the eight cells around it. So a centre is drawn wherever others
 //! need it, and nothing has to be passed up: let N be a cell, P its parent, and M the cell beside P that
-//! N's corners at P's border need. If N's demand is its own, it is at most what is finer in P, which is
+//! N's corners at P's border need. If N's error ratio is its own, it is at most what is finer in P, which is
 //! beside M. If it comes from a cell N′ beside N, then N′ lies in M, in P, or in a cell beside both; and
-//! N′ counts at most as much as what is finer there. Either way M's demand is no less than N's; and M was
+//! N′ counts at most as much as what is finer there. Either way M's error ratio is no less than N's; and M was
 //! looked at, by the same argument about its parent.
 //!
-//! The demand of a side's **middle** is the greatest of the triangles on both sides and of the centres of
+//! The error ratio of a side's **middle** is the greatest of the triangles on both sides and of the centres of
 //! the quarters that touch it: at most that of the centres on both sides, by the above. So the vertices
-//! whose demand exceeds any number make a mesh without gaps (P. Lindstrom, V. Pascucci 2002).
+//! whose error ratio exceeds any number make a mesh without gaps (P. Lindstrom, V. Pascucci 2002).
 
 use bevy::math::{UVec2, Vec3};
 use bevy::platform::collections::HashMap;
@@ -33,11 +33,11 @@ pub struct ViewCell {
     pub place: CellPlace,
     /// Its number among the cells that were made.
     pub number: u32,
-    /// Demand of the centre.
+    /// Error ratio of the centre.
     pub centre: f32,
-    /// Own demand of everything finer than the triangles at the sides.
+    /// Own error ratio of everything finer than the triangles at the sides.
     pub finer: f32,
-    /// Demands of the sides' middles.
+    /// Error ratios of the sides' middles.
     pub sides: [f32; 4],
     /// Whether its triangles are drawn: it may be seen, itself or its shadow.
     pub seen: bool,
@@ -54,7 +54,7 @@ pub struct Selection {
     pub whole_roots: Vec<(CellPlace, bool)>,
     /// By how much the tolerance was raised so that the vertices fit; 1 where it was not.
     pub coarsening: f32,
-    /// The greatest demand that could not be met because cells have a least size: 1 and below means that
+    /// The greatest error ratio that could not be met because cells have a least size: 1 and below means that
     /// the bound is held everywhere. In units of the tolerance, as it was asked for.
     pub held: f32,
 }
@@ -73,13 +73,13 @@ impl Selection {
         self.depths.iter().flatten()
     }
 
-    /// Demands of all vertices that appear, the middles once for each cell beside them.
-    fn demands(&self) -> impl Iterator<Item = f32> {
+    /// Error ratios of all vertices that appear, the middles once for each cell beside them.
+    fn error_ratios(&self) -> impl Iterator<Item = f32> {
         self.cells()
             .flat_map(|cell| [cell.centre].into_iter().chain(cell.sides))
     }
 
-    /// Number of vertices whose demand exceeds `threshold`, the middles by halves.
+    /// Number of vertices whose error ratio exceeds `threshold`, the middles by halves.
     #[must_use]
     pub fn vertices_above(&self, threshold: f32) -> f32 {
         self.cells()
@@ -91,17 +91,17 @@ impl Selection {
     }
 }
 
-/// A cell's own demands, at most `most` (what is finer in its parent). They are asked for when the cell or
-/// one beside it is in the picture: a vertex that is seen owes some of its demand to cells that are not, and
+/// A cell's own error ratios, at most `most` (what is finer in its parent). They are asked for when the cell or
+/// one beside it is in the picture: a vertex that is seen owes some of its error ratio to cells that are not, and
 /// would jump when they come in.
 #[must_use]
-pub fn own_demand(
+pub fn own_errors(
     view: &DetailView,
     lattice: &DetailLattice,
     place: CellPlace,
     cell: &Cell,
     most: f32,
-) -> Demand {
+) -> OwnErrors {
     let (low, high) = cell_box(view, lattice, place, cell);
     let sight = view.sight(low, high);
     // What a vertex in the picture owes to the cells around it comes and goes while it is out of it.
@@ -133,7 +133,7 @@ pub fn own_demand(
     };
     // NaN, where the ground has none, asks for nothing.
     let whole = (whole * factor).max(0.0).min(most);
-    Demand {
+    OwnErrors {
         whole,
         sides: sides.map(|size| (size * factor).max(0.0).min(whole)),
         finer: (finer * factor).max(0.0).min(whole),
@@ -141,9 +141,9 @@ pub fn own_demand(
     }
 }
 
-/// What [`own_demand`] gives.
+/// What [`own_errors`] gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Demand {
+pub struct OwnErrors {
     /// Of the centre.
     pub whole: f32,
     /// Of the triangles at the sides.
@@ -192,7 +192,7 @@ pub fn select(cells: &mut DetailCells, view: &DetailView, max_vertices: u32) -> 
         looked_at.clear();
         for at in 0..level.cells.len() {
             let cell = ViewCell {
-                centre: level.demand(at),
+                centre: level.error_ratio(at),
                 ..level.cells[at]
             };
             if cell.centre <= appears {
@@ -232,7 +232,7 @@ pub fn select(cells: &mut DetailCells, view: &DetailView, max_vertices: u32) -> 
     selection
 }
 
-/// The cells of one depth that are looked at, with their own demands.
+/// The cells of one depth that are looked at, with their own error ratios.
 struct Level {
     cells: Vec<ViewCell>,
     places: HashMap<UVec2, u32>,
@@ -245,7 +245,7 @@ fn look(cells: &DetailCells, view: &DetailView, places: &[(CellPlace, f32)]) -> 
     };
     for &(place, most) in places {
         let number = cells.number(place).expect("just made");
-        let own = own_demand(view, &cells.lattice, place, cells.cell(number), most);
+        let own = own_errors(view, &cells.lattice, place, cells.cell(number), most);
         level.places.insert(place.centre, level.cells.len() as u32);
         level.cells.push(ViewCell {
             place,
@@ -266,24 +266,26 @@ impl Level {
             .map(|&at| &self.cells[at as usize])
     }
 
-    /// Demand of a cell's centre: its own, and what the cells around it need.
-    fn demand(&self, at: usize) -> f32 {
+    /// Error ratio of a cell's centre: its own, and what the cells around it need.
+    fn error_ratio(&self, at: usize) -> f32 {
         let cell = &self.cells[at];
-        let mut demand = cell.centre;
+        let mut error_ratio = cell.centre;
         for side in 0..4 {
             let beside = cell.place.neighbour(side);
             if let Some(there) = self.find(beside) {
-                demand = demand.max(there.sides[(side + 2) & 3]).max(there.finer);
+                error_ratio = error_ratio
+                    .max(there.sides[(side + 2) & 3])
+                    .max(there.finer);
             }
             if let Some(across) = self.find(beside.neighbour(side + 1)) {
-                demand = demand.max(across.finer);
+                error_ratio = error_ratio.max(across.finer);
             }
         }
-        demand
+        error_ratio
     }
 }
 
-/// Demands of the middles of a cell's sides, where centre and the centre beyond are drawn.
+/// Error ratios of the middles of a cell's sides, where centre and the centre beyond are drawn.
 fn middles(selection: &Selection, lattice: &DetailLattice, depth: usize, at: usize) -> [f32; 4] {
     let cell = &selection.depths[depth][at];
     let touching = |place: CellPlace, side: usize| {
@@ -307,16 +309,20 @@ fn middles(selection: &Selection, lattice: &DetailLattice, depth: usize, at: usi
     })
 }
 
-/// Steps of the histogram of demands in an octave.
+/// Steps of the histogram of error ratios in an octave.
 const STEPS: f32 = 8.0;
 
 /// The least of the steps 2^(k/8) by which the tolerance grows so that at most `most` vertices appear.
 fn fitting(selection: &Selection, most: f32) -> f32 {
     let mut counts = [0.0_f32; 512];
-    let step =
-        |demand: f32| (bevy::math::ops::log2(demand / APPEARS) * STEPS).clamp(0.0, 511.0) as usize;
-    for demand in selection.demands().filter(|&demand| demand > APPEARS) {
-        counts[step(demand)] += 0.75;
+    let step = |error_ratio: f32| {
+        (bevy::math::ops::log2(error_ratio / APPEARS) * STEPS).clamp(0.0, 511.0) as usize
+    };
+    for error_ratio in selection
+        .error_ratios()
+        .filter(|&error_ratio| error_ratio > APPEARS)
+    {
+        counts[step(error_ratio)] += 0.75;
     }
     let mut above = 0.0;
     for k in (0..counts.len()).rev() {
@@ -328,7 +334,7 @@ fn fitting(selection: &Selection, most: f32) -> f32 {
     1.0
 }
 
-/// Takes the coarsening out of all demands, and drops the cells that no longer appear.
+/// Takes the coarsening out of all error ratios, and drops the cells that no longer appear.
 fn lower(selection: &mut Selection) {
     let factor = 1.0 / selection.coarsening;
     selection.places.clear();

@@ -122,7 +122,7 @@ pub(crate) fn within(value: f32, low: f32, high: f32, default: f32) -> f32 {
 /// default.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default)]
-pub struct Detail {
+pub struct TerrainLod {
     /// What is asked of the drawn surface.
     pub metric: Metric,
     /// Side of the smallest cell, metres; 2⁻¹⁰ to 1024.
@@ -137,7 +137,7 @@ pub struct Detail {
     pub max_vertices: u32,
     /// Share of the detail that ground gets which is seen through its shadow alone, 0 to 1.
     pub shadow_share: f32,
-    /// Leaves out the triangles of which the picture shows nothing: beyond its borders, or facing away. The
+    /// Leaves out the triangles of which the view shows nothing: beyond its borders, or facing away. The
     /// picture is the same without; it is there to be compared with.
     pub culled: bool,
     /// Leaves out the triangles that nearer ground hides, with those that `culled` leaves out; nothing without
@@ -145,7 +145,7 @@ pub struct Detail {
     pub occluded: bool,
 }
 
-impl Default for Detail {
+impl Default for TerrainLod {
     fn default() -> Self {
         Self {
             metric: Metric::default(),
@@ -158,7 +158,7 @@ impl Default for Detail {
     }
 }
 
-impl Detail {
+impl TerrainLod {
     /// The same with every field in its range.
     #[must_use]
     pub fn clamped(self) -> Self {
@@ -189,7 +189,7 @@ mod tests {
             let metric = Metric::ErrorBound { pixels: given }.clamped();
             assert_eq!(metric, Metric::ErrorBound { pixels: expected }, "{given}");
         }
-        let detail = Detail {
+        let detail = TerrainLod {
             finest: f32::NAN,
             max_vertices: 0,
             shadow_share: -1.0,

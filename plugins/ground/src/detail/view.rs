@@ -8,9 +8,9 @@
 use bevy::math::{DQuat, DVec2, DVec3, IVec2, UVec2, Vec3};
 use bytemuck::{Pod, Zeroable};
 
-use super::settings::{Detail, Metric};
+use super::settings::{Metric, TerrainLod};
 
-/// A view as the selection sees it; the twin of `DetailView` in `shaders/src/detail/view.wgsl`.
+/// A view as the selection sees it; laid out as `DetailView` in `shaders/src/detail/view.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct DetailView {
@@ -126,12 +126,12 @@ impl DetailView {
             anchor: anchor.as_ivec2().to_array(),
             ..Self::zeroed()
         };
-        view.set_metric(&Detail::default());
+        view.set_metric(&TerrainLod::default());
         view
     }
 
     /// Numbers of the metric.
-    pub fn set_metric(&mut self, detail: &Detail) {
+    pub fn set_metric(&mut self, detail: &TerrainLod) {
         let detail = detail.clamped();
         self.shadow_share = detail.shadow_share;
         self.classic = [0.0; 4];
@@ -216,7 +216,7 @@ impl DetailView {
         let forward = Vec3::from(self.forward);
         let least = (centre.dot(forward) - half.dot(forward.abs())).max(self.near);
         // What is seen lies no nearer to the eye's plane than this share of its distance. What it is
-        // moved to may be out of the picture, but not by more than the box is high.
+        // moved to may be out of view, but not by more than the box is high.
         let seen = least.max(distance * self.cos_corner);
         let moved = least.max(seen - 2.0 * half.y * forward.y.abs());
         let far = (x * x + y * y).sqrt() / (seen * moved);

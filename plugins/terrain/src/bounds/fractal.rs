@@ -17,7 +17,7 @@ use crate::ground::fixed;
 use crate::noise::points::{self, BLOCK, Positions};
 use crate::noise::sum::Fbm;
 use crate::noise::tile::{self, Grid, Out};
-use crate::noise::{Octave, PreparedClassic, PreparedFractal, PreparedWarp, Sum};
+use crate::noise::{Octave, PreparedFractal, PreparedPermutation, PreparedWarp, Sum};
 use bevy::math::DVec2;
 use fearless_simd::Level;
 
@@ -163,16 +163,16 @@ fn units(octave: &Octave, half: DVec2, count: usize, places: &Places) -> Vec<Uni
     places.noise(octave).into_iter().map(bound).collect()
 }
 
-/// Bounds of a classic fractal.
-pub(super) fn classic(classic: &PreparedClassic, cells: &Cells) -> Vec<CellBounds> {
+/// Bounds of a fractal of permutation noise.
+pub(super) fn permutation(permutation: &PreparedPermutation, cells: &Cells) -> Vec<CellBounds> {
     let noise = |octave: &Octave| {
         let at = |i| {
-            let n = classic.noise_f64(octave, cells.centre(i));
+            let n = permutation.noise_f64(octave, cells.centre(i));
             (n.value, n.gradient * octave.frequency.value())
         };
         (0..cells.len()).map(at).collect()
     };
-    let smooth = fbm(&classic.octaves, cells.half, cells.len(), noise);
+    let smooth = fbm(&permutation.octaves, cells.half, cells.len(), noise);
     smooth
         .into_iter()
         .map(|s| CellBounds {

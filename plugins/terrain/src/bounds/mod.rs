@@ -80,7 +80,7 @@ fn affordable(source: &Prepared) -> usize {
         Prepared::Fractal(fractal) if fractal.sum != Sum::Fbm => 16,
         Prepared::Fractal(fractal) if fractal.warp.is_some() => 24,
         Prepared::Fractal(_) | Prepared::Hill(_) => 32,
-        Prepared::Classic(_) | Prepared::Map(_) => 16,
+        Prepared::Permutation(_) | Prepared::Map(_) => 16,
     }
 }
 
@@ -134,7 +134,7 @@ pub(crate) fn terrain(terrain: &Terrain, rect: &GroundRect) -> HeightBounds {
 fn source_bounds(source: &Prepared, cells: &Cells) -> Vec<CellBounds> {
     match source {
         Prepared::Fractal(fractal) => fractal::fractal(fractal, cells),
-        Prepared::Classic(classic) => fractal::classic(classic, cells),
+        Prepared::Permutation(permutation) => fractal::permutation(permutation, cells),
         Prepared::Map(map) => (0..cells.len())
             .map(|i| map.cell_bounds(cells.centre(i), cells.half))
             .collect(),

@@ -1,4 +1,4 @@
-//! Sums that are not linear in the noise, in intervals: the twin of `noise::sum`.
+//! Sums that are not linear in the noise, in intervals: the CPU reference of `noise::sum`.
 
 use super::fractal::{ROUNDING, SECOND};
 use super::{CellBounds, Interval};
@@ -21,7 +21,7 @@ impl Unit {
     }
 }
 
-/// A sum that is not linear in the noise, in one cell: the twin of `noise::sum` in intervals.
+/// A sum that is not linear in the noise, in one cell: the CPU reference of `noise::sum` in intervals.
 #[derive(Clone, Copy)]
 pub(super) struct State {
     pub sum: CellBounds,

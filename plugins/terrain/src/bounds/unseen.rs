@@ -25,7 +25,7 @@ impl Terrain {
                     }
                 }
                 Prepared::Map(map) => map.missed(rect, spacing),
-                Prepared::Fractal(_) | Prepared::Classic(_) => 0.0,
+                Prepared::Fractal(_) | Prepared::Permutation(_) => 0.0,
             })
             .sum()
     }

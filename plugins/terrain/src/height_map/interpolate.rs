@@ -98,7 +98,7 @@ impl HeightMap {
         }
     }
 
-    /// 1/spacing as every twin multiplies by it.
+    /// 1/spacing as every implementation multiplies by it.
     pub(crate) fn inverse_spacing(&self) -> Vec2 {
         let [x, z] = self
             .lattice()
@@ -111,7 +111,7 @@ impl HeightMap {
     #[must_use]
     pub fn sample_f64(&self, xz: DVec2) -> GroundSample {
         let [x, z] = self.lattice().frequency;
-        // Relative to the origin as the integer twins have it; one rounding, 2⁻⁵³ of the distance.
+        // Relative to the origin as the integer implementations have it; one rounding, 2⁻⁵³ of the distance.
         let at = xz - self.lattice().origin.to_dvec2();
         let (i, fx) = x.coordinate_f64(at.x, 0);
         let (j, fz) = z.coordinate_f64(at.y, 0);

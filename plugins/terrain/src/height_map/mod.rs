@@ -53,7 +53,7 @@ struct Inner {
     deviations: OnceLock<Deviations>,
 }
 
-/// The grid as the integer twins see it.
+/// The grid as the integer implementations see it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lattice {
     /// Place of sample (0, 0).

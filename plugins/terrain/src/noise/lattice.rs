@@ -102,7 +102,7 @@ pub(crate) struct Hessian<F> {
     pub zz: F,
 }
 
-/// A sample's place in a cell with the gradients around it: the noise there, on demand.
+/// A sample's place in a cell with the gradients around it: the noise there, when it is asked for.
 #[derive(Clone, Copy)]
 pub(crate) struct Place<F> {
     ends: [Ends<F>; 2],

@@ -13,16 +13,16 @@
 //! | `scalar` | one point in f32 |
 //! | `tile`, `points` | many points in f32 |
 //! | `oracle` | one point in f64, by other formulas |
-//! | `classic` | the permutation-table noise of the literature |
+//! | `permutation` | the permutation-table noise of the literature |
 //! | `shuffle` | its permutation, by Mersenne Twister |
 
-pub mod classic;
 pub mod coordinate;
 pub mod fractal;
 pub mod hash;
 mod lattice;
 mod octave;
 pub(crate) mod oracle;
+pub mod permutation;
 pub(crate) mod points;
 mod real;
 mod scalar;
@@ -30,7 +30,7 @@ mod shuffle;
 pub(crate) mod sum;
 pub(crate) mod tile;
 
-pub use classic::{Classic, PreparedClassic};
 pub use coordinate::Frequency;
 pub use fractal::{Fractal, NoiseError, PreparedFractal, Sum, Warp};
 pub use octave::{Octave, PreparedWarp};
+pub use permutation::{PermutationNoise, PreparedPermutation};

@@ -1,4 +1,4 @@
-//! The permutation of the classic preset: 256 numbers shuffled by a seeded Mersenne Twister.
+//! The permutation of the permutation preset: 256 numbers shuffled by a seeded Mersenne Twister.
 
 use rand_mt::Mt;
 

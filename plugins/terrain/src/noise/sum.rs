@@ -18,7 +18,7 @@ pub(crate) const STATE: usize = 8;
 /// either side, and |n|″ ≤ 1/ε keeps the gradient's f32 error within 32 times the value's.
 pub(crate) const SMOOTH_SQUARED: f32 = 1.0 / 1024.0;
 
-/// The factors of an octave, in f32 as every twin uses them.
+/// The factors of an octave, in f32 as every implementation uses them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scale {
     /// Metres.

@@ -1,4 +1,4 @@
-//! Ground answers for entities: the true surface at once, the drawn one some frames later.
+//! Height queries for entities: the true surface at once, the drawn one some frames later.
 //!
 //! A [`GroundProbe`] on an entity asks for the ground under (or over) it. The **true** surface is the
 //! height function in f64; it is answered on the CPU, with or without a renderer. The **drawn** surface

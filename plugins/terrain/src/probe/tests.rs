@@ -1,4 +1,4 @@
-//! Probes in an app: true answers at once, drawn ones two frames late from a made-up renderer.
+//! Probes in an app: true answers at once, drawn ones two frames late from a synthetic renderer.
 
 mod crowd;
 

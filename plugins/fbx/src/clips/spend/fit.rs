@@ -1,7 +1,7 @@
 //! Values of two neighbouring keys with which a curve comes nearest to its samples, in least squares.
 //!
 //! The keys before and after the two stay as they are. Rotations are fitted as the four numbers that they
-//! are: keys stand near enough to each other that a great arc and a chord are alike, and what comes
+//! are: keys stand near enough to each other that a slerp and a chord are alike, and what comes
 //! of it is measured before it is taken. (Weighing samples by how far they were missed, for the largest miss in
 //! place of the squares, was tried on straight lines: no fewer bytes.)
 

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Frames from the drawing of a frame to the arrival of its time.
+/// Frames from the drawing of a frame until its time is known.
 const LATE: usize = 3;
 
 /// A repeatable sequence of numbers of mean 0 and standard deviation 1 (sum of twelve, centred).
@@ -47,9 +47,9 @@ impl View {
         self.fixed + 2.0 * ops::powf(self.vertices(tau) * 1e-6, 0.93)
     }
 
-    fn demand(&self) -> DemandCurve {
-        let tolerances = DemandCurve::tolerances(0.25, 32.0).unwrap();
-        DemandCurve::new(0.25, 32.0, tolerances.map(|tau| self.vertices(tau))).unwrap()
+    fn curve(&self) -> WorkCurve {
+        let tolerances = WorkCurve::tolerances(0.25, 32.0).unwrap();
+        WorkCurve::new(0.25, 32.0, tolerances.map(|tau| self.vertices(tau))).unwrap()
     }
 }
 
@@ -75,7 +75,7 @@ impl Flight {
 
     /// Draws frames of a view; the first may be a cut.
     fn fly(&mut self, view: View, load: f32, frames: usize, cut: bool) {
-        let demand = view.demand();
+        let curve = view.curve();
         for i in 0..frames {
             let frame = self.drawn.len();
             let sample = frame.checked_sub(LATE).map(|past| TimeSample {
@@ -88,7 +88,7 @@ impl Flight {
                 sample,
                 &NextFrame {
                     number: frame as u64,
-                    demand: self.curves.then_some(&demand),
+                    curve: self.curves.then_some(&curve),
                     cut: cut && i == 0,
                 },
             );
@@ -234,18 +234,18 @@ fn what_cannot_be_met_stays_at_the_greatest_and_says_so() {
 
 #[test]
 fn counted_triangles_correct_the_curve() {
-    // A curve that foretells a third of what is drawn, then five thirds after a cut.
+    // A curve that predicts a third of what is drawn, then five thirds after a cut.
     let budget = Budget::default();
     let mut controller = BudgetController::new(budget).unwrap();
     let mut drawn: Vec<(f32, f32)> = Vec::new();
     for frame in 0..400_usize {
         let part = if frame < 200 { 1.0 / 3.0 } else { 5.0 / 3.0 };
-        let foretold = View {
+        let predicted = View {
             dense: PLAIN.dense * part,
             finest: PLAIN.finest * part,
             ..PLAIN
         }
-        .demand();
+        .curve();
         let sample = frame.checked_sub(LATE).map(|past| TimeSample {
             milliseconds: drawn[past].1,
             tau: drawn[past].0,
@@ -254,7 +254,7 @@ fn counted_triangles_correct_the_curve() {
         });
         let next = NextFrame {
             number: frame as u64,
-            demand: Some(&foretold),
+            curve: Some(&predicted),
             cut: false,
         };
         let tau = controller.step(sample, &next);
@@ -270,7 +270,7 @@ fn samples_without_sense_are_passed_over() {
     let mut controller = BudgetController::new(Budget::default()).unwrap();
     let next = NextFrame {
         number: 0,
-        demand: None,
+        curve: None,
         cut: false,
     };
     let first = controller.step(None, &next);

@@ -32,7 +32,7 @@ fn ground(seed: u32) -> Terrain {
 /// A view, what it draws, and its horizon; all relative to an anchor at `anchor_height`.
 struct Seen {
     view: DetailView,
-    picture: Picture,
+    picture: CullView,
     places: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     horizon: Option<Horizon>,
@@ -43,7 +43,7 @@ fn look(cells: &mut DetailCells, eye: DVec3, turn: [f64; 3], fov: f64) -> Seen {
     let tangent = bevy::math::ops::tan(fov as f32 / 2.0);
     let lens = Lens::Perspective(tangent.into());
     let mut view = DetailView::new(eye, rotation, lens, SIZE, NEAR);
-    view.set_metric(&crate::detail::Detail {
+    view.set_metric(&crate::detail::TerrainLod {
         metric: crate::detail::Metric::ErrorBound { pixels: 2.0 },
         ..Default::default()
     });
@@ -54,7 +54,7 @@ fn look(cells: &mut DetailCells, eye: DVec3, turn: [f64; 3], fov: f64) -> Seen {
     let aspect = f64::from(SIZE.x) / f64::from(SIZE.y);
     let clip = DMat4::perspective_infinite_reverse_rh(fov, aspect, NEAR)
         * DMat4::from_rotation_translation(rotation, from_anchor).inverse();
-    let picture = Picture {
+    let picture = CullView {
         clip: clip.as_mat4(),
         half_size: SIZE.as_vec2() * 0.5,
         one_sided: true,

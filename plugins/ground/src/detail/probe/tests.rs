@@ -1,7 +1,7 @@
 //! The walk against a search through all triangles, and its bound against the true surface.
 
 use super::*;
-use crate::detail::settings::{Detail, Metric};
+use crate::detail::settings::{Metric, TerrainLod};
 use crate::detail::{DetailMesh, DetailView, Lens, mesh, select};
 use bevy::math::{DQuat, EulerRot};
 use dolomite_terrain::{Fractal, GroundRect, Hill, Layer, Source, Terrain, TerrainData};
@@ -57,9 +57,9 @@ fn view(cells: &DetailCells, k: u32) -> DetailView {
             pixels: 1.0 + 15.0 * hash(k, 8) as f32,
         },
     };
-    view.set_metric(&Detail {
+    view.set_metric(&TerrainLod {
         metric,
-        ..Detail::default()
+        ..TerrainLod::default()
     });
     if k.is_multiple_of(4) {
         // All is seen.

@@ -1,4 +1,4 @@
-//! The same on the CPU: the twin chooses and places, and what it made is uploaded.
+//! The same on the CPU: the CPU reference chooses and places, and what it made is uploaded.
 
 use bevy::math::{UVec2, Vec2, Vec3};
 use bevy::render::renderer::RenderQueue;

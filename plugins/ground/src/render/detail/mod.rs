@@ -1,7 +1,7 @@
 //! The level of detail of the ground on the GPU: what [`crate::detail`] does, in compute passes that write
 //! the vertices and triangles which [`dolomite_geometry`] then draws.
 //!
-//! A camera's [`Detail`] says how fine. What it takes is made when the first such camera looks; a view that
+//! A camera's [`TerrainLod`] says how fine. What it takes is made when the first such camera looks; a view that
 //! did not change dispatches nothing.
 
 mod host;
@@ -31,14 +31,14 @@ use dolomite_geometry::render::{
 };
 use dolomite_terrain::Terrain;
 
-use crate::detail::Detail;
+use crate::detail::TerrainLod;
 
 /// A ground whose triangles the level of detail makes: what is bound, what it looks like, who sees it. A
 /// resource of the main world.
 ///
 /// Its data begin with what `terrain_height` reads: layers at binding 0, their data at 1, the uniform at 2.
 pub trait DetailKind: AsBindGroup + Resource + Clone {
-    /// The cameras that see it, of those with a [`GeometryCamera`]; one without a [`Detail`] by the default.
+    /// The cameras that see it, of those with a [`GeometryCamera`]; one without a [`TerrainLod`] by the default.
     type Cameras: QueryFilter + 'static;
     /// Import path of the shader library with its function `material(surface: Surface) -> Shaded`.
     const MATERIAL: &'static str;
@@ -104,7 +104,7 @@ struct ExtractedGround<K> {
     relief: f32,
     on_host: bool,
     /// Who sees it, and how.
-    cameras: Vec<(Entity, Detail)>,
+    cameras: Vec<(Entity, TerrainLod)>,
 }
 
 impl<K> Default for ExtractedGround<K> {
@@ -220,7 +220,11 @@ fn shaders(app: &mut App) -> Option<DetailShaders> {
     })
 }
 
-type Seeing<'a> = (RenderEntity, Option<&'a Detail>, Option<&'a RenderLayers>);
+type Seeing<'a> = (
+    RenderEntity,
+    Option<&'a TerrainLod>,
+    Option<&'a RenderLayers>,
+);
 
 fn extract<K: DetailKind>(
     mut ground: ResMut<ExtractedGround<K>>,

@@ -24,7 +24,7 @@ use crate::detail::layout::{
     ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DetailParams, DetailPass, HEAD_USED,
     LIST_BYTES, RECORD_BYTES, VIEW_CELL_BYTES, without,
 };
-use crate::detail::{Detail, DetailCells, DetailView, HorizonView, Picture};
+use crate::detail::{CullView, DetailCells, DetailView, HorizonView, TerrainLod};
 use dolomite_geometry::layout::OWN;
 use dolomite_geometry::render::{GeometryPool, GeometryShared, GeometryView, Producer, Producers};
 use dolomite_terrain::Terrain;
@@ -55,7 +55,7 @@ impl<K> Default for DetailViews<K> {
 
 /// One view's buffers.
 pub(super) struct DetailState {
-    pub(super) detail: Detail,
+    pub(super) detail: TerrainLod,
     /// Cells that there is room for.
     pub capacity: u32,
     /// Number of the newest choice.
@@ -76,8 +76,8 @@ pub(super) struct DetailState {
     /// Of the view's buffers that the groups hold.
     written: Option<[Buffer; 3]>,
     pub groups: Option<DetailGroups>,
-    /// What was left out of the picture, and whether it was kept for shadows.
-    pub(super) culled: Option<(Picture, bool)>,
+    /// What was left out of view, and whether it was kept for shadows.
+    pub(super) culled: Option<(CullView, bool)>,
     /// Whether ground hides what is behind it: its edges alone do not.
     pub(super) solid: bool,
     /// What the newest choice does beside what it always does.
@@ -98,7 +98,7 @@ pub(super) struct DetailGroups {
 }
 
 impl DetailState {
-    fn new(device: &RenderDevice, store: &CellStore, detail: Detail) -> Self {
+    fn new(device: &RenderDevice, store: &CellStore, detail: TerrainLod) -> Self {
         let capacity = store.capacity;
         let buffer = |label, size: u64, usage| {
             device.create_buffer(&BufferDescriptor {
@@ -246,7 +246,7 @@ impl DetailState {
 fn keep_stores(
     stores: &mut HashMap<u32, CellStore>,
     terrain: &Terrain,
-    cameras: &[(Entity, Detail)],
+    cameras: &[(Entity, TerrainLod)],
     device: &RenderDevice,
     queue: &RenderQueue,
 ) {

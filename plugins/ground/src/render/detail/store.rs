@@ -1,11 +1,11 @@
 //! The cells of a ground, which all views of it share: heights and error bounds, and how they hang together.
 //!
-//! What a view makes of them (demands, lists, vertices) is its own; see [`super::prepare`]. Views choose one after
+//! What a view makes of them (error ratios, lists, vertices) is its own; see [`super::prepare`]. Views choose one after
 //! the other, in the order of their cameras, so that none meets a cell half made.
 //!
 //! **Room.** Every choice marks the cells that it looks at with its number. Where little room is left, a pass drops
 //! blocks of cells that nobody has looked at for long, the oldest first: how long is halved from sweep to sweep until
-//! there is room. What a view at rest stands on is kept, since ground answers go through it.
+//! there is room. What a view at rest stands on is kept, since height queries go through it.
 
 use bevy::render::render_resource::{Buffer, BufferDescriptor, BufferInitDescriptor, BufferUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
@@ -13,7 +13,7 @@ use bytemuck::cast_slice;
 use dolomite_terrain::Terrain;
 
 use crate::detail::layout::{Beginning, LEAST_CAPACITY, SHARED_CELL_BYTES, STOCK_HEAD_BYTES};
-use crate::detail::{Cell, Detail, DetailCells};
+use crate::detail::{Cell, DetailCells, TerrainLod};
 
 /// Most cells that are kept: 452 MiB, and 408 MiB a view.
 const MOST_CELLS: u64 = 1 << 22;
@@ -48,7 +48,7 @@ pub(super) struct CellStore {
 }
 
 /// How many cells a view with this detail takes.
-pub(super) fn capacity_for(device: &RenderDevice, detail: &Detail) -> u32 {
+pub(super) fn capacity_for(device: &RenderDevice, detail: &TerrainLod) -> u32 {
     // A view looks at some two cells a vertex; as many again for other views, and for what the last ones left.
     let most = device.limits().max_storage_buffer_binding_size / size_of::<Cell>() as u64;
     let most = most.clamp(u64::from(LEAST_CAPACITY), MOST_CELLS) as u32;

@@ -5,11 +5,11 @@ use bevy::render::view::ExtractedView;
 use bytemuck::Zeroable;
 use dolomite_geometry::render::ViewFrame;
 
-use crate::detail::{Detail, DetailView, Picture};
+use crate::detail::{CullView, DetailView, TerrainLod};
 
 /// What the view draws.
-pub(super) fn picture(frame: &ViewFrame, one_sided: bool) -> Picture {
-    Picture {
+pub(super) fn picture(frame: &ViewFrame, one_sided: bool) -> CullView {
+    CullView {
         clip: frame.steady_clip,
         half_size: frame.size.max(Vec2::ONE) * 0.5,
         one_sided,
@@ -21,7 +21,7 @@ pub(super) fn detail_view(
     view: &ExtractedView,
     frame: &ViewFrame,
     relief: f32,
-    detail: &Detail,
+    detail: &TerrainLod,
 ) -> DetailView {
     let anchor = frame.anchor;
     let mut out = DetailView::zeroed();

@@ -1,4 +1,4 @@
-//! Ground answers from what is drawn, see [`crate::detail::probe`].
+//! Height queries from what is drawn, see [`crate::detail::probe`].
 //!
 //! In a frame: `ask` takes the question of all probes, `prepare` uploads it, `answer` finds the triangles
 //! after the view's vertices have been chosen and written, `map` asks for the answers after the submit;

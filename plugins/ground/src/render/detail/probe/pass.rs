@@ -48,10 +48,10 @@ pub(super) fn answer(
     let recorder = recorder.as_deref();
     let encoder = ctx.command_encoder();
     let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
-        label: Some("ground_answers"),
+        label: Some("height_queries"),
         ..default()
     });
-    let span = recorder.pass_span(&mut pass, "ground_answers");
+    let span = recorder.pass_span(&mut pass, "height_queries");
     pass.set_pipeline(pipeline);
     pass.set_bind_group(0, shared, &[]);
     pass.set_bind_group(1, own, &[]);

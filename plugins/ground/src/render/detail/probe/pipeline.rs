@@ -53,7 +53,7 @@ impl AnswerPipeline {
         );
         let (_, entry) = ANSWER_PASS;
         let id = cache.queue_compute_pipeline(ComputePipelineDescriptor {
-            label: Some("ground_answers".into()),
+            label: Some("height_queries".into()),
             layout: vec![shared.clone(), own.clone()],
             shader: shader.clone(),
             entry_point: Some(entry.into()),

@@ -53,7 +53,7 @@ impl AnswerBuffers {
                 BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             ),
             places: buffer("ground_places", room, storage | BufferUsages::COPY_DST),
-            answers: buffer("ground_answers", room, storage | BufferUsages::COPY_SRC),
+            answers: buffer("height_queries", room, storage | BufferUsages::COPY_SRC),
             groups: None,
             bound: Vec::new(),
         }
@@ -176,7 +176,7 @@ pub(super) fn prepare(
         key,
     };
     if !answers.ring.begin(bytes, ticket, || {
-        Mapped::new(&device, "ground_answers_staging", room(count))
+        Mapped::new(&device, "height_queries_staging", room(count))
     }) {
         return;
     }

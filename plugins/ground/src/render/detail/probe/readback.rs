@@ -77,7 +77,7 @@ pub(super) fn deliver(
         if let Some(mut batch) = main.get_resource_mut::<ProbeBatch>()
             && let Err(error) = batch.fill_part(question, part)
         {
-            error!("ground answers were refused: {error}");
+            error!("height queries were refused: {error}");
         }
     }
 }

@@ -67,7 +67,7 @@ pub(super) fn publish(
     if shown.count() > 1 && !*told {
         *told = true;
         warn!(
-            "{} terrains are drawn, but ground answers are of the triangles of the first of them alone; over the others probes have their true answers",
+            "{} terrains are drawn, but height queries are of the triangles of the first of them alone; over the others probes have their true answers",
             shown.count()
         );
     }
@@ -78,7 +78,7 @@ pub(super) fn publish(
     }
 }
 
-/// What ground answers hold on the GPU.
+/// What height queries hold on the GPU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AnswerCensus {
     /// Pipelines queued.
@@ -89,8 +89,8 @@ pub struct AnswerCensus {
     pub dispatches: u64,
 }
 
-/// Counts what ground answers hold in a render world: all 0 as long as there is no probe, or no camera
-/// with a [`Detail`](crate::detail::Detail).
+/// Counts what height queries hold in a render world: all 0 as long as there is no probe, or no camera
+/// with a [`TerrainLod`](crate::detail::TerrainLod).
 pub fn answer_census(render_world: &World) -> AnswerCensus {
     let Some(answers) = render_world.get_resource::<GroundAnswers>() else {
         return AnswerCensus::default();

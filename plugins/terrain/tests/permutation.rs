@@ -1,8 +1,8 @@
-//! The classic preset against the reference surface of the literature's comparisons, where the
+//! The permutation preset against the reference surface of the literature's comparisons, where the
 //! shared data folder is at hand.
 
 use bevy::math::DVec2;
-use dolomite_terrain::{Classic, GroundPoint};
+use dolomite_terrain::{GroundPoint, PermutationNoise};
 use std::path::{Path, PathBuf};
 
 /// The shared data: `DOLOMITE_SHARED`, or `shared` beside the repository.
@@ -30,9 +30,9 @@ fn seed_1_is_the_reference_surface() {
     };
     let (reference, rest) = bytes.as_chunks::<4>();
     assert_eq!((reference.len(), rest.len()), (1024 * 1024, 0));
-    let classic = Classic {
+    let classic = PermutationNoise {
         amplitude: 0.9,
-        ..Classic::default()
+        ..PermutationNoise::default()
     }
     .prepare()
     .expect("valid");

@@ -17,12 +17,12 @@ use bevy::math::{DVec2, Vec2};
 use bevy::reflect::Reflect;
 use serde::{Deserialize, Serialize};
 
-/// FBM of classic noise: Σ amplitude·2⁻ᵏ·noise(2ᵏ·position/wavelength).
+/// FBM of permutation noise: Σ amplitude·2⁻ᵏ·noise(2ᵏ·position/wavelength).
 ///
 /// The error against f64 is that of [`super::Fractal`].
 #[derive(Clone, Copy, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Classic {
+pub struct PermutationNoise {
     /// Seed of the Mersenne Twister that shuffles the permutation.
     pub seed: u32,
     /// Octaves, 1 to 24.
@@ -33,7 +33,7 @@ pub struct Classic {
     pub wavelength: f32,
 }
 
-impl Default for Classic {
+impl Default for PermutationNoise {
     /// The settings of the literature on its scale of 100 m: amplitude 0.9 × 100 m, frequency
     /// 0.005 a metre, 8 octaves.
     fn default() -> Self {
@@ -48,17 +48,17 @@ impl Default for Classic {
 
 /// A validated [`Classic`] with its permutation and octave table.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PreparedClassic {
+pub struct PreparedPermutation {
     pub(crate) octaves: Vec<Octave>,
     pub(crate) permutation: Box<[u8; 256]>,
 }
 
-impl Classic {
+impl PermutationNoise {
     /// Checks the settings, shuffles the permutation and lays out the octaves.
     ///
     /// # Errors
     /// Names the first field that is NaN, infinite or out of its range.
-    pub fn prepare(&self) -> Result<PreparedClassic, NoiseError> {
+    pub fn prepare(&self) -> Result<PreparedPermutation, NoiseError> {
         let fractal = super::Fractal {
             seed: 0,
             octaves: self.octaves.clamp(1, MAX_OCTAVES as u32),
@@ -77,14 +77,14 @@ impl Classic {
         for octave in &mut octaves {
             (octave.offset, octave.seed) = ([0; 2], 0);
         }
-        Ok(PreparedClassic {
+        Ok(PreparedPermutation {
             octaves,
             permutation: Box::new(permutation(self.seed)),
         })
     }
 }
 
-impl PreparedClassic {
+impl PreparedPermutation {
     /// The two bits that choose the gradient of lattice point (x, z).
     #[inline]
     fn choice(&self, x: u32, z: u32) -> u8 {

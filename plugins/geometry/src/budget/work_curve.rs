@@ -10,7 +10,7 @@ use thiserror::Error;
 /// the histogram of the vertices' greatest projected errors, summed from the coarse end, and it never
 /// rises.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DemandCurve {
+pub struct WorkCurve {
     /// ln τ of the first point.
     first: f32,
     /// Points per unit of ln τ.
@@ -19,9 +19,9 @@ pub struct DemandCurve {
     logs: [f32; Self::POINTS],
 }
 
-/// A demand curve that cannot be made.
+/// A work curve that cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum DemandError {
+pub enum WorkCurveError {
     /// The tolerances at the ends.
     #[error(
         "tolerances from {least} px to {greatest} px: both must be finite, 0 < least < greatest"
@@ -42,17 +42,17 @@ pub enum DemandError {
     },
 }
 
-impl DemandCurve {
+impl WorkCurve {
     /// Points of a curve: over five octaves of τ, six an octave.
     pub const POINTS: usize = 33;
 
     /// The tolerances at which a curve from `least` to `greatest` (pixels) counts, finest first.
     ///
     /// # Errors
-    /// [`DemandError::Range`].
-    pub fn tolerances(least: f32, greatest: f32) -> Result<[f32; Self::POINTS], DemandError> {
+    /// [`WorkCurveError::Range`].
+    pub fn tolerances(least: f32, greatest: f32) -> Result<[f32; Self::POINTS], WorkCurveError> {
         if !(least > 0.0 && least < greatest && greatest.is_finite()) {
-            return Err(DemandError::Range { least, greatest });
+            return Err(WorkCurveError::Range { least, greatest });
         }
         let (first, last) = (ops::ln(least), ops::ln(greatest));
         let step = (last - first) / (Self::POINTS - 1) as f32;
@@ -66,16 +66,16 @@ impl DemandCurve {
     /// a fine one does too.
     ///
     /// # Errors
-    /// [`DemandError`].
+    /// [`WorkCurveError`].
     pub fn new(
         least: f32,
         greatest: f32,
         counts: [f32; Self::POINTS],
-    ) -> Result<Self, DemandError> {
+    ) -> Result<Self, WorkCurveError> {
         let wrong = |count: &f32| !(count.is_finite() && *count >= 0.0);
         if let Some(index) = counts.iter().position(wrong) {
             let count = counts[index];
-            return Err(DemandError::Count { index, count });
+            return Err(WorkCurveError::Count { index, count });
         }
         Self::tolerances(least, greatest)?;
         let (first, last) = (ops::ln(least), ops::ln(greatest));
@@ -95,12 +95,12 @@ impl DemandCurve {
     /// known is drawn. O(n log points), no allocation.
     ///
     /// # Errors
-    /// [`DemandError::Range`].
+    /// [`WorkCurveError::Range`].
     pub fn of_errors(
         least: f32,
         greatest: f32,
         errors: impl IntoIterator<Item = f32>,
-    ) -> Result<Self, DemandError> {
+    ) -> Result<Self, WorkCurveError> {
         let tolerances = Self::tolerances(least, greatest)?;
         let mut bins = [0_u32; Self::POINTS + 1];
         for error in errors {
@@ -148,8 +148,8 @@ mod tests {
     #[test]
     fn a_power_law_is_kept_between_the_points() {
         let law = |tau: f32| 2.0e5 * ops::powf(tau, -1.3);
-        let counts = DemandCurve::tolerances(0.25, 16.0).unwrap().map(law);
-        let curve = DemandCurve::new(0.25, 16.0, counts).unwrap();
+        let counts = WorkCurve::tolerances(0.25, 16.0).unwrap().map(law);
+        let curve = WorkCurve::new(0.25, 16.0, counts).unwrap();
         for k in 0..100 {
             let tau = 0.25 * ops::powf(64.0, k as f32 / 99.0);
             // ln of 1e6 is 14: f32 keeps it to 1e-6, and so the count to 1e-5.
@@ -165,38 +165,38 @@ mod tests {
         let errors: Vec<f32> = (0..5000)
             .map(|i| 0.1 * ops::powf(1.002, i as f32))
             .collect();
-        let curve = DemandCurve::of_errors(0.5, 16.0, errors.iter().copied()).unwrap();
-        for tau in DemandCurve::tolerances(0.5, 16.0).unwrap() {
+        let curve = WorkCurve::of_errors(0.5, 16.0, errors.iter().copied()).unwrap();
+        for tau in WorkCurve::tolerances(0.5, 16.0).unwrap() {
             let count = errors.iter().filter(|error| **error > tau).count() as f32;
             assert!((curve.at(tau) / count.max(1.0) - 1.0).abs() < 1e-4, "{tau}");
         }
-        let unknown = DemandCurve::of_errors(0.5, 16.0, [f32::NAN; 7]).unwrap();
+        let unknown = WorkCurve::of_errors(0.5, 16.0, [f32::NAN; 7]).unwrap();
         assert!((unknown.at(16.0) - 7.0).abs() < 1e-4);
-        let none = DemandCurve::of_errors(0.5, 16.0, []).unwrap();
+        let none = WorkCurve::of_errors(0.5, 16.0, []).unwrap();
         assert_eq!(none.at(1.0), 1.0);
     }
 
     #[test]
     fn what_is_no_curve_is_refused() {
-        let flat = [1.0; DemandCurve::POINTS];
+        let flat = [1.0; WorkCurve::POINTS];
         for (least, greatest) in [
             (0.0, 1.0),
             (2.0, 1.0),
             (1.0, f32::INFINITY),
             (f32::NAN, 1.0),
         ] {
-            let refusal = DemandCurve::new(least, greatest, flat).unwrap_err();
-            assert!(matches!(refusal, DemandError::Range { .. }));
+            let refusal = WorkCurve::new(least, greatest, flat).unwrap_err();
+            assert!(matches!(refusal, WorkCurveError::Range { .. }));
         }
         for wrong in [-1.0, f32::NAN, f32::INFINITY] {
             let mut counts = flat;
             counts[5] = wrong;
-            let refusal = DemandCurve::new(0.5, 16.0, counts).unwrap_err();
-            assert!(matches!(refusal, DemandError::Count { index: 5, .. }));
+            let refusal = WorkCurve::new(0.5, 16.0, counts).unwrap_err();
+            assert!(matches!(refusal, WorkCurveError::Count { index: 5, .. }));
         }
         let mut rising = flat;
         rising[10] = 50.0;
-        let curve = DemandCurve::new(0.5, 16.0, rising).unwrap();
+        let curve = WorkCurve::new(0.5, 16.0, rising).unwrap();
         assert!((curve.at(0.5) - 50.0).abs() < 1e-4, "never rises");
     }
 }

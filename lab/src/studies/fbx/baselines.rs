@@ -10,26 +10,26 @@ use std::process::{Command, Stdio};
 
 /// Converters that are installed.
 #[derive(Debug, Default)]
-pub struct Rivals {
+pub struct Baselines {
     fbx2gltf: Option<PathBuf>,
     assimp: Option<PathBuf>,
 }
 
-/// A rival's result.
+/// A baseline's result.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rival {
+pub struct Baseline {
     /// Who.
     pub name: &'static str,
     /// The largest distance to the nearest vertex, both ways, over the diagonal of the model, and ours
     /// by the same measure; `None` where nothing came out that can be played.
     pub error_over_size: Option<f64>,
-    /// See [`Rival::error_over_size`].
+    /// See [`Baseline::error_over_size`].
     pub ours_over_size: f64,
     /// Of the result's keys and times.
     pub bytes: Option<usize>,
 }
 
-impl Rival {
+impl Baseline {
     /// For the line.
     pub fn to_json(&self) -> Value {
         json!({
@@ -49,8 +49,8 @@ struct Pose {
     points: Vec<DVec3>,
 }
 
-impl Rivals {
-    /// Looks for the rivals; says what is missing.
+impl Baselines {
+    /// Looks for the baselines; says what is missing.
     pub fn find(notes: &mut Vec<String>) -> Self {
         let fbx2gltf = std::env::var_os("FBX2GLTF")
             .map(PathBuf::from)
@@ -69,7 +69,7 @@ impl Rivals {
     }
 
     /// What they make of a file.
-    pub fn of(&self, file: &FbxFile, ours: &FileCheck, poses: usize) -> Vec<Rival> {
+    pub fn of(&self, file: &FbxFile, ours: &FileCheck, poses: usize) -> Vec<Baseline> {
         if self.fbx2gltf.is_none() && self.assimp.is_none() {
             return Vec::new();
         }
@@ -81,7 +81,8 @@ impl Rivals {
         };
         let ours_over_size = farthest(&played, &poses, 1.0).unwrap_or(f64::INFINITY);
         let unit = ours.conversion.report.unit;
-        let out = std::env::temp_dir().join(format!("dolomite_rival_{}.glb", std::process::id()));
+        let out =
+            std::env::temp_dir().join(format!("dolomite_baseline_{}.glb", std::process::id()));
         let mut results = Vec::new();
         let mut run = |name: &'static str, command: &mut Command| {
             // A file that is left from the one before would be taken for the result.
@@ -96,7 +97,7 @@ impl Rivals {
                 .filter(std::process::ExitStatus::success)
                 .and_then(|_| std::fs::read(&out).ok());
             let played = glb.as_deref().and_then(|glb| Played::read(glb).ok());
-            results.push(Rival {
+            results.push(Baseline {
                 name,
                 error_over_size: played.as_ref().and_then(|played| {
                     // A result in the file's own unit is forgiven: it is held as one in metres.

@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn every_rival_fills_every_value() {
+    fn every_baseline_fills_every_value() {
         let methods: [Box<dyn Method>; 4] = [
             Box::new(Noise09::new(3, 1)),
             Box::new(Noiz05::new(3, 1)),

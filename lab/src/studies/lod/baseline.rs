@@ -17,7 +17,7 @@ pub struct Knob {
 }
 
 /// A method that draws a terrain for a camera.
-pub trait Rival: Send + Sync {
+pub trait Baseline: Send + Sync {
     /// As it is named in tables.
     fn name(&self) -> &'static str;
 
@@ -33,22 +33,22 @@ pub trait Rival: Send + Sync {
 /// how many.
 pub struct AtMost<'a> {
     /// The method.
-    pub rival: &'a dyn Rival,
+    pub baseline: &'a dyn Baseline,
     /// The most.
     pub vertices: u64,
 }
 
-impl Rival for AtMost<'_> {
+impl Baseline for AtMost<'_> {
     fn name(&self) -> &'static str {
-        self.rival.name()
+        self.baseline.name()
     }
 
     fn knob(&self) -> Knob {
-        self.rival.knob()
+        self.baseline.knob()
     }
 
     fn draw(&self, truth: &Truth, camera: &Camera, knob: f64) -> Option<Box<dyn Drawn>> {
-        let drawn = self.rival.draw(truth, camera, knob)?;
+        let drawn = self.baseline.draw(truth, camera, knob)?;
         (drawn.vertices() <= self.vertices).then_some(drawn)
     }
 }
