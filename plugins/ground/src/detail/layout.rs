@@ -339,7 +339,9 @@ pub fn all_without() -> Vec<Vec<&'static str>> {
     sets.map(|set| {
         let is = |bit: usize| set >> bit & 1 == 1;
         let [no_bilinear, no_bicubic] = [is(kinds.len()), is(kinds.len() + 1)];
-        let others = (0..kinds.len()).filter(|bit| is(*bit)).map(|bit| kinds[bit]);
+        let others = (0..kinds.len())
+            .filter(|bit| is(*bit))
+            .map(|bit| kinds[bit]);
         let of_maps = [
             (no_bilinear && no_bicubic, maps),
             (no_bilinear, bilinear),
