@@ -167,7 +167,7 @@ fn gpu_what_does_not_depend_on_the_view_is_kept_once() {
         ..default()
     };
     let target = app::target(&mut app, 32, 32);
-    let mut look = |app: &mut App, x: f32| {
+    let look = |app: &mut App, x: f32| {
         app::camera(app, &target, (TerrainView, detail, above(x, 60.0)));
         app::frames(app, 12);
         bytes(app)
