@@ -6,6 +6,8 @@ mod app;
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
+use dolomite_geometry::GeometryStats;
+use dolomite_ground::detail::Detail;
 use dolomite_ground::{
     GroundLayer, GroundMaterial, MOST_TERRAINS, PatchDetail, Surface, TerrainView,
 };
@@ -140,4 +142,40 @@ fn gpu_more_terrains_than_are_drawn() {
         .insert(Visibility::Hidden);
     app::frames(&mut app, 12);
     assert_eq!(halves(&mut app, &target), [Seen::Green; 2]);
+}
+
+/// Bytes that all views share, and those of each view.
+fn bytes(app: &App) -> (u64, Vec<u64>) {
+    let pools = &app.world().resource::<GeometryStats>().pools;
+    let of = |shared: bool| {
+        pools
+            .iter()
+            .filter(move |pool| pool.camera.is_none() == shared)
+    };
+    (
+        of(true).map(|pool| pool.allocated).sum(),
+        of(false).map(|pool| pool.allocated).collect(),
+    )
+}
+
+#[test]
+fn gpu_what_does_not_depend_on_the_view_is_kept_once() {
+    let Some(mut app) = app::app() else { return };
+    app.world_mut().spawn(ground(0.0, GREEN));
+    let detail = Detail {
+        max_vertices: 1 << 14,
+        ..default()
+    };
+    let target = app::target(&mut app, 32, 32);
+    let look = |app: &mut App, x: f32| {
+        app::camera(app, &target, (TerrainView, detail, above(x, 60.0)));
+        app::frames(app, 12);
+        bytes(app)
+    };
+    let (shared, views) = look(&mut app, 0.0);
+    // 113 bytes a cell, four cells a vertex, and corners of one root; see `Detail::max_vertices`.
+    assert_eq!(shared, 113 * (4 << 14) + 16 + 4 * 16);
+    assert_eq!(views.len(), 1);
+    let (both, of_each) = look(&mut app, 30.0);
+    assert_eq!((both, of_each), (shared, vec![views[0]; 2]));
 }
