@@ -86,7 +86,8 @@ pub fn written(module: &Module) -> Result<Composed, String> {
     let info = Validator::new(ValidationFlags::all(), granted)
         .validate(module)
         .map_err(|fault| format!("naga: {:?}", fault.into_inner()))?;
-    let wgsl = write_string(module, &info, WriterFlags::empty()).map_err(|fault| fault.to_string())?;
+    let wgsl =
+        write_string(module, &info, WriterFlags::empty()).map_err(|fault| fault.to_string())?;
     Ok(Composed {
         wgsl,
         entries: entries(module),
@@ -98,8 +99,8 @@ fn entries(module: &Module) -> Value {
     let compute: Vec<&str> = of(ShaderStage::Compute).map(|e| e.name.as_str()).collect();
     let vertex = of(ShaderStage::Vertex).next().map(|entry| {
         let arguments = entry.function.arguments.iter();
-        let located = arguments
-            .flat_map(|argument| located(module, argument.ty, argument.binding.as_ref()));
+        let located =
+            arguments.flat_map(|argument| located(module, argument.ty, argument.binding.as_ref()));
         let inputs: Vec<Value> = located
             .map(|(location, ty)| json!({ "location": location, "format": vertex_format(ty) }))
             .collect();

@@ -20,16 +20,14 @@ use crate::variants::{Variant, drawn};
 pub fn draw(app: &mut App) -> Vec<Variant> {
     let mut variants: Vec<Variant> = Vec::new();
     spawn(app);
-    for method in [
-        DefaultOpaqueRendererMethod::forward(),
-        DefaultOpaqueRendererMethod::deferred(),
+    for (deferred, method) in [
+        (false, DefaultOpaqueRendererMethod::forward()),
+        (true, DefaultOpaqueRendererMethod::deferred()),
     ] {
-        app.insert_resource(method.clone());
-        let deferred = method.0 == bevy::pbr::OpaqueRendererMethod::Deferred;
+        app.insert_resource(method);
         let cameras: Vec<Entity> = (0..4)
             .map(|order| {
-                let target =
-                    Image::new_target_texture(16, 16, TextureFormat::Rgba8UnormSrgb, None);
+                let target = Image::new_target_texture(16, 16, TextureFormat::Rgba8UnormSrgb, None);
                 let target = app.world_mut().resource_mut::<Assets<Image>>().add(target);
                 let view = (
                     Camera3d::default(),
@@ -75,7 +73,14 @@ fn spawn(app: &mut App) {
     let mut materials = std::mem::take(&mut *world.resource_mut::<Assets<CrowdMaterial>>());
     let mut buffers = std::mem::take(&mut *world.resource_mut::<Assets<ShaderBuffer>>());
     let parts = [(&rig.meshes[0], StandardMaterial::default())];
-    let look = CrowdLook::new(&palette, &parts, 2, &mut meshes, &mut materials, &mut buffers);
+    let look = CrowdLook::new(
+        &palette,
+        &parts,
+        2,
+        &mut meshes,
+        &mut materials,
+        &mut buffers,
+    );
     *world.resource_mut() = meshes;
     *world.resource_mut() = materials;
     *world.resource_mut() = buffers;

@@ -90,7 +90,10 @@ fn every_variant_is_accepted_by_tint_too_gpu() {
     let mut shaders = Vec::new();
     let mut ids = std::collections::HashMap::new();
     for variant in &asked.variants {
-        let key = (variant.shader.path.clone(), variant.shader.source.as_str().to_owned());
+        let key = (
+            variant.shader.path.clone(),
+            variant.shader.source.as_str().to_owned(),
+        );
         let id = *ids
             .entry(key)
             .or_insert_with(|| composer.add(variant.shader.clone()));
@@ -100,7 +103,12 @@ fn every_variant_is_accepted_by_tint_too_gpu() {
             Err(fault) => faults.push(format!("{name}: {fault}")),
         }
     }
-    assert!(faults.is_empty(), "{} faults\n{}", faults.len(), faults.join("\n"));
+    assert!(
+        faults.is_empty(),
+        "{} faults\n{}",
+        faults.len(),
+        faults.join("\n")
+    );
     for (part, count) in parts {
         println!("{part}: {count} variants");
     }

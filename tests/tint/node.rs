@@ -30,8 +30,12 @@ pub fn is_there() -> bool {
     if folder().join("node_modules/webgpu/package.json").exists() {
         return true;
     }
-    let line = "the npm package webgpu is not installed: source scripts/lib/webgpu.sh && need_webgpu";
-    assert!(std::env::var_os("CI").is_none(), "CI must not skip Tint: {line}");
+    let line =
+        "the npm package webgpu is not installed: source scripts/lib/webgpu.sh && need_webgpu";
+    assert!(
+        std::env::var_os("CI").is_none(),
+        "CI must not skip Tint: {line}"
+    );
     eprintln!("skipped: {line}");
     false
 }

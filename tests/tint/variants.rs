@@ -9,7 +9,9 @@ use bevy::render::RenderApp;
 use bevy::render::render_resource::{PipelineCache, PipelineDescriptor};
 use bevy::shader::{Shader, ShaderDefVal, ShaderImport};
 use dolomite::DolomitePlugins;
-use dolomite::ground::detail::layout::{DEPTH_PASSES, LAST_PASSES, SWEEP_PASS, Second, all_without};
+use dolomite::ground::detail::layout::{
+    DEPTH_PASSES, LAST_PASSES, SWEEP_PASS, Second, all_without,
+};
 use dolomite::ground::detail::probe::ANSWER_PASS;
 use dolomite::ground::render::GroundKind;
 use dolomite::ground::render::detail::detail_variants;
@@ -109,7 +111,9 @@ pub fn all() -> Option<Asked> {
     variants.extend(drawn);
     // The rest is asked for by tests and studies alone.
     let known: HashSet<String> = variants.iter().map(|v| v.file().to_owned()).collect();
-    let rest = dolomite_shaders::ALL.iter().filter(|file| !file.is_module());
+    let rest = dolomite_shaders::ALL
+        .iter()
+        .filter(|file| !file.is_module());
     for file in rest.filter(|file| !known.contains(file.path)) {
         variants.push(Variant::of_file("tests and studies", file.path, &[]));
     }
@@ -135,7 +139,9 @@ pub fn drawn(app: &App, part: &'static str) -> Vec<Variant> {
             continue;
         };
         let known = |variant: &Variant| variant.defs == state.shader_defs;
-        if dolomite_shaders::ALL.iter().any(|file| ours(&file, shader)) && !variants.iter().any(known) {
+        if dolomite_shaders::ALL.iter().any(|file| ours(&file, shader))
+            && !variants.iter().any(known)
+        {
             variants.push(Variant {
                 part,
                 shader: shader.clone(),
@@ -169,7 +175,9 @@ fn with_bevys(app: &mut App, own: Vec<Shader>, variants: &[Variant]) -> Vec<Shad
         let bevys = loaded.filter(|(_, shader)| !named.contains(&shader.import_path));
         modules.extend(bevys.map(|(_, shader)| shader.clone()));
         let there: HashSet<&ShaderImport> = modules.iter().map(|s| &s.import_path).collect();
-        let asking = modules.iter().chain(variants.iter().map(|variant| &variant.shader));
+        let asking = modules
+            .iter()
+            .chain(variants.iter().map(|variant| &variant.shader));
         let missing = asking
             .flat_map(|shader| &shader.imports)
             .find(|import| !there.contains(import));
@@ -177,7 +185,10 @@ fn with_bevys(app: &mut App, own: Vec<Shader>, variants: &[Variant]) -> Vec<Shad
             return modules;
         };
         let waited = began.elapsed();
-        assert!(waited < Duration::from_secs(60), "{missing:?} is not loaded after {waited:?}");
+        assert!(
+            waited < Duration::from_secs(60),
+            "{missing:?} is not loaded after {waited:?}"
+        );
         app.update();
     }
 }

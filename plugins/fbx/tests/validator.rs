@@ -22,7 +22,10 @@ fn is_there() -> bool {
         return true;
     }
     let line = "the npm package gltf-validator is not installed: scripts/lib/webgpu.sh does that";
-    assert!(std::env::var_os("CI").is_none(), "CI must not skip the validator: {line}");
+    assert!(
+        std::env::var_os("CI").is_none(),
+        "CI must not skip the validator: {line}"
+    );
     eprintln!("skipped: {line}");
     false
 }
@@ -76,7 +79,10 @@ fn every_result_is_valid() {
     }
     let hero = root().join("assets/hero/hero.fbx");
     let shared = shared_fbx().map(|folder| files_below(&folder));
-    for path in [hero.clone()].into_iter().chain(shared.into_iter().flatten()) {
+    for path in [hero.clone()]
+        .into_iter()
+        .chain(shared.into_iter().flatten())
+    {
         let origin = Origin {
             name: path.display().to_string(),
             folder: path.parent().map(Into::into),
@@ -106,7 +112,10 @@ fn a_file_with_an_error_is_refused() {
     let made = convert(text.as_bytes(), &Origin::default(), &Options::default()).unwrap();
     let sound = made.to_glb().unwrap();
     // The first mesh that a node names is another one, which does not exist.
-    let at = sound.windows(8).position(|bytes| bytes == b"\"mesh\":0").unwrap();
+    let at = sound
+        .windows(8)
+        .position(|bytes| bytes == b"\"mesh\":0")
+        .unwrap();
     let mut broken = sound.clone();
     broken[at + 7] = b'9';
     let files = [folder.join("sound.glb"), folder.join("broken.glb")];

@@ -3,6 +3,9 @@
 
 mod bounded;
 
+#[doc(hidden)]
+pub use bounded::BoundedClassicKind;
+
 use std::sync::Arc;
 
 use bevy::asset::RenderAssetUsages;
