@@ -3,7 +3,9 @@
 #
 # Version: parry3d 0.30.2-glamx0.2-b (crates.io)
 # Guess:   a ray straight down, well inside the field's rectangle, hits it wherever it stands: the field has no holes.
-# Seen:    SEEN
+# Seen:    `214 of 2000000 miss, at most 8e-5 of a cell from a line of the grid`. Rays that fall through stand beside a
+#          line of the grid, not on it: cell and triangle are found by roundings of their own, which may disagree.
+#          Beneath a wheel or a foot that is a hole now and then.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -27,27 +29,36 @@ use parry3d::query::{Ray, RayCast};
 use parry3d::shape::HeightField;
 use parry3d::utils::Array2;
 
-/// Rays that miss, of so many at places of a fixed sequence, on flat ground of `side` metres with `samples` squared.
-fn missed(samples: usize, side: f32, rays: u32) -> u32 {
-    let heights = Array2::new(samples, samples, vec![0.0; samples * samples]);
-    let field = HeightField::new(heights, Vector::new(side, 1.0, side));
+const SAMPLES: usize = 2049;
+const SIDE: f32 = 12_000.0;
+const RAYS: u32 = 2_000_000;
+
+fn main() {
+    // Flat ground, and places of a fixed sequence, none of them near the field's border.
+    let heights = Array2::new(SAMPLES, SAMPLES, vec![0.0; SAMPLES * SAMPLES]);
+    let field = HeightField::new(heights, Vector::new(SIDE, 1.0, SIDE));
     let mut state = 1u64;
     let mut place = || {
         state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        ((state >> 40) as f32 / (1u32 << 24) as f32 - 0.5) * 0.99 * side
+        ((state >> 40) as f32 / (1u32 << 24) as f32 - 0.5) * 0.99 * SIDE
     };
-    let misses = (0..rays).filter(|_| {
-        let ray = Ray::new(Vector::new(place(), 10.0, place()), Vector::new(0.0, -1.0, 0.0));
-        field.cast_local_ray(&ray, 100.0, true).is_none()
-    });
-    misses.count() as u32
-}
-
-fn main() {
-    println!("12 000 m, 2049 samples: {} miss", missed(2049, 12_000.0, 2_000_000));
-    println!("8 192 m, 2049 samples: {} miss", missed(2049, 8_192.0, 2_000_000));
+    // From the nearest line of the grid, in cells.
+    let from_line = |x: f32| {
+        let cells = f64::from(x) / f64::from(SIDE) * (SAMPLES - 1) as f64;
+        (cells - cells.round()).abs()
+    };
+    let (mut missed, mut farthest) = (0, 0.0_f64);
+    for _ in 0..RAYS {
+        let (x, z) = (place(), place());
+        let ray = Ray::new(Vector::new(x, 10.0, z), Vector::new(0.0, -1.0, 0.0));
+        if field.cast_local_ray(&ray, 100.0, true).is_none() {
+            missed += 1;
+            farthest = farthest.max(from_line(x).min(from_line(z)));
+        }
+    }
+    println!("{missed} of {RAYS} miss, at most {farthest:.0e} of a cell from a line of the grid");
 }
 RUST
 seen=$(CARGO_TARGET_DIR=$folder/target cargo run --quiet)
 echo "$seen"
-[[ $seen == 'EXPECTED' ]]
+[[ $seen == '214 of 2000000 miss, at most 8e-5 of a cell from a line of the grid' ]]

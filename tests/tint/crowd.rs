@@ -20,9 +20,9 @@ use crate::variants::{Variant, drawn};
 pub fn draw(app: &mut App) -> Vec<Variant> {
     let mut variants: Vec<Variant> = Vec::new();
     spawn(app);
-    for (method, deferred) in [
-        (DefaultOpaqueRendererMethod::forward(), false),
-        (DefaultOpaqueRendererMethod::deferred(), true),
+    for (deferred, method) in [
+        (false, DefaultOpaqueRendererMethod::forward()),
+        (true, DefaultOpaqueRendererMethod::deferred()),
     ] {
         app.insert_resource(method);
         let cameras: Vec<Entity> = (0..4)

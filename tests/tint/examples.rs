@@ -1,4 +1,4 @@
-//! The kinds of patches of the examples.
+//! What the examples draw with.
 
 use dolomite::tessellation::render::{StageVariant, stage_variants};
 
@@ -6,7 +6,7 @@ use dolomite::tessellation::render::{StageVariant, stage_variants};
 macro_rules! examples {
     ($($name:ident: $path:literal),* $(,)?) => {
         $(
-            #[expect(dead_code, reason = "only its kinds of patches are looked at")]
+            #[expect(dead_code, reason = "only its shaders are looked at")]
             #[path = $path]
             mod $name;
         )*
@@ -19,7 +19,12 @@ examples! {
     stars: "../../examples/stars.rs",
     teapot: "../../examples/teapot.rs",
     terrain: "../../examples/terrain.rs",
+    torus: "../../plugins/tessellation/examples/torus.rs",
+    waves: "../../plugins/geometry/examples/waves.rs",
 }
+
+/// The pass of an example that makes its own triangles.
+pub const WAVES: &str = waves::WAVES;
 
 /// What their pipelines may ask for.
 pub fn variants() -> Vec<StageVariant> {
@@ -30,6 +35,7 @@ pub fn variants() -> Vec<StageVariant> {
         stage_variants::<stars::Star>(),
         stage_variants::<teapot::Bezier>(),
         stage_variants::<terrain::Boulder>(),
+        stage_variants::<torus::Torus>(),
     ]
     .concat()
 }

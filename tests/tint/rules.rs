@@ -16,11 +16,23 @@ pub fn library() -> Shader {
         "stage/user_bounds.wgsl",
         "geometry/user_material.wgsl",
     ];
-    let bodies = files.map(|file| {
-        let source = dolomite_shaders::find(file).source;
-        source.split_once('\n').map_or(source, |(_, body)| body)
-    });
-    let source = format!("#define_import_path {LIBRARY}\n{}", bodies.concat());
+    let mut source = format!("#define_import_path {LIBRARY}\n");
+    let mut imported = Vec::new();
+    for line in files
+        .iter()
+        .flat_map(|file| dolomite_shaders::find(file).source.lines())
+    {
+        // A module imports another once: the first file that does so needs all that the others do.
+        let import = line.strip_prefix("#import ");
+        let module = import.and_then(|import| Some(import.split_once("::{")?.0));
+        if line.starts_with("#define_import_path") || module.is_some_and(|m| imported.contains(&m))
+        {
+            continue;
+        }
+        imported.extend(module);
+        source += line;
+        source += "\n";
+    }
     Shader::from_wgsl(source, "rules.wgsl")
 }
 

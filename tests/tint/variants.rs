@@ -18,6 +18,7 @@ use dolomite::ground::render::detail::detail_variants;
 use dolomite::tessellation::render::{KindVariants, StageVariant, stage_variants};
 use dolomite_classic::render::{BoundedClassicKind, ClassicKind};
 use dolomite_game::game::sky::SkyPlugin;
+use dolomite_geometry::render::{DrawShader, DrawTraits, draw_variants};
 use dolomite_shaders::ShaderFile;
 
 use crate::{app, crowd, examples, rules};
@@ -97,6 +98,19 @@ pub fn all() -> Option<Asked> {
     stage("detail of the ground", detail_variants::<GroundKind<0>>());
     stage("examples", examples::variants());
     stage("rules", rules::variants());
+    stage(
+        "waves",
+        draw_variants(
+            &DrawShader::source(None, None, None),
+            &[],
+            &DrawTraits::default(),
+        ),
+    );
+    variants.push(Variant {
+        part: "waves",
+        shader: Shader::from_wgsl(examples::WAVES, "waves.wgsl"),
+        defs: Vec::new(),
+    });
     for (file, _, second, _) in DEPTH_PASSES.iter().chain(&LAST_PASSES).chain([&SWEEP_PASS]) {
         let sets = match second {
             Second::Ground => all_without(),
@@ -154,15 +168,26 @@ pub fn drawn(app: &App, part: &'static str) -> Vec<Variant> {
 
 /// The files with users' functions.
 fn users() -> Vec<Shader> {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/shaders");
-    let files = std::fs::read_dir(folder).expect("assets/shaders").flatten();
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    // Each folder, and how its files are named among an app's assets.
+    let folders = [
+        ("assets/shaders", "shaders/"),
+        ("plugins/tessellation/assets", ""),
+    ];
+    let mut files = Vec::new();
+    for (folder, named) in folders {
+        for file in std::fs::read_dir(root.join(folder))
+            .expect(folder)
+            .flatten()
+        {
+            let name = file.file_name().to_string_lossy().into_owned();
+            if name.ends_with(".wgsl") {
+                let source = std::fs::read_to_string(file.path()).expect("WGSL is text");
+                files.push(Shader::from_wgsl(source, format!("{named}{name}")));
+            }
+        }
+    }
     files
-        .map(|file| {
-            let path = format!("shaders/{}", file.file_name().to_string_lossy());
-            let source = std::fs::read_to_string(file.path()).expect("WGSL is text");
-            Shader::from_wgsl(source, path)
-        })
-        .collect()
 }
 
 /// The modules with those of Bevy that they and the variants import, which an app loads while it runs.

@@ -13,7 +13,8 @@ use dolomite_geometry::{GeometryCamera, GeometryPlugin};
 /// Squares along a side, as in the shader.
 const SIDE: u32 = 256;
 
-const WAVES: &str = "
+/// The pass that makes them.
+pub const WAVES: &str = "
 #import dolomite::geometry::head::{INDEXED, PRIMITIVES, VERTICES}
 #import dolomite::geometry::vertex::{VERTEX_WORDS, pack_normal}
 @group(0) @binding(0) var<storage, read_write> vertices: array<u32>;
