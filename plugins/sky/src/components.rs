@@ -15,6 +15,11 @@ use bevy::prelude::*;
 /// was.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serialize",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 #[require(Transform)]
 #[cfg_attr(
     feature = "render",
@@ -66,6 +71,11 @@ impl Sun {
 /// Numbers that are not finite count as the defaults, others as the nearest in their range.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serialize",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
 #[cfg_attr(feature = "render", require(bevy::camera::Hdr))]
 pub struct Sky {
     /// Whether the sea lies below the horizon, which as the sun sinks mirrors the sky; else land.
@@ -216,5 +226,21 @@ mod tests {
         }
         .clamped();
         assert_eq!((far.dust, far.night_ev100, far.side, far.map_step), (0.0, 3.0, 1024, 10.0));
+    }
+
+    #[cfg(feature = "serialize")]
+    #[test]
+    fn files_name_both_angles_and_no_field_that_is_none() {
+        let read = |text| ron::from_str::<Sun>(text);
+        let sun = Sun {
+            azimuth: 90.0,
+            elevation: -3.0,
+        };
+        assert_eq!(read("(azimuth: 90.0, elevation: -3.0)").expect("a sun"), sun);
+        assert!(read("(azimuth: 90.0)").is_err());
+        assert!(read("(azimuth: 90.0, elevation: -3.0, colour: 1.0)").is_err());
+        let sky = ron::from_str::<Sky>("(dust: 20.0)").expect("a sky");
+        assert_eq!(sky, Sky { dust: 20.0, ..Sky::default() });
+        assert!(ron::from_str::<Sky>("(fog: 1.0)").is_err());
     }
 }
