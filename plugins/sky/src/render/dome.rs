@@ -1,6 +1,7 @@
 //! What hangs in the sky of a camera: patches on a dome about it that goes with it.
 
 use bevy::prelude::*;
+use bevy::transform::helper::TransformHelper;
 
 use super::dress::DrawnSky;
 use crate::seen::SeenSky;
