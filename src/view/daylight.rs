@@ -25,9 +25,7 @@ impl Plugin for DaylightPlugin {
         app.add_systems(Startup, spawn)
             .add_systems(
                 Update,
-                turn_sun.run_if(
-                    resource_changed::<CurrentScene>.or(resource_changed::<Settings>),
-                ),
+                turn_sun.run_if(resource_changed::<CurrentScene>.or(resource_changed::<Settings>)),
             )
             .add_systems(PostUpdate, fade.after(SkySystems::See));
     }

@@ -15,7 +15,11 @@ fn main() {
         .run();
 }
 
-fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
+fn setup(
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
     commands.spawn((
         Camera3d::default(),
         Msaa::Off,
@@ -24,8 +28,15 @@ fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
     ));
     commands.spawn(picture::sun());
     let stone = materials.add(Color::srgb(0.5, 0.47, 0.43));
-    for (mesh, height) in [(Mesh::from(Plane3d::default().mesh().size(4e4, 4e4)), 0.0), (Sphere::new(1.0).into(), 1.0)] {
-        commands.spawn((Mesh3d(meshes.add(mesh)), MeshMaterial3d(stone.clone()), Transform::from_xyz(-1.5, height, 0.0)));
+    for (mesh, height) in [
+        (Mesh::from(Plane3d::default().mesh().size(4e4, 4e4)), 0.0),
+        (Sphere::new(1.0).into(), 1.0),
+    ] {
+        commands.spawn((
+            Mesh3d(meshes.add(mesh)),
+            MeshMaterial3d(stone.clone()),
+            Transform::from_xyz(-1.5, height, 0.0),
+        ));
     }
 }
 

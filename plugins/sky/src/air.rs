@@ -121,7 +121,10 @@ mod tests {
             let expected = exp(-zenith_depth(dust));
             // Altitudes are differences of numbers whose unit in the last place is half a metre, of
             // densities that fall by a factor e in 1200 m or more.
-            assert!((through - expected).abs().max_element() < 1e-3, "{through} {expected}");
+            assert!(
+                (through - expected).abs().max_element() < 1e-3,
+                "{through} {expected}"
+            );
         }
         // A clear zenith passes some 80 to 95 % of what is seen (Allen 1973), red more than blue.
         let clear = exp(-zenith_depth(1.0));

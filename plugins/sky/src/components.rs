@@ -185,7 +185,10 @@ mod tests {
         ] {
             let found = at(azimuth, elevation).expect("finite");
             // One rounding of sine or cosine of a right angle.
-            assert!(found.distance(direction) < 1e-6, "{azimuth} {elevation}: {found}");
+            assert!(
+                found.distance(direction) < 1e-6,
+                "{azimuth} {elevation}: {found}"
+            );
         }
     }
 
@@ -225,7 +228,10 @@ mod tests {
             ..usual
         }
         .clamped();
-        assert_eq!((far.dust, far.night_ev100, far.side, far.map_step), (0.0, 3.0, 1024, 10.0));
+        assert_eq!(
+            (far.dust, far.night_ev100, far.side, far.map_step),
+            (0.0, 3.0, 1024, 10.0)
+        );
     }
 
     #[cfg(feature = "serialize")]
@@ -236,11 +242,20 @@ mod tests {
             azimuth: 90.0,
             elevation: -3.0,
         };
-        assert_eq!(read("(azimuth: 90.0, elevation: -3.0)").expect("a sun"), sun);
+        assert_eq!(
+            read("(azimuth: 90.0, elevation: -3.0)").expect("a sun"),
+            sun
+        );
         assert!(read("(azimuth: 90.0)").is_err());
         assert!(read("(azimuth: 90.0, elevation: -3.0, colour: 1.0)").is_err());
         let sky = ron::from_str::<Sky>("(dust: 20.0)").expect("a sky");
-        assert_eq!(sky, Sky { dust: 20.0, ..Sky::default() });
+        assert_eq!(
+            sky,
+            Sky {
+                dust: 20.0,
+                ..Sky::default()
+            }
+        );
         assert!(ron::from_str::<Sky>("(fog: 1.0)").is_err());
     }
 }

@@ -82,7 +82,10 @@ mod tests {
         let mut before = f32::INFINITY;
         for elevation in [60.0, 30.0, 10.0, 4.9, 0.0, -4.0, -8.0, -12.0] {
             let now = haze(elevation, 1.0).colour;
-            assert!(now.is_finite() && now.min_element() > 0.0, "{elevation}: {now}");
+            assert!(
+                now.is_finite() && now.min_element() > 0.0,
+                "{elevation}: {now}"
+            );
             // A high sun leaves the horizon some darker than one in the middle.
             assert!(now.y < before * 1.3, "{elevation}: {before} {now}");
             before = now.y;
@@ -96,7 +99,10 @@ mod tests {
     fn dusk_begins_without_a_jump() {
         let [before, after] = [5.001, 4.999].map(|elevation| haze(elevation, 1.0).colour);
         // Two thousandths of a degree, of which one is some 2 % of the light.
-        assert!((before / after - Vec3::ONE).abs().max_element() < 1e-3, "{before} {after}");
+        assert!(
+            (before / after - Vec3::ONE).abs().max_element() < 1e-3,
+            "{before} {after}"
+        );
     }
 
     #[test]

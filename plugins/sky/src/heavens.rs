@@ -143,7 +143,13 @@ mod tests {
     }
 
     fn sky(towards: Vec3, sea: bool) -> Heavens {
-        Heavens::new(towards, &Sky { sea, ..Sky::default() })
+        Heavens::new(
+            towards,
+            &Sky {
+                sea,
+                ..Sky::default()
+            },
+        )
     }
 
     #[test]

@@ -50,7 +50,10 @@ mod tests {
     #[test]
     fn a_smooth_step_is_held_at_its_ends_and_half_in_the_middle() {
         let at = |x| smooth(-2.0, 4.0, x);
-        assert_eq!([at(-9.0), at(-2.0), at(1.0), at(4.0), at(9.0)], [0.0, 0.0, 0.5, 1.0, 1.0]);
+        assert_eq!(
+            [at(-9.0), at(-2.0), at(1.0), at(4.0), at(9.0)],
+            [0.0, 0.0, 0.5, 1.0, 1.0]
+        );
     }
 
     #[test]
@@ -65,6 +68,9 @@ mod tests {
             assert!((here - near).abs() < 0.01, "{at}: {here} {near}");
             (least, greatest) = (least.min(here), greatest.max(here));
         }
-        assert!(least > 0.0 && least < 0.3 && greatest < 1.0 && greatest > 0.7, "{least} {greatest}");
+        assert!(
+            least > 0.0 && least < 0.3 && greatest < 1.0 && greatest > 0.7,
+            "{least} {greatest}"
+        );
     }
 }

@@ -129,10 +129,16 @@ mod tests {
         };
         let then = changed(&app);
         app.update();
-        app.world_mut().get_mut::<Sun>(sun).expect("there").set_changed();
+        app.world_mut()
+            .get_mut::<Sun>(sun)
+            .expect("there")
+            .set_changed();
         app.update();
         assert_eq!(changed(&app), then, "the same sun");
-        app.world_mut().get_mut::<Sun>(sun).expect("there").elevation = -30.0;
+        app.world_mut()
+            .get_mut::<Sun>(sun)
+            .expect("there")
+            .elevation = -30.0;
         let night = seen(&mut app, camera).expect("a sky");
         assert!(night.heavens.stars == 1.0 && night.ev100 == night.sky.night_ev100);
         assert_ne!(changed(&app), then);

@@ -295,7 +295,10 @@ mod tests {
     fn dusk_adds_nothing_to_a_day() {
         let day = Source::sun(at(10.0)).over_sea();
         assert!(!day.low && day.sea == 0.0);
-        assert_eq!((day.air.ozone, day.dusk, day.steps), (OZONE, Vec3::ZERO, STEPS));
+        assert_eq!(
+            (day.air.ozone, day.dusk, day.steps),
+            (OZONE, Vec3::ZERO, STEPS)
+        );
     }
 
     #[test]
@@ -304,9 +307,15 @@ mod tests {
         assert_eq!(clear.through_dust(1.0), clear);
         let dusty = clear.through_dust(40.0);
         let [before, after] = [clear, dusty].map(|sun| luminance(sun.illuminance()));
-        assert!(after < 0.9 * before && after > 0.5 * before, "{before} {after}");
+        assert!(
+            after < 0.9 * before && after > 0.5 * before,
+            "{before} {after}"
+        );
         let [before, after] = [clear, dusty].map(|sun| sun.sky(at(33.0)));
-        assert!(luminance(after) > 2.0 * luminance(before), "{before} {after}");
+        assert!(
+            luminance(after) > 2.0 * luminance(before),
+            "{before} {after}"
+        );
         assert!(after.z / after.x < before.z / before.x, "{before} {after}");
     }
 

@@ -85,7 +85,10 @@ mod tests {
         };
         let sun = Sun::default();
         let seen = SeenSky::new(sun, &sky).expect("a place");
-        assert!(seen.is_of(sun, &sky), "a number that is none does not count as a change");
+        assert!(
+            seen.is_of(sun, &sky),
+            "a number that is none does not count as a change"
+        );
         let later = Sun {
             azimuth: sun.azimuth + 1.0,
             ..sun

@@ -129,7 +129,11 @@ fn an_app_without_a_sky_pays_nothing() {
     // Three maps and what the second camera draws to.
     assert_eq!(images, expected.0 + 4);
     assert!(pipelines > expected.1, "{pipelines}");
-    assert_eq!(stage, StageCensus::default(), "by day there is nothing of the night");
+    assert_eq!(
+        stage,
+        StageCensus::default(),
+        "by day there is nothing of the night"
+    );
     assert!(mean(&picture(&mut with, camera)) > 0.1);
 }
 
@@ -144,7 +148,11 @@ fn of_two_cameras_the_one_with_a_sky_sees_it() {
     // Bevy's own clear colour.
     let clear = ClearColor::default().0.luminance();
     let not_seen = picture(&mut app, blind);
-    assert!(not_seen.iter().all(|pixel| (pixel - clear).abs() < 0.01), "{}", mean(&not_seen));
+    assert!(
+        not_seen.iter().all(|pixel| (pixel - clear).abs() < 0.01),
+        "{}",
+        mean(&not_seen)
+    );
     assert!(seen > 2.0 * clear, "{seen} {clear}");
 }
 
@@ -152,7 +160,14 @@ fn of_two_cameras_the_one_with_a_sky_sees_it() {
 fn night_is_drawn_without_a_g_buffer_and_rests_with_the_camera() {
     let Some(mut app) = app(true) else { return };
     // The moon stands opposite to the sun, where the camera looks.
-    let camera = camera(&mut app, 25.0, Sky { moon_size: 20.0, ..Sky::default() });
+    let camera = camera(
+        &mut app,
+        25.0,
+        Sky {
+            moon_size: 20.0,
+            ..Sky::default()
+        },
+    );
     let sun = sun(&mut app, -25.0);
     let (_, _, stage) = after_frames(&mut app);
     assert_eq!((stage.kinds, stage.views), (2, 2), "stars and moon");
@@ -168,7 +183,10 @@ fn night_is_drawn_without_a_g_buffer_and_rests_with_the_camera() {
     let moon = night[side / 2 * side + side / 2];
     assert!(moon > 0.3 && moon > 5.0 * night[0], "{moon} {}", night[0]);
     // Stars alone: some pixels stand out of the sky.
-    app.world_mut().get_mut::<Sky>(camera).expect("a sky").moon_size = 0.0;
+    app.world_mut()
+        .get_mut::<Sky>(camera)
+        .expect("a sky")
+        .moon_size = 0.0;
     let (_, _, stage) = after_frames(&mut app);
     assert_eq!(stage.kinds, 1);
     let stars = picture(&mut app, camera);
@@ -176,7 +194,12 @@ fn night_is_drawn_without_a_g_buffer_and_rests_with_the_camera() {
     let (_, _, stage) = after_frames(&mut app);
     assert_eq!(stage.kinds, 0);
     let without = picture(&mut app, camera);
-    assert!(most(&stars) > 1.5 * most(&without), "{} {}", most(&stars), most(&without));
+    assert!(
+        most(&stars) > 1.5 * most(&without),
+        "{} {}",
+        most(&stars),
+        most(&without)
+    );
     // Where no star stands, the sky shines through unchanged.
     let same = stars.iter().zip(&without).filter(|(a, b)| a == b).count();
     assert!(same > stars.len() / 4, "{same}");
@@ -191,7 +214,14 @@ fn night_is_drawn_without_a_g_buffer_and_rests_with_the_camera() {
 #[test]
 fn far_from_the_origin_the_night_is_the_same() {
     let Some(mut app) = app(true) else { return };
-    let camera = camera(&mut app, 25.0, Sky { moon_size: 20.0, ..Sky::default() });
+    let camera = camera(
+        &mut app,
+        25.0,
+        Sky {
+            moon_size: 20.0,
+            ..Sky::default()
+        },
+    );
     sun(&mut app, -25.0);
     after_frames(&mut app);
     let here = picture(&mut app, camera);

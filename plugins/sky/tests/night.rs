@@ -42,7 +42,10 @@ fn by_day_there_is_neither_star_nor_moon() {
     let camera = camera(&mut app, small());
     let sun = sun(&mut app, 24.0);
     assert_eq!(count(&mut app), [0, 0], "day");
-    assert!(app.world().get::<StageCamera>(camera).is_none(), "no patches are looked for");
+    assert!(
+        app.world().get::<StageCamera>(camera).is_none(),
+        "no patches are looked for"
+    );
     for (elevation, expected) in [
         (-1.0, [0, 1]),
         (-30.0, [1, 1]),
@@ -62,8 +65,20 @@ fn settings_take_stars_and_moon_away() {
     sun(&mut app, -30.0);
     assert_eq!(count(&mut app), [1, 1]);
     for (sky, expected) in [
-        (Sky { stars: 0.0, ..small() }, [0, 1]),
-        (Sky { moon_size: 0.0, ..small() }, [1, 0]),
+        (
+            Sky {
+                stars: 0.0,
+                ..small()
+            },
+            [0, 1],
+        ),
+        (
+            Sky {
+                moon_size: 0.0,
+                ..small()
+            },
+            [1, 0],
+        ),
         (small(), [1, 1]),
     ] {
         *app.world_mut().get_mut::<Sky>(camera).expect("a sky") = sky;
@@ -82,7 +97,10 @@ fn the_dome_follows_its_camera_and_rests_with_it() {
         Vec3::new(1e7, -3e6, 2e7),
         Vec3::new(-1e12, 0.0, 1e12),
     ] {
-        app.world_mut().get_mut::<Transform>(eye).expect("there").translation = at;
+        app.world_mut()
+            .get_mut::<Transform>(eye)
+            .expect("there")
+            .translation = at;
         app.update();
         app.update();
         let tick = app.world_mut().change_tick();
@@ -106,7 +124,11 @@ fn the_dome_follows_its_camera_and_rests_with_it() {
         domes.iter(world).copied().collect::<Vec<_>>()
     };
     let before = place(&mut app);
-    app.world_mut().get_mut::<Transform>(eye).expect("there").translation.x = f32::NAN;
+    app.world_mut()
+        .get_mut::<Transform>(eye)
+        .expect("there")
+        .translation
+        .x = f32::NAN;
     app.update();
     assert_eq!(place(&mut app), before);
 }
@@ -115,12 +137,23 @@ fn the_dome_follows_its_camera_and_rests_with_it() {
 fn a_camera_may_hang_on_something_that_moves() {
     let mut app = app();
     let head = camera(&mut app, small());
-    app.world_mut().get_mut::<Transform>(head).expect("there").translation.y = 1.7;
-    let body = app.world_mut().spawn(Transform::from_xyz(0.0, 0.0, 0.0)).id();
+    app.world_mut()
+        .get_mut::<Transform>(head)
+        .expect("there")
+        .translation
+        .y = 1.7;
+    let body = app
+        .world_mut()
+        .spawn(Transform::from_xyz(0.0, 0.0, 0.0))
+        .id();
     app.world_mut().entity_mut(body).add_child(head);
     sun(&mut app, -30.0);
     count(&mut app);
-    app.world_mut().get_mut::<Transform>(body).expect("there").translation.x = 40.0;
+    app.world_mut()
+        .get_mut::<Transform>(body)
+        .expect("there")
+        .translation
+        .x = 40.0;
     app.update();
     let world = app.world_mut();
     for (dome, place) in world.query::<(&Dome, &GlobalTransform)>().iter(world) {
@@ -158,12 +191,23 @@ fn two_cameras_with_one_sky_share_its_maps_and_have_a_dome_each() {
 fn a_camera_with_another_sky_sees_the_stars_of_none() {
     let mut app = app();
     let first = camera(&mut app, small());
-    camera(&mut app, Sky { dust: 9.0, ..small() });
+    camera(
+        &mut app,
+        Sky {
+            dust: 9.0,
+            ..small()
+        },
+    );
     sun(&mut app, -30.0);
     // Each has its maps.
     assert_eq!(found(&mut app), (6, 2));
     let world = app.world_mut();
-    assert!(world.query::<&Dome>().iter(world).all(|dome| dome.camera == first));
+    assert!(
+        world
+            .query::<&Dome>()
+            .iter(world)
+            .all(|dome| dome.camera == first)
+    );
 }
 
 #[test]
@@ -193,7 +237,10 @@ fn the_stage_of_a_camera_that_had_none_does_not_ask_for_a_g_buffer() {
     let world = app.world();
     for (camera, expected) in [(plain, false), (deferred, true), (staged, true)] {
         let has = world.get::<DepthPrepass>(camera).is_some();
-        assert_eq!((has, world.get::<DeferredPrepass>(camera).is_some()), (expected, expected));
+        assert_eq!(
+            (has, world.get::<DeferredPrepass>(camera).is_some()),
+            (expected, expected)
+        );
     }
     assert!(world.get::<StageCamera>(plain).is_some());
     assert_eq!(world.get::<StageCamera>(staged), Some(&own));
@@ -201,7 +248,10 @@ fn the_stage_of_a_camera_that_had_none_does_not_ask_for_a_g_buffer() {
         app.world_mut().entity_mut(camera).remove::<Sky>();
     }
     app.update();
-    assert!(app.world().get::<StageCamera>(plain).is_none(), "it goes with the sky");
+    assert!(
+        app.world().get::<StageCamera>(plain).is_none(),
+        "it goes with the sky"
+    );
     assert_eq!(app.world().get::<StageCamera>(staged), Some(&own));
 }
 
@@ -233,12 +283,22 @@ fn what_a_sky_brings_goes_with_it() {
 #[test]
 fn light_and_haze_are_a_choice() {
     let mut app = app();
-    let camera = camera(&mut app, Sky { light: false, haze: 0.0, ..small() });
+    let camera = camera(
+        &mut app,
+        Sky {
+            light: false,
+            haze: 0.0,
+            ..small()
+        },
+    );
     sun(&mut app, 30.0);
     found(&mut app);
     let has = |app: &App| {
         let camera = app.world().entity(camera);
-        [camera.contains::<EnvironmentMapLight>(), camera.contains::<DistanceFog>()]
+        [
+            camera.contains::<EnvironmentMapLight>(),
+            camera.contains::<DistanceFog>(),
+        ]
     };
     assert_eq!(has(&app), [false; 2]);
     *app.world_mut().get_mut::<Sky>(camera).expect("a sky") = small();
@@ -250,22 +310,41 @@ fn light_and_haze_are_a_choice() {
 fn the_exposure_follows_the_light_or_stays_the_cameras_own() {
     let mut app = app();
     let follows = camera(&mut app, small());
-    let own = camera(&mut app, (Sky { expose: false, ..small() }, Exposure { ev100: 4.0 }));
+    let own = camera(
+        &mut app,
+        (
+            Sky {
+                expose: false,
+                ..small()
+            },
+            Exposure { ev100: 4.0 },
+        ),
+    );
     let sun = sun(&mut app, 30.0);
     for elevation in [30.0, -5.0, -30.0] {
         set(&mut app, sun, elevation);
         found(&mut app);
         let ev100 = |camera| app.world().get::<Exposure>(camera).expect("exposed").ev100;
         let seen = app.world().get::<SeenSky>(follows).expect("a sky");
-        assert_eq!((ev100(follows), ev100(own)), (seen.ev100, 4.0), "{elevation}");
+        assert_eq!(
+            (ev100(follows), ev100(own)),
+            (seen.ev100, 4.0),
+            "{elevation}"
+        );
         let drawn = app.world().get::<DrawnSky>(own).expect("a sky");
         // As Bevy has it.
         assert_eq!(drawn.exposure, 1.0 / (1.2 * 16.0));
     }
-    app.world_mut().entity_mut(own).insert(Exposure { ev100: 5.0 });
+    app.world_mut()
+        .entity_mut(own)
+        .insert(Exposure { ev100: 5.0 });
     found(&mut app);
     let drawn = app.world().get::<DrawnSky>(own).expect("a sky");
-    assert_eq!(drawn.exposure, 1.0 / (1.2 * 32.0), "a change of its own is followed");
+    assert_eq!(
+        drawn.exposure,
+        1.0 / (1.2 * 32.0),
+        "a change of its own is followed"
+    );
 }
 
 #[test]
@@ -286,10 +365,20 @@ fn the_light_comes_from_the_sun_by_day_and_from_the_moon_by_night() {
     for elevation in [90.0, -90.0] {
         set(&mut app, sun, elevation);
         let (towards, light) = light(&mut app);
-        assert!(towards.y > 0.999_99 && towards.is_normalized(), "{elevation}: {towards:?}");
-        assert_eq!(light.illuminance > 1_000.0, elevation > 0.0, "{elevation}: {light:?}");
+        assert!(
+            towards.y > 0.999_99 && towards.is_normalized(),
+            "{elevation}: {towards:?}"
+        );
+        assert_eq!(
+            light.illuminance > 1_000.0,
+            elevation > 0.0,
+            "{elevation}: {light:?}"
+        );
     }
     set(&mut app, sun, f32::NAN);
     let (towards, still) = light(&mut app);
-    assert!(towards.y > 0.999_99 && still.illuminance < 1.0, "all stays as it was: {still:?}");
+    assert!(
+        towards.y > 0.999_99 && still.illuminance < 1.0,
+        "all stays as it was: {still:?}"
+    );
 }

@@ -62,8 +62,7 @@ pub(crate) fn build(app: &mut App) {
                     (night::show::<stars::Star>, night::show::<moon::Moon>)
                         .chain()
                         .run_if(
-                            any_match_filter::<NightChanged>
-                                .or(any_component_removed::<SeenSky>),
+                            any_match_filter::<NightChanged>.or(any_component_removed::<SeenSky>),
                         ),
                     dome::follow.run_if(any_with_component::<Dome>),
                 )

@@ -102,7 +102,8 @@ mod tests {
 
     #[test]
     fn it_is_pale_at_sunset_and_white_at_night_and_red_near_the_horizon() {
-        let exposed = |elevation| twilight::exposure(twilight::ev100(elevation, DAY_EV100, NIGHT_EV100));
+        let exposed =
+            |elevation| twilight::exposure(twilight::ev100(elevation, DAY_EV100, NIGHT_EV100));
         let clear = Vec3::new(0.9, 0.85, 0.7);
         let night = shown(clear, exposed(-30.0));
         assert!(

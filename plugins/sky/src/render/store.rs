@@ -78,7 +78,12 @@ pub(super) struct MapStore {
 
 /// Makes all maps of a key.
 fn make(key: MapKey, heavens: &Heavens, cores: Cores) -> SkyMaps {
-    SkyMaps::new(|direction| heavens.radiance(direction), key.ev100, key.side, cores)
+    SkyMaps::new(
+        |direction| heavens.radiance(direction),
+        key.ev100,
+        key.side,
+        cores,
+    )
 }
 
 impl MapStore {
@@ -124,7 +129,10 @@ impl MapStore {
                 let heavens = seen.heavens;
                 self.making.get_or_insert_with(|| {
                     let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
-                    (key, pool.spawn(async move { make(key, &heavens, Cores::One) }))
+                    (
+                        key,
+                        pool.spawn(async move { make(key, &heavens, Cores::One) }),
+                    )
                 });
                 k
             }
@@ -193,8 +201,18 @@ mod tests {
     fn cameras_that_see_the_same_share_their_maps_and_others_do_not() {
         let (mut store, mut images) = (MapStore::default(), Assets::<Image>::default());
         let sky = seen(30.0, Sky::default());
-        let sea = seen(30.0, Sky { sea: true, ..Sky::default() });
-        let found = frame(&mut store, &mut images, &[(sky, 0.0), (sky, 0.0), (sea, 0.0)]);
+        let sea = seen(
+            30.0,
+            Sky {
+                sea: true,
+                ..Sky::default()
+            },
+        );
+        let found = frame(
+            &mut store,
+            &mut images,
+            &[(sky, 0.0), (sky, 0.0), (sea, 0.0)],
+        );
         assert_eq!(found[0], found[1]);
         assert_ne!(found[0], found[2]);
         assert_eq!((store.kept.len(), images.len()), (2, 6));
@@ -221,7 +239,13 @@ mod tests {
             found = frame(&mut store, &mut images, &[(sky(30.2), 0.0)]);
         }
         assert_ne!(found, first);
-        assert_eq!((store.kept.len(), store.kept[0].key.away(&MapKey::new(&sky(30.2), 12.9))), (1, Some(0.0)));
+        assert_eq!(
+            (
+                store.kept.len(),
+                store.kept[0].key.away(&MapKey::new(&sky(30.2), 12.9))
+            ),
+            (1, Some(0.0))
+        );
         // A leap is not waited for.
         let leapt = frame(&mut store, &mut images, &[(sky(40.0), 0.25)]);
         assert_ne!(leapt, found);

@@ -42,7 +42,9 @@ pub fn app(add: impl FnOnce(&mut App)) -> Option<App> {
             // Else the render world lives on another thread and cannot be asked.
             .disable::<PipelinedRenderingPlugin>(),
     )
-    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(16)));
+    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
+        16,
+    )));
     add(&mut app);
     app.finish();
     app.cleanup();
