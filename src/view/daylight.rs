@@ -25,7 +25,8 @@ impl Plugin for DaylightPlugin {
         app.add_systems(Startup, spawn)
             .add_systems(
                 Update,
-                turn_sun.run_if(resource_changed::<CurrentScene>.or(resource_changed::<Settings>)),
+                turn_sun
+                    .run_if(resource_changed::<CurrentScene>.or_else(resource_changed::<Settings>)),
             )
             .add_systems(PostUpdate, fade.after(SkySystems::See));
     }
@@ -47,10 +48,9 @@ fn spawn(mut commands: Commands, scene: Res<CurrentScene>, settings: Res<Setting
 
 /// Where the sun stands.
 fn place(scene: &CurrentScene, settings: &Settings) -> Sun {
-    let (azimuth, elevation) = settings
+    settings
         .sun
-        .unwrap_or((scene.sun.azimuth, scene.sun.elevation));
-    Sun { azimuth, elevation }
+        .map_or(scene.sun, |(azimuth, elevation)| Sun { azimuth, elevation })
 }
 
 /// The sky of the scene's cameras: whether there is a sea.

@@ -51,18 +51,19 @@ pub(crate) fn build(app: &mut App) {
             PostUpdate,
             (
                 (
-                    tell::tell.run_if(any_with_component::<Sky>.or(any_with_component::<Sun>)),
+                    tell::tell.run_if(any_with_component::<Sky>.or_else(any_with_component::<Sun>)),
                     light::light.run_if(any_with_component::<Sun>),
                     dress::dress
                         .run_if(resource_exists::<Assets<Image>>)
-                        .run_if(any_with_component::<SeenSky>.or(maps_are_kept)),
+                        .run_if(any_with_component::<SeenSky>.or_else(maps_are_kept)),
                 )
                     .in_set(SkySystems::Light),
                 (
                     (night::show::<stars::Star>, night::show::<moon::Moon>)
                         .chain()
                         .run_if(
-                            any_match_filter::<NightChanged>.or(any_component_removed::<SeenSky>),
+                            any_match_filter::<NightChanged>
+                                .or_else(any_component_removed::<SeenSky>),
                         ),
                     dome::follow.run_if(any_with_component::<Dome>),
                 )

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy::ecs::component::Mutable;
 use bevy::prelude::*;
 use dolomite_tessellation::render::PatchKind;
 use dolomite_tessellation::{PatchMesh, Patches, StageCamera};
@@ -22,7 +23,7 @@ pub(super) struct Hung {
 }
 
 /// A kind of patches in the night sky.
-pub(super) trait NightKind: PatchKind + PartialEq {
+pub(super) trait NightKind: PatchKind + Component<Mutability = Mutable> + PartialEq {
     /// What it is called.
     const NAME: &'static str;
 
