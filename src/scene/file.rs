@@ -120,7 +120,10 @@ mod tests {
         assert_eq!(material.layers.len(), 2);
         assert_eq!(material.layers[0].bands[0].wide, 0.2);
         assert!(material.layers[1].cliff && material.layers[1].bands.is_empty());
-        assert_eq!((scene.sea.steepness, scene.sea.deep), (0.0, Sea::default().deep));
+        assert_eq!(
+            (scene.sea.steepness, scene.sea.deep),
+            (0.0, Sea::default().deep)
+        );
     }
 
     #[test]

@@ -8,8 +8,8 @@ use crate::seen::SeenSky;
 
 /// Sun, moon, stars, sky and haze for cameras with a [`Sky`], where there is a [`Sun`].
 ///
-/// Add it after Bevy's `DefaultPlugins`, or `MinimalPlugins` where nothing is drawn. Added again it
-/// does nothing. It has no settings of its own: those are fields of [`Sky`].
+/// It may be added before Bevy's plugins or after them, with a renderer or without; added again it does
+/// nothing. It has no settings of its own: those are fields of [`Sky`].
 pub struct SkyPlugin;
 
 /// What runs when, in the schedule `PostUpdate` before `TransformSystems::Propagate`, in this order.
@@ -51,11 +51,6 @@ impl Plugin for SkyPlugin {
             .add_observer(forget);
         #[cfg(feature = "render")]
         crate::render::build(app);
-    }
-
-    #[cfg(feature = "render")]
-    fn finish(&self, app: &mut App) {
-        crate::render::finish(app);
     }
 
     fn is_unique(&self) -> bool {

@@ -18,7 +18,6 @@ mod store;
 mod tell;
 
 use bevy::prelude::*;
-use bevy::render::RenderApp;
 use dolomite_tessellation::render::PatchPlugin;
 
 pub use dome::Dome;
@@ -37,15 +36,9 @@ type NightChanged = (
     Or<(Changed<SeenSky>, Changed<DrawnSky>, Changed<Msaa>)>,
 );
 
-/// Whether Bevy's renderer was there when the plugin was added.
-#[derive(Resource)]
-struct RendererAtFirst(bool);
-
 /// Adds the render half.
 pub(crate) fn build(app: &mut App) {
-    let renders = app.get_sub_app(RenderApp).is_some();
-    app.insert_resource(RendererAtFirst(renders))
-        .init_resource::<MapStore>()
+    app.init_resource::<MapStore>()
         .add_plugins((PatchPlugin(Star::default()), PatchPlugin(Moon::default())))
         .add_systems(
             PostUpdate,
@@ -73,14 +66,6 @@ pub(crate) fn build(app: &mut App) {
         )
         .add_observer(dress::undress)
         .add_observer(night::unstage);
-}
-
-/// Says so where the renderer came too late.
-pub(crate) fn finish(app: &App) {
-    let at_first = app.world().get_resource::<RendererAtFirst>();
-    if at_first.is_some_and(|renders| !renders.0) && app.get_sub_app(RenderApp).is_some() {
-        warn!("SkyPlugin was added before Bevy's plugins: there are neither stars nor moon");
-    }
 }
 
 fn maps_are_kept(store: Res<MapStore>) -> bool {
