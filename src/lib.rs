@@ -12,7 +12,6 @@
 //! | [`settings`] | what the player may set; where files lie | — |
 
 pub mod bench;
-pub mod game;
 pub mod input;
 pub mod play;
 pub mod run;

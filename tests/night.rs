@@ -5,9 +5,9 @@ mod adapter;
 
 use bevy::math::UVec2;
 use bevy::render::RenderApp;
+use dolomite::sky::render::Star;
 use dolomite::tessellation::Patches;
 use dolomite::tessellation::render::{StageCensus, StageStats, census};
-use dolomite_game::game::stars::Star;
 use dolomite_game::run::Setup;
 use dolomite_game::run::offscreen::Offscreen;
 use dolomite_game::scene::SceneRequest;

@@ -94,6 +94,8 @@ pub const ALL: &[ShaderFile] = files![
     "ground/texturing.wgsl",
     "ground/types.wgsl",
     "ground/water.wgsl",
+    "sky/moon.wgsl",
+    "sky/star.wgsl",
     "stage/api.wgsl",
     "stage/control.wgsl",
     "stage/coordinate.wgsl",

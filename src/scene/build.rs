@@ -4,11 +4,12 @@ use std::path::Path;
 
 use bevy::math::{DVec2, DVec3};
 use dolomite::ground::{MaterialBands, Sea};
+use dolomite::sky::Sun;
 use dolomite::terrain::{
     Filter, Fractal, GroundRect, HeightMapFile, Layer, MapFormat, Source, Terrain, TerrainData,
 };
 
-use super::file::{SceneFile, SourceFile, StartFile, SunFile};
+use super::file::{SceneFile, SourceFile, StartFile};
 use super::{
     Files, LoadedScene, MapOptions, PITCH_LIMIT, Pose, SceneError, default_start, raw_format_of,
     watch,
@@ -147,7 +148,7 @@ pub(super) fn from_map(
         },
         material: None,
         sea: Sea::default(),
-        sun: SunFile::default(),
+        sun: Sun::default(),
         camera,
         figure,
         facing,
@@ -244,7 +245,7 @@ fn check_numbers(file: &SceneFile) -> Result<(), String> {
             return Err(format!("`bands.{name}` is {value}, but must be above 0"));
         }
     }
-    let SunFile { azimuth, elevation } = file.sun;
+    let Sun { azimuth, elevation } = file.sun;
     if !azimuth.is_finite() || !(-90.0..=90.0).contains(&elevation) {
         return Err(format!(
             "`sun` is (azimuth: {azimuth}, elevation: {elevation}), but must be degrees, \

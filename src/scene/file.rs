@@ -5,6 +5,7 @@
 //! degrees, ground points `(x, z)` with +x east and −z north, heights +y up.
 
 use dolomite::ground::{GroundMaterial, MaterialBands, Sea};
+use dolomite::sky::Sun;
 use dolomite::terrain::{Fractal, HeightMapFile, Hill, Mask, PermutationNoise};
 use serde::Deserialize;
 
@@ -42,7 +43,7 @@ pub struct SceneFile {
     pub sea: Sea,
     /// Where the sun stands.
     #[serde(default)]
-    pub sun: SunFile,
+    pub sun: Sun,
     /// Where camera and figure start. Left out: looking over the middle from the south.
     #[serde(default)]
     pub start: Option<StartFile>,
@@ -71,25 +72,6 @@ pub enum SourceFile {
     Hill(Hill),
     /// Measured heights. The path is relative to the folder of the scene file.
     Map(HeightMapFile),
-}
-
-/// Where the sun stands, degrees.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SunFile {
-    /// Clockwise from north: 90 is east, 180 south.
-    pub azimuth: f32,
-    /// Above the horizon.
-    pub elevation: f32,
-}
-
-impl Default for SunFile {
-    fn default() -> Self {
-        Self {
-            azimuth: 130.0,
-            elevation: 30.0,
-        }
-    }
 }
 
 /// Where camera and figure start.

@@ -23,10 +23,11 @@ use std::time::SystemTime;
 use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 use dolomite::ground::{GroundMaterial, MaterialBands, Sea};
+use dolomite::sky::Sun;
 use dolomite::terrain::{Ground, RawFormat, Terrain};
 
 pub use error::SceneError;
-use file::{SceneFile, SunFile};
+use file::SceneFile;
 pub use kind::{NamedScene, OwnView};
 pub use pose::{CLEARANCE, PITCH_LIMIT, Pose};
 pub use request::{MapOptions, SceneRequest};
@@ -58,7 +59,7 @@ pub struct LoadedScene {
     /// How its sea looks, if it has one.
     pub sea: Sea,
     /// Where the sun stands.
-    pub sun: SunFile,
+    pub sun: Sun,
     /// Where the camera starts.
     pub camera: Pose,
     /// Where the figure starts, (x, z), metres.

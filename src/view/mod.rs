@@ -7,8 +7,10 @@
 //! | [`panel`], [`passes`] | figures over the picture; times of render passes |
 //! | [`start`], [`progress`] | the start screen; what has been made of the first picture |
 //! | [`bloom`] | bloom in views of any shape |
+//! | [`daylight`] | the place of the sun; colours by day and by night |
 
 pub mod bloom;
+pub mod daylight;
 pub mod hero;
 pub mod panel;
 pub mod passes;
@@ -17,7 +19,7 @@ pub mod start;
 pub mod textures;
 
 use bevy::anti_alias::smaa::Smaa;
-use bevy::camera::{Exposure, Hdr, RenderTarget};
+use bevy::camera::{Hdr, RenderTarget};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::ecs::schedule::ScheduleLabel;
@@ -31,22 +33,15 @@ use dolomite::ground::{GroundTextures, PatchDetail, TerrainView};
 use dolomite::terrain::Ground;
 use dolomite::tessellation::StageCamera;
 
-use crate::game::sky::SkyPlugin;
 use crate::play::camera::{CameraSystems, FreeCamera};
 use crate::play::figure::Figure;
 use crate::play::{DetailFocus, Landscape, Switches};
 use crate::scene::CurrentScene;
 use crate::settings::Settings;
 use bloom::BloomFitPlugin;
+use daylight::{DaylightPlugin, SATURATION};
 use hero::HeroPlugin;
 use panel::UiCamera;
-
-/// Exposure of the camera, EV at ISO 100. Sunlit ground is metered at 15; a stop and a half more
-/// light opens the shadows and lets snow come near white without burning out under AgX.
-pub const EV100: f32 = 12.9;
-
-/// AgX trades saturation for highlights; by day this gives grass and sky theirs back.
-pub const SATURATION: f32 = 1.3;
 
 /// Distances that the camera sees, metres. Depth is infinite; `far` bounds culling only.
 const NEAR: f32 = 0.15;
@@ -106,7 +101,8 @@ pub struct ViewPlugin;
 impl Plugin for ViewPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(DefaultOpaqueRendererMethod::deferred())
-            .add_plugins((SkyPlugin, HeroPlugin, BloomFitPlugin))
+            .insert_resource(ClearColor(Color::BLACK))
+            .add_plugins((DaylightPlugin, HeroPlugin, BloomFitPlugin))
             .add_systems(
                 Dress,
                 (dress_camera, dress_landscape).in_set(DressSystems::Scene),
@@ -127,6 +123,7 @@ fn dress_camera(
     mut commands: Commands,
     target: Option<Res<OffscreenTarget>>,
     settings: Res<Settings>,
+    scene: Res<CurrentScene>,
     cameras: Query<(Entity, &FreeCamera)>,
 ) {
     for (entity, camera) in &cameras {
@@ -143,7 +140,6 @@ fn dress_camera(
             // The G-buffer has one sample; edges are smoothed afterwards.
             Msaa::Off,
             (DepthPrepass, DeferredPrepass),
-            Exposure { ev100: EV100 },
             Tonemapping::AgX,
             ColorGrading {
                 global: ColorGradingGlobal {
@@ -163,6 +159,7 @@ fn dress_camera(
                 pixels_per_edge: settings.pixels_per_edge,
                 ..default()
             },
+            daylight::sky(&scene),
             UiCamera,
         ));
         if let Some(target) = &target {

@@ -17,7 +17,6 @@ use dolomite::ground::render::GroundKind;
 use dolomite::ground::render::detail::detail_variants;
 use dolomite::tessellation::render::{KindVariants, StageVariant, stage_variants};
 use dolomite_classic::render::{BoundedClassicKind, ClassicKind};
-use dolomite_game::game::sky::SkyPlugin;
 use dolomite_geometry::render::{DrawShader, DrawTraits, draw_variants};
 use dolomite_shaders::ShaderFile;
 
@@ -80,7 +79,7 @@ impl Asked {
 /// `None`, after a line that says so, without Vulkan; in CI that fails.
 pub fn all() -> Option<Asked> {
     let mut app = app::app(Duration::from_millis(16), |app| {
-        app.add_plugins((DolomitePlugins, SkyPlugin));
+        app.add_plugins(DolomitePlugins);
     })?;
     let mut variants = Vec::new();
     let mut stage = |part, asked: Vec<StageVariant>| {

@@ -11,6 +11,7 @@
 //! | [`FbxPlugin`](fbx::FbxPlugin) | [`fbx`] | `load("hero.fbx")`, with the sub-assets of Bevy's glTF loader | no |
 //! | [`PatchPlugin`](tessellation::render::PatchPlugin) | [`tessellation`] | patches of your own, tessellated by your control and evaluate functions | yes |
 //! | [`GroundPlugin`](ground::GroundPlugin) | [`ground`] | terrain refined and drawn on the GPU | yes |
+//! | [`SkyPlugin`](sky::SkyPlugin) | [`sky`] | sun, moon, stars, dusk, haze and exposure from the place of the sun | no; to be seen, yes |
 //!
 //! [`DolomitePlugins`] adds all of them; [`DolomiteMinimalPlugins`] those that need neither a renderer nor
 //! assets. A plugin with none of its components in the world adds nothing to the GPU.
@@ -24,12 +25,13 @@
 //! app.add_plugins((MinimalPlugins, DolomiteMinimalPlugins));
 //! ```
 //!
-//! Coordinates everywhere: metres and radians, right-handed, +Y up, −Z forward (north).
+//! Coordinates everywhere: metres and radians (places of the sun: degrees), right-handed, +Y up, −Z forward (north).
 
 pub use dolomite_character as character;
 pub use dolomite_fbx as fbx;
 pub use dolomite_geometry as geometry;
 pub use dolomite_ground as ground;
+pub use dolomite_sky as sky;
 pub use dolomite_terrain as terrain;
 pub use dolomite_tessellation as tessellation;
 
@@ -45,6 +47,7 @@ impl PluginGroup for DolomitePlugins {
             .add(fbx::FbxPlugin)
             .add(character::render::CrowdPlugin)
             .add(ground::GroundPlugin::default())
+            .add(sky::SkyPlugin)
     }
 }
 

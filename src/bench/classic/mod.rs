@@ -22,7 +22,6 @@ use bevy::math::{DVec2, DVec3, ops};
 use dolomite::ground::{MaterialBands, Sea};
 use dolomite_classic::{ClassicHeights, ClassicHeightsError, heights};
 
-use crate::scene::file::SunFile;
 use crate::scene::{LoadedScene, NamedScene, OwnView, Pose, changed};
 use crate::settings::paths;
 use methods::Methods;
@@ -53,7 +52,7 @@ fn load(path: &Path, methods: Methods) -> Result<LoadedScene, ClassicHeightsErro
         bands: MaterialBands::default(),
         material: None,
         sea: Sea::default(),
-        sun: SunFile::default(),
+        sun: dolomite::sky::Sun::default(),
         camera: orbit(0.0),
         figure: DVec2::ZERO,
         facing: 0.0,

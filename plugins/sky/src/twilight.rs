@@ -3,7 +3,7 @@
 
 use bevy::math::ops;
 
-use super::view::EV100;
+use crate::math::smooth;
 
 /// (elevation of the sun in degrees, decimal logarithm of the lux on level ground): clear sky, no
 /// moon; after Janiczek and DeYoung, "Computer programs for sun and moon illuminance" (1987), at the
@@ -23,6 +23,10 @@ const LUX: [(f32, f32); 13] = [
     (20.0, 4.44),
     (60.0, 5.01),
 ];
+
+/// Exposure by day, EV at ISO 100. Sunlit ground is metered at 15; some two stops more light open the
+/// shadows and let snow come near white without burning out under AgX.
+pub const DAY_EV100: f32 = 12.9;
 
 /// Exposure of a night of full moon, EV at ISO 100. Moonlit snow then stands two stops and a half
 /// below sunlit snow by day: it is night, and every ridge reads.
@@ -56,11 +60,11 @@ pub fn illuminance(elevation: f32) -> f32 {
     ops::powf(10.0, log)
 }
 
-/// Exposure of the camera for the sun at `elevation` degrees, EV at ISO 100: that of the day down to
-/// 5 degrees, then 0.85 stops less for each stop of light that goes, down to [`NIGHT_EV100`].
-pub fn ev100(elevation: f32) -> f32 {
+/// Exposure of the camera for the sun at `elevation` degrees, EV at ISO 100: `day` down to
+/// 5 degrees, then 0.85 stops less for each stop of light that goes, down to `night`.
+pub fn ev100(elevation: f32, day: f32, night: f32) -> f32 {
     let gone = ops::log2(illuminance(DUSK) / illuminance(elevation)).max(0.0);
-    (EV100 - FOLLOWS * gone).max(NIGHT_EV100)
+    (day - FOLLOWS * gone).max(night.min(day))
 }
 
 /// Factor from cd/m² to what the picture holds, as Bevy has it.
@@ -74,15 +78,9 @@ pub fn stars(elevation: f32) -> f32 {
     1.0 - smooth(LAST_STAR, FIRST_STAR, elevation)
 }
 
-/// 0 up to `low`, 1 from `high` on, smooth between.
-pub fn smooth(low: f32, high: f32, x: f32) -> f32 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{DAY_EV100, DUSK, NIGHT_EV100, illuminance, stars};
 
     /// Every hundredth of a degree from the nadir to the zenith.
     fn elevations() -> impl Iterator<Item = f32> {
@@ -101,6 +99,10 @@ mod tests {
         }
     }
 
+    fn ev100(elevation: f32) -> f32 {
+        super::ev100(elevation, DAY_EV100, NIGHT_EV100)
+    }
+
     #[test]
     fn the_exposure_follows_the_sun_without_a_jump_and_never_back() {
         let mut before = ev100(-90.0);
@@ -114,13 +116,13 @@ mod tests {
             );
             before = now;
         }
-        assert_eq!(before, EV100);
+        assert_eq!(before, DAY_EV100);
     }
 
     #[test]
     fn by_day_it_is_that_of_the_day() {
         for elevation in [DUSK, 10.0, 24.0, 90.0] {
-            assert_eq!((ev100(elevation), stars(elevation)), (EV100, 0.0));
+            assert_eq!((ev100(elevation), stars(elevation)), (DAY_EV100, 0.0));
         }
     }
 

@@ -1,21 +1,19 @@
 //! The disc of the moon: a sphere of triangle patches behind the ground, with seas and craters made
 //! by its material. Full, and opposite to the sun; by day there is none.
 
-use std::sync::Arc;
-
 use bevy::math::{Vec4, ops};
 use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, ShaderType};
-use dolomite::tessellation::render::{PatchKind, PatchPlugin, PatchPool, PatchShader};
-use dolomite::tessellation::{PatchLayout, Patches, shapes};
+use dolomite_tessellation::render::{PatchKind, PatchPool, PatchShader};
+use dolomite_tessellation::{PatchLayout, PatchMesh, shapes};
 
-use super::camera::FreeCamera;
-use super::sky::{SeenSky, SkySystems};
-use super::stars::{DOME, Dome, dome};
+use super::dome::DOME;
+use super::dress::DrawnSky;
+use super::night::{Hung, NightKind};
+use crate::seen::SeenSky;
 
-/// Its radius in the sky, radians: half a degree, twice what it is, as paintings have it. At its
-/// own half degree it would fill six pixels of 720.
-const RADIUS: f32 = 0.008_727;
+/// Its true radius in the sky, radians: a quarter of a degree.
+const RADIUS: f32 = 0.004_363_5;
 
 /// Luminance of its bright highlands outside the air, cd/m².
 const LUMINANCE: f32 = 5_000.0;
@@ -26,7 +24,7 @@ const LUMINANCE: f32 = 5_000.0;
 const SHOWN: f32 = 3.0;
 
 /// The kind of patches that the moon is.
-#[derive(Resource, AsBindGroup, Clone, Default)]
+#[derive(Resource, AsBindGroup, Clone, Default, PartialEq)]
 pub struct Moon {
     #[uniform(0)]
     light: MoonLight,
@@ -36,7 +34,7 @@ pub struct Moon {
 }
 
 /// Laid out as `MoonLight` in `moon.wgsl`.
-#[derive(ShaderType, Clone, Copy, Default)]
+#[derive(ShaderType, Clone, Copy, Default, PartialEq)]
 struct MoonLight {
     /// Exposed luminance of the highlands; w: exposed luminance of 1 in the map of the sky.
     shine: Vec4,
@@ -49,7 +47,7 @@ impl PatchKind for Moon {
     const UV_RANGE: f32 = 2.0;
 
     fn shader() -> PatchShader {
-        PatchShader::File("shaders/moon.wgsl")
+        PatchShader::Library("dolomite::sky::moon")
     }
 
     fn pool(&self) -> PatchPool {
@@ -57,45 +55,36 @@ impl PatchKind for Moon {
     }
 }
 
-/// The moon where and while it is up.
-pub struct MoonPlugin;
+impl NightKind for Moon {
+    const NAME: &'static str = "the moon";
 
-impl Plugin for MoonPlugin {
-    fn build(&self, app: &mut App) {
-        app.add_plugins(PatchPlugin(Moon::default())).add_systems(
-            Update,
-            rise.run_if(resource_exists_and_changed::<SeenSky>)
-                .after(SkySystems),
-        );
+    fn of(seen: &SeenSky, drawn: &DrawnSky) -> Option<Self> {
+        seen.heavens
+            .towards_moon()
+            .filter(|_| seen.sky.moon_size > 0.0)?;
+        let shine = shown(seen.heavens.through_air_to_moon(), drawn.exposure);
+        Some(Self {
+            light: MoonLight {
+                shine: shine.extend(drawn.exposure * drawn.scale),
+            },
+            sky: Some(drawn.map.clone()),
+        })
     }
-}
 
-/// Spawns, moves or removes the moon, and gives it its light.
-fn rise(
-    mut commands: Commands,
-    sky: Res<SeenSky>,
-    mut kind: ResMut<Moon>,
-    moons: Query<Entity, With<Patches<Moon>>>,
-    cameras: Query<&Transform, (With<FreeCamera>, Without<Dome>)>,
-) {
-    for entity in &moons {
-        commands.entity(entity).despawn();
+    fn hung(seen: &SeenSky) -> Hung {
+        // It stands opposite to the sun.
+        let towards = -seen.heavens.towards_sun;
+        Hung {
+            offset: towards * DOME,
+            // Its front, +z, looks back; its north is up.
+            rotation: Transform::default().looking_to(towards, Vec3::Y).rotation,
+            scale: DOME * (RADIUS * seen.sky.moon_size),
+        }
     }
-    let Some(towards) = sky.heavens.towards_moon() else {
-        return;
-    };
-    let seen = shown(sky.heavens.through_air_to_moon(), sky.exposure);
-    *kind = Moon {
-        light: MoonLight {
-            shine: seen.extend(sky.exposure * sky.scale),
-        },
-        sky: Some(sky.map.clone()),
-    };
-    let patches = Patches::<Moon>::new(Arc::new(shapes::octahedron(2)));
-    // Its front, +z, looks back; its north is up.
-    let turned = Transform::default().looking_to(towards, Vec3::Y).rotation;
-    let (offset, radius) = (towards * DOME, DOME * RADIUS);
-    commands.spawn(dome(&cameras, offset, radius, turned, patches));
+
+    fn mesh() -> Option<PatchMesh> {
+        Some(shapes::octahedron(2))
+    }
 }
 
 /// Exposed luminance of the highlands through air that passes so much: what it is while that is
@@ -109,11 +98,12 @@ fn shown(passed: Vec3, exposure: f32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::game::twilight;
+    use crate::twilight::{self, DAY_EV100, NIGHT_EV100};
 
     #[test]
     fn it_is_pale_at_sunset_and_white_at_night_and_red_near_the_horizon() {
-        let exposed = |elevation| twilight::exposure(twilight::ev100(elevation));
+        let exposed =
+            |elevation| twilight::exposure(twilight::ev100(elevation, DAY_EV100, NIGHT_EV100));
         let clear = Vec3::new(0.9, 0.85, 0.7);
         let night = shown(clear, exposed(-30.0));
         assert!(

@@ -5,9 +5,10 @@
 
 use bevy::math::{Vec3, ops};
 
-use super::galaxy;
-use super::scattering::Source;
-use super::twilight;
+use crate::components::Sky;
+use crate::galaxy;
+use crate::scattering::Source;
+use crate::twilight;
 
 /// Luminance of the airglow at the zenith, and its colour: half of it is the green line of oxygen.
 const AIRGLOW: f32 = 3e-4;
@@ -36,8 +37,10 @@ pub struct Heavens {
     sun: Source,
     /// Only while the sun is down.
     moon: Option<Source>,
-    /// Share of the stars' light that is seen.
+    /// Share of the stars' light that is seen, 0 by day to 1.
     pub stars: f32,
+    /// Brightness of the Milky Way, as [`Sky::milky_way`].
+    milky_way: f32,
 }
 
 /// The light that casts shadows.
@@ -50,9 +53,13 @@ pub struct KeyLight {
 }
 
 impl Heavens {
-    /// The sky for a direction to the sun, over the sea or over land.
-    pub fn new(towards_sun: Vec3, sea: bool) -> Self {
-        let over = |source: Source| if sea { source.over_sea() } else { source };
+    /// The sky for a direction to the sun, of length 1, as `sky` describes it: its sea, its dust and
+    /// its Milky Way.
+    pub fn new(towards_sun: Vec3, sky: &Sky) -> Self {
+        let over = |source: Source| {
+            let source = source.through_dust(sky.dust);
+            if sky.sea { source.over_sea() } else { source }
+        };
         let elevation = ops::asin(towards_sun.y.clamp(-1.0, 1.0)).to_degrees();
         Self {
             towards_sun,
@@ -60,6 +67,7 @@ impl Heavens {
             sun: over(Source::sun(towards_sun)),
             moon: (towards_sun.y < 0.0).then(|| over(Source::moon(-towards_sun))),
             stars: twilight::stars(elevation),
+            milky_way: sky.milky_way,
         }
     }
 
@@ -101,17 +109,19 @@ impl Heavens {
         let Some(moon) = self.moon else {
             return sun;
         };
-        sun + moon.sky(direction) * MOON_COLOUR * MOON_SKY + glow(direction) * self.stars
+        let glow = glow(direction, self.milky_way);
+        sun + moon.sky(direction) * MOON_COLOUR * MOON_SKY + glow * self.stars
     }
 }
 
 /// Airglow and Milky Way. Below the horizon: what the ground gives back of them.
-fn glow(direction: Vec3) -> Vec3 {
+fn glow(direction: Vec3, milky_way: f32) -> Vec3 {
     if direction.y < 0.0 {
         return AIRGLOW_COLOUR * (0.1 * AIRGLOW);
     }
     // Light of the stars is dimmed by the air as they are.
-    let stars = MILKY_WAY * galaxy::brightness(direction) * ops::exp(-0.2 / (direction.y + 0.03));
+    let greatest = MILKY_WAY * milky_way;
+    let stars = greatest * galaxy::brightness(direction) * ops::exp(-0.2 / (direction.y + 0.03));
     AIRGLOW_COLOUR * airglow(direction.y) + MILKY_WAY_COLOUR * stars
 }
 
@@ -132,16 +142,26 @@ mod tests {
         Vec3::new(east * cos, sin, -north * cos)
     }
 
+    fn sky(towards: Vec3, sea: bool) -> Heavens {
+        Heavens::new(
+            towards,
+            &Sky {
+                sea,
+                ..Sky::default()
+            },
+        )
+    }
+
     #[test]
     fn by_day_the_sky_is_the_suns_alone() {
         for elevation in [0.0, 3.0, 24.0, 90.0] {
             let towards = at(130.0, elevation);
-            let (sky, sun) = (Heavens::new(towards, false), Source::sun(towards));
+            let (found, sun) = (sky(towards, false), Source::sun(towards));
             for direction in [Vec3::Y, at(20.0, 4.0), at(200.0, -30.0)] {
-                assert_eq!(sky.radiance(direction), sun.sky(direction));
+                assert_eq!(found.radiance(direction), sun.sky(direction));
             }
             assert_eq!(
-                (sky.key().towards, sky.towards_moon(), sky.stars),
+                (found.key().towards, found.towards_moon(), found.stars),
                 (towards, None, 0.0)
             );
         }
@@ -149,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_moonlit_night_is_as_bright_as_it_is_outside() {
-        let sky = Heavens::new(at(300.0, -40.0), true);
+        let sky = sky(at(300.0, -40.0), true);
         let zenith = sky.radiance(Vec3::Y);
         // Measured under a full moon: 2 to 10 mcd/m² (17.5 to 19 magnitudes a square second), of
         // which a third is shown.
@@ -178,7 +198,7 @@ mod tests {
     fn as_the_sun_sets_the_sky_goes_on_darkening_until_the_moon_lights_it() {
         let mut before = f32::INFINITY;
         for tenth in 0..=80_u8 {
-            let zenith = Heavens::new(at(300.0, -0.1 * f32::from(tenth)), true)
+            let zenith = sky(at(300.0, -0.1 * f32::from(tenth)), true)
                 .radiance(Vec3::Y)
                 .y;
             assert!(zenith < before, "{tenth}: {before} {zenith}");

@@ -1,9 +1,8 @@
-//! Sunlight scattered by the air: what the sky looks like, what light arrives, what haze there is.
+//! Sunlight and moonlight scattered by the air: what the sky looks like, and what light arrives.
 //!
-//! Single scattering by air and dust, integrated along the view ray (Nishita et al. 1993), with the
-//! coefficients of Hillaire, "A scalable and production ready sky and atmosphere rendering
-//! technique" (2020), table 1; light scattered more than once is taken as coming evenly from
-//! everywhere. Lengths metres, radiance cd/m², directions unit vectors, +Y up.
+//! Single scattering by air and dust, integrated along the view ray (Nishita et al. 1993); light
+//! scattered more than once is taken as coming evenly from everywhere. Lengths metres, radiance
+//! cd/m², directions unit vectors, +Y up.
 //!
 //! At dusk three things are added, which are nothing while the source stands above `LOW`: what the
 //! ozone takes of red light, the source's disc behind the horizon, and the light that the sky itself
@@ -11,27 +10,12 @@
 
 use bevy::math::{Vec3, ops};
 
-use super::twilight;
+use crate::air::{Air, Density, GROUND, OBSERVER, OZONE, OZONE_LOW, TOP, exp, to_sphere};
+use crate::math::smooth;
+use crate::twilight;
 
-/// Radius of the ground and of the top of the air, metres.
-const GROUND: f32 = 6_360_000.0;
-const TOP: f32 = 6_460_000.0;
-/// Scattering of air at sea level, 1/m (red, green, blue), and its scale height, m.
-const AIR: Vec3 = Vec3::new(5.802e-6, 13.558e-6, 33.1e-6);
-const AIR_HEIGHT: f32 = 8_000.0;
-/// Scattering and extinction of dust at sea level, 1/m, and its scale height, m. The density is
-/// that of the source: a clear day.
-const DUST: f32 = 3.996e-6;
-const DUST_EXTINCTION: f32 = 4.44e-6;
-const DUST_HEIGHT: f32 = 1_200.0;
 /// How much dust scatters forward (Cornette and Shanks).
 const DUST_FORWARD: f32 = 0.8;
-/// Absorption of ozone, 1/m, in a layer from 10 to 40 km.
-const OZONE: Vec3 = Vec3::new(0.650e-6, 1.881e-6, 0.085e-6);
-/// The same where light grazes the Earth. The red above is that of 680 nm; the red of a display is
-/// some 605 nm, where ozone absorbs most (Chappuis: 1.45 times as much as at 550 nm). Through 30
-/// times the air that is what makes the zenith of dusk blue.
-const OZONE_LOW: Vec3 = Vec3::new(2.727e-6, 1.881e-6, 0.085e-6);
 /// Illuminance of the sun above the air, lux.
 const SUN: f32 = 130_000.0;
 /// The same of the full moon: 14.0 magnitudes less (−26.74 against −12.74).
@@ -49,8 +33,6 @@ const DUSK: Vec3 = Vec3::new(0.66, 1.01, 1.9);
 /// chosen so that the horizontal illuminance of a clear sky is the 15 to 20 klx that is measured at
 /// a sun of 30 degrees.
 const MULTIPLE: f32 = 0.12;
-/// Where the sky is seen from, metres above the sea.
-const OBSERVER: f32 = 600.0;
 /// How far waves lift what they mirror (twice their slope), and which part of it they give back.
 const SLOPE: f32 = 0.2;
 const SEA: f32 = 0.6;
@@ -59,42 +41,13 @@ const SEA: f32 = 0.6;
 const STEPS: [u32; 2] = [20, 8];
 const STEPS_LOW: [u32; 2] = [48, 12];
 
-/// Optical depth per metre at an altitude: scattering by air, scattering by dust, extinction.
-fn densities(altitude: f32, ozone: Vec3) -> (Vec3, f32, Vec3) {
-    let air = AIR * ops::exp(-altitude / AIR_HEIGHT);
-    let dust = ops::exp(-altitude / DUST_HEIGHT);
-    let ozone = ozone * (1.0 - (altitude - 25_000.0).abs() / 15_000.0).max(0.0);
-    (air, DUST * dust, air + ozone + DUST_EXTINCTION * dust)
-}
-
-/// Distance along a ray to a sphere around the centre of the Earth, if it is ahead.
-fn to_sphere(from: Vec3, direction: Vec3, radius: f32) -> Option<f32> {
-    // f64: the squares differ by a hundred-thousandth of themselves.
-    let (from, direction) = (from.as_dvec3(), direction.as_dvec3());
-    let b = from.dot(direction);
-    let c = from.length_squared() - f64::from(radius) * f64::from(radius);
-    let root = b * b - c;
-    if root < 0.0 {
-        return None;
-    }
-    let root = root.sqrt();
-    let near = -b - root;
-    let far = -b + root;
-    let distance = if near > 0.0 { near } else { far };
-    (distance > 0.0).then_some(distance as f32)
-}
-
-fn exp(v: Vec3) -> Vec3 {
-    Vec3::new(ops::exp(v.x), ops::exp(v.y), ops::exp(v.z))
-}
-
 /// What lights the air: the sun, or the moon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
     towards: Vec3,
     /// Illuminance above the air, lux.
     above: f32,
-    ozone: Vec3,
+    air: Air,
     /// Light that the sky sends into the shadow of the Earth, cd/m² from everywhere.
     dusk: Vec3,
     steps: [u32; 2],
@@ -110,7 +63,7 @@ impl Source {
         let elevation = ops::asin(towards.y.clamp(-1.0, 1.0)).to_degrees();
         // An even hemisphere of illuminance E has the radiance E/π; it fills half of the sphere.
         let even = twilight::illuminance(elevation) / std::f32::consts::TAU;
-        let share = 1.0 - twilight::smooth(-LOWEST, LOWEST, towards.y);
+        let share = 1.0 - smooth(-LOWEST, LOWEST, towards.y);
         Self {
             dusk: DUSK * (even * share),
             ..Self::new(towards, SUN)
@@ -123,11 +76,14 @@ impl Source {
     }
 
     fn new(towards: Vec3, above: f32) -> Self {
-        let low = 1.0 - twilight::smooth(LOWEST, LOW, towards.y);
+        let low = 1.0 - smooth(LOWEST, LOW, towards.y);
         Self {
             towards,
             above,
-            ozone: OZONE + (OZONE_LOW - OZONE) * low,
+            air: Air {
+                dust: 1.0,
+                ozone: OZONE + (OZONE_LOW - OZONE) * low,
+            },
             dusk: Vec3::ZERO,
             steps: if low == 1.0 { STEPS_LOW } else { STEPS },
             low: low == 1.0,
@@ -137,9 +93,17 @@ impl Source {
 
     /// The same over the sea: as it sinks, what lies below the horizon gives back the sky above it.
     pub fn over_sea(self) -> Self {
-        let low = 1.0 - twilight::smooth(LOWEST, LOW, self.towards.y);
+        let low = 1.0 - smooth(LOWEST, LOW, self.towards.y);
         let night = if self.above < SUN { 1.0 } else { low };
         Self { sea: night, ..self }
+    }
+
+    /// The same through air with `dust` times the dust of a clear day.
+    pub fn through_dust(self, dust: f32) -> Self {
+        Self {
+            air: Air { dust, ..self.air },
+            ..self
+        }
     }
 
     /// Share of its light that comes to a point from outside the air.
@@ -153,14 +117,7 @@ impl Source {
             return Vec3::ZERO;
         }
         let [_, steps] = self.steps;
-        let length = to_sphere(from, self.towards, TOP).unwrap_or(0.0);
-        let step = length / steps as f32;
-        let mut depth = Vec3::ZERO;
-        for i in 0..steps {
-            let at = from + self.towards * (step * (i as f32 + 0.5));
-            depth += densities((at.length() - GROUND).max(0.0), self.ozone).2 * step;
-        }
-        exp(-depth) * seen
+        self.air.transmittance(from, self.towards, steps) * seen
     }
 
     /// Share of its disc above the horizon, taken as a square.
@@ -201,7 +158,11 @@ impl Source {
             let step = end - before;
             let at = origin + direction * (before + step * 0.5);
             before = end;
-            let (air, dust, extinction) = densities((at.length() - GROUND).max(0.0), self.ozone);
+            let Density {
+                air,
+                dust,
+                extinction,
+            } = self.air.at((at.length() - GROUND).max(0.0));
             let sun = self.transmittance(at);
             let up = at.normalize().dot(self.towards).max(0.0);
             let everywhere = (sun * 0.5 + Vec3::splat(0.5 * up)) * MULTIPLE;
@@ -243,21 +204,6 @@ impl Source {
     pub fn passed(&self) -> Vec3 {
         self.transmittance(Vec3::Y * (GROUND + OBSERVER))
     }
-}
-
-/// Extinction of the air near the ground, 1/m: how fast things fade with distance.
-pub fn ground_extinction() -> Vec3 {
-    let (_, _, extinction) = densities(OBSERVER, OZONE);
-    extinction
-}
-
-/// Optical depth of the air above the observer: light from the zenith fades by exp of minus this.
-pub fn zenith_depth() -> Vec3 {
-    let [_, steps] = STEPS;
-    let step = (TOP - GROUND - OBSERVER) / steps as f32;
-    (0..steps)
-        .map(|i| densities(OBSERVER + step * (i as f32 + 0.5), OZONE).2 * step)
-        .sum()
 }
 
 #[cfg(test)]
@@ -349,7 +295,28 @@ mod tests {
     fn dusk_adds_nothing_to_a_day() {
         let day = Source::sun(at(10.0)).over_sea();
         assert!(!day.low && day.sea == 0.0);
-        assert_eq!((day.ozone, day.dusk, day.steps), (OZONE, Vec3::ZERO, STEPS));
+        assert_eq!(
+            (day.air.ozone, day.dusk, day.steps),
+            (OZONE, Vec3::ZERO, STEPS)
+        );
+    }
+
+    #[test]
+    fn dust_dims_the_sun_and_whitens_the_sky_about_it() {
+        let clear = Source::sun(at(30.0));
+        assert_eq!(clear.through_dust(1.0), clear);
+        let dusty = clear.through_dust(40.0);
+        let [before, after] = [clear, dusty].map(|sun| luminance(sun.illuminance()));
+        assert!(
+            after < 0.9 * before && after > 0.5 * before,
+            "{before} {after}"
+        );
+        let [before, after] = [clear, dusty].map(|sun| sun.sky(at(33.0)));
+        assert!(
+            luminance(after) > 2.0 * luminance(before),
+            "{before} {after}"
+        );
+        assert!(after.z / after.x < before.z / before.x, "{before} {after}");
     }
 
     #[test]

@@ -1,3 +1,5 @@
+#define_import_path dolomite::sky::moon
+
 // The moon: a sphere of triangle patches. Its seas lie where they lie, their shores, the craters and
 // their rays are made by hashes. Local space: radius 1, +z towards the eye, +y north, +x east.
 

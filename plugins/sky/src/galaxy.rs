@@ -3,6 +3,8 @@
 
 use bevy::math::{Vec3, ops};
 
+use crate::math::{fbm, smooth};
+
 /// Two directions on the middle of the band: its brightest part, low in the north-east, and its
 /// height in the west. East is +x, north −z, +y up.
 const CENTRE: Vec3 = Vec3::new(0.700, 0.292, -0.652);
@@ -32,44 +34,6 @@ pub fn brightness(direction: Vec3) -> f32 {
 
 fn gauss(x: f32) -> f32 {
     ops::exp(-x * x)
-}
-
-fn smooth(low: f32, high: f32, x: f32) -> f32 {
-    super::twilight::smooth(low, high, x)
-}
-
-/// Four octaves of value noise, 0 to 1.
-fn fbm(at: Vec3) -> f32 {
-    let octave = |k: i32| {
-        let k = k as f32;
-        value_noise(at * ops::exp2(k) + Vec3::splat(k * 17.0)) * ops::exp2(-k)
-    };
-    (0..4).map(octave).sum::<f32>() / 1.875
-}
-
-fn value_noise(at: Vec3) -> f32 {
-    let cell = at.floor();
-    let f = at - cell;
-    let w = f * f * (Vec3::splat(3.0) - 2.0 * f);
-    let cell = cell.as_ivec3();
-    let corner = |x: i32, y: i32, z: i32| {
-        let hash = pcg(
-            pcg(pcg((cell.x + x) as u32).wrapping_add((cell.y + y) as u32))
-                .wrapping_add((cell.z + z) as u32),
-        );
-        hash as f32 / u32::MAX as f32
-    };
-    let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
-    let row = |y, z| mix(corner(0, y, z), corner(1, y, z), w.x);
-    let plane = |z| mix(row(0, z), row(1, z), w.y);
-    mix(plane(0), plane(1), w.z)
-}
-
-/// One step of PCG as a hash (O'Neill 2014; Jarzynski and Olano 2020).
-pub fn pcg(input: u32) -> u32 {
-    let state = input.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
-    (word >> 22) ^ word
 }
 
 #[cfg(test)]

@@ -1,14 +1,13 @@
-//! The stars: where they stand, how bright they are, what colour they have; and their mesh.
+//! The stars: where they stand, how bright they are, what colour they have.
 //!
 //! Made by an integer hash from nothing: the same in every run, on every machine.
 
 use bevy::math::{Vec3, ops};
-use dolomite::tessellation::{PatchLayout, PatchMesh, PatchMeshError, shapes};
 
-use super::galaxy::{self, pcg};
-use super::twilight::smooth;
+use crate::galaxy;
+use crate::math::{pcg, smooth};
 
-/// Stars above `LOWEST`.
+/// Stars of the catalogue, all above 2 degrees below the horizon.
 pub const STARS: u32 = 6000;
 
 /// Magnitude of the brightest: that of Sirius.
@@ -137,42 +136,6 @@ pub fn black_body(kelvin: f32) -> Vec3 {
     rgb / rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// The stars as octahedra of eight triangle patches, six control points each: the direction of the
-/// star, and its class times eight plus the number of the corner, as `star.wgsl` reads them.
-///
-/// # Errors
-/// [`PatchMeshError`]; none for fewer than some hundred thousand stars.
-pub fn mesh(stars: &[CatalogueStar]) -> Result<PatchMesh, PatchMeshError> {
-    let one = shapes::octahedron(1);
-    let corners = one.points();
-    let mut points = Vec::with_capacity(stars.len() * corners.len());
-    let mut indices = Vec::with_capacity(stars.len() * one.indices().len());
-    for star in stars {
-        let first = points.len() as u32;
-        let [x, y, z] = star.direction.to_array();
-        let code = class(star) * 8;
-        points.extend(
-            corners
-                .iter()
-                .map(|corner| [x, y, z, (code + corner_number(*corner)) as f32]),
-        );
-        indices.extend(one.indices().iter().map(|index| first + index));
-    }
-    PatchMesh::new(PatchLayout::TRIANGLE, points, indices)
-}
-
-/// Twice the axis of a corner of the octahedron, plus one on its negative side.
-fn corner_number([x, y, z, _]: [f32; 4]) -> u32 {
-    let axis = if x != 0.0 {
-        0
-    } else if y != 0.0 {
-        1
-    } else {
-        2
-    };
-    2 * axis + u32::from(x + y + z < 0.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -255,22 +218,5 @@ mod tests {
         assert_eq!(star(2.5, 7_746.0) / COLOURS, 16);
         assert_eq!(star(BRIGHTEST, 7_740.0), 3);
         assert_eq!(star(BRIGHTEST, 7_750.0), 4);
-    }
-
-    #[test]
-    fn the_mesh_is_an_octahedron_a_star() {
-        let stars = &catalogue()[..3];
-        let mesh = mesh(stars).unwrap();
-        assert_eq!((mesh.patches(), mesh.points().len()), (24, 18));
-        // Closed: each star shares its twelve edges and six corners, and none with another.
-        let topology = mesh.topology();
-        assert_eq!((topology.corners.len(), topology.edges.len()), (18, 36));
-        let corners: Vec<u32> = mesh.points()[..6]
-            .iter()
-            .map(|point| point[3] as u32 % 8)
-            .collect();
-        let mut sorted = corners.clone();
-        sorted.sort_unstable();
-        assert_eq!(sorted, [0, 1, 2, 3, 4, 5]);
     }
 }

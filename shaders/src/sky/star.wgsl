@@ -1,3 +1,5 @@
+#define_import_path dolomite::sky::star
+
 // Stars on a dome about the camera: octahedra of eight triangle patches, never refined.
 //
 // A control point holds the direction of its star (of length 1, the entity's scale is the radius of

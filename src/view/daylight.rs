@@ -1,0 +1,84 @@
+//! The sun of the scene, or the player's; and the colours of the picture by day and by night.
+
+use bevy::light::CascadeShadowConfigBuilder;
+use bevy::prelude::*;
+use bevy::render::view::ColorGrading;
+use dolomite::sky::{SeenSky, Sky, SkySystems, Sun};
+
+use crate::scene::CurrentScene;
+use crate::settings::Settings;
+
+/// How far from the camera things cast shadows, metres: across a valley.
+const SHADOW_DISTANCE: f32 = 5_000.0;
+
+/// AgX trades saturation for highlights; by day this gives grass and sky theirs back.
+pub const SATURATION: f32 = 1.3;
+
+/// Saturation of the picture by night: eyes see little colour then.
+const NIGHT_SATURATION: f32 = 1.1;
+
+/// Puts the sun where scene and settings want it.
+pub struct DaylightPlugin;
+
+impl Plugin for DaylightPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Startup, spawn)
+            .add_systems(
+                Update,
+                turn_sun
+                    .run_if(resource_changed::<CurrentScene>.or_else(resource_changed::<Settings>)),
+            )
+            .add_systems(PostUpdate, fade.after(SkySystems::See));
+    }
+}
+
+fn spawn(mut commands: Commands, scene: Res<CurrentScene>, settings: Res<Settings>) {
+    commands.spawn((
+        place(&scene, &settings),
+        CascadeShadowConfigBuilder {
+            num_cascades: 4,
+            minimum_distance: 0.2,
+            first_cascade_far_bound: 60.0,
+            maximum_distance: SHADOW_DISTANCE,
+            ..default()
+        }
+        .build(),
+    ));
+}
+
+/// Where the sun stands.
+fn place(scene: &CurrentScene, settings: &Settings) -> Sun {
+    settings
+        .sun
+        .map_or(scene.sun, |(azimuth, elevation)| Sun { azimuth, elevation })
+}
+
+/// The sky of the scene's cameras: whether there is a sea.
+pub fn sky(scene: &CurrentScene) -> Sky {
+    Sky {
+        sea: scene.terrain.sea_level().is_some(),
+        ..default()
+    }
+}
+
+fn turn_sun(
+    scene: Res<CurrentScene>,
+    settings: Res<Settings>,
+    mut suns: Query<&mut Sun>,
+    mut skies: Query<&mut Sky>,
+) {
+    for mut sun in &mut suns {
+        sun.set_if_neq(place(&scene, &settings));
+    }
+    for mut seen in &mut skies {
+        seen.set_if_neq(sky(&scene));
+    }
+}
+
+/// Takes colour from the picture as the stars come out.
+fn fade(mut cameras: Query<(&SeenSky, &mut ColorGrading), Changed<SeenSky>>) {
+    for (seen, mut grading) in &mut cameras {
+        grading.global.post_saturation =
+            SATURATION + (NIGHT_SATURATION - SATURATION) * seen.heavens.stars;
+    }
+}
