@@ -256,6 +256,9 @@ fn make_cells(
         if own == 0u && centre.x != 0u {
             cells[number] = made(cell, centre, half);
         }
-        workgroupBarrier();
+        if at + groups.x < ends.y {
+            // The next block is written over what threads may still read of this one.
+            workgroupBarrier();
+        }
     }
 }
