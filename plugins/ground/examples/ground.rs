@@ -15,7 +15,8 @@ fn main() -> AppExit {
         .run()
 }
 
-fn setup(mut commands: Commands) -> Result {
+/// The island, the sun, and a camera that sees the island.
+pub fn setup(mut commands: Commands) -> Result {
     let layer = |source| Layer { source, mask: None };
     let island = Hill {
         centre: DVec2::ZERO,

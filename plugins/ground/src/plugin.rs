@@ -16,7 +16,7 @@ use crate::shown::{ShownTerrains, follow_terrains};
 pub struct GroundPlugin {
     /// Side of the relief map of a terrain, texels, a power of two from 64 to 8192 (rounded up); 0: none. It
     /// keeps the slopes and the openness to the sky of ground whose triangles are larger than its texels.
-    /// Default 2048: 43 MiB of the GPU a terrain, and a second or two of all cores in the background.
+    /// Default 2048: 43 MiB of the GPU a terrain; it is made on all cores in the background.
     pub relief_side: u32,
 }
 

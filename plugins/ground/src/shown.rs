@@ -76,7 +76,7 @@ pub(crate) fn follow_terrains(
     let mut visible: Vec<Entity> = terrains.iter().collect();
     #[cfg(feature = "render")]
     visible.retain(|entity| is_shown(*entity, &chain));
-    visible.sort_unstable();
+    visible.sort_unstable_by_key(|entity| entity.index_u32());
     let mut next = shown.clone();
     next.follow(&visible);
     shown.set_if_neq(next);

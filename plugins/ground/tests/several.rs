@@ -7,13 +7,11 @@ mod app;
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use dolomite_geometry::GeometryStats;
-use dolomite_ground::detail::Detail;
+use dolomite_ground::detail::TerrainLod;
 use dolomite_ground::{
     GroundLayer, GroundMaterial, MOST_TERRAINS, PatchDetail, Surface, TerrainView,
 };
-use dolomite_terrain::{
-    GroundProbe, GroundRect, Hill, Layer, Source, Terrain, TerrainData, TerrainPlugin,
-};
+use dolomite_terrain::{GroundProbe, GroundRect, Hill, Layer, Source, Terrain, TerrainData};
 
 const RED: [f32; 3] = [0.8, 0.02, 0.02];
 const GREEN: [f32; 3] = [0.02, 0.8, 0.02];
@@ -64,11 +62,12 @@ fn halves(app: &mut App, target: &Handle<Image>) -> [Seen; 2] {
     let data = picture.data.expect("pixels");
     [1, 3].map(|quarter| {
         let at = (size.height / 2 * size.width + size.width * quarter / 4) as usize * 4;
-        match data[at..at + 3] {
+        let pixel = [0, 1, 2].map(|channel| u32::from(data[at + channel]));
+        match pixel {
             [0, 0, 0] => Seen::Nothing,
             [r, g, _] if r > 2 * g.max(10) => Seen::Red,
             [r, g, _] if g > 2 * r.max(10) => Seen::Green,
-            ref other => panic!("{other:?} is no colour of these terrains"),
+            other => panic!("{other:?} is no colour of these terrains"),
         }
     })
 }
@@ -76,7 +75,6 @@ fn halves(app: &mut App, target: &Handle<Image>) -> [Seen; 2] {
 #[test]
 fn gpu_two_terrains_with_a_camera_each_and_one_for_both() {
     let Some(mut app) = app::app() else { return };
-    app.add_plugins(TerrainPlugin);
     app.insert_resource(GlobalAmbientLight {
         brightness: 3000.0,
         ..default()
@@ -162,7 +160,7 @@ fn bytes(app: &App) -> (u64, Vec<u64>) {
 fn gpu_what_does_not_depend_on_the_view_is_kept_once() {
     let Some(mut app) = app::app() else { return };
     app.world_mut().spawn(ground(0.0, GREEN));
-    let detail = Detail {
+    let detail = TerrainLod {
         max_vertices: 1 << 14,
         ..default()
     };
@@ -173,7 +171,7 @@ fn gpu_what_does_not_depend_on_the_view_is_kept_once() {
         bytes(app)
     };
     let (shared, views) = look(&mut app, 0.0);
-    // 113 bytes a cell, four cells a vertex, and corners of one root; see `Detail::max_vertices`.
+    // 113 bytes a cell, four cells a vertex, and corners of one root; see `TerrainLod::max_vertices`.
     assert_eq!(shared, 113 * (4 << 14) + 16 + 4 * 16);
     assert_eq!(views.len(), 1);
     let (both, of_each) = look(&mut app, 30.0);

@@ -140,7 +140,7 @@ fn in_order<'a>(terrains: &'a Query<(Entity, Ref<Terrain>)>) -> Vec<&'a Terrain>
         .iter()
         .map(|(entity, terrain)| (entity, terrain.into_inner()))
         .collect();
-    found.sort_unstable_by_key(|(entity, _)| *entity);
+    found.sort_unstable_by_key(|(entity, _)| entity.index_u32());
     found.into_iter().map(|(_, terrain)| terrain).collect()
 }
 
