@@ -10,8 +10,8 @@ use bevy::prelude::*;
 /// as soon as that gives more. Give the entity a `CascadeShadowConfig` of your own where shadows have
 /// to reach farther than Bevy's 150 m. It should have no parent: the place is that in the world.
 ///
-/// Of several suns each lights the ground by its own light, and the one spawned first the sky; a
-/// warning says so, once. A place that is not finite is passed over, with a warning: all stays as it
+/// Of several suns each lights the ground by its own light, and the one of the lowest entity (as a rule
+/// that spawned first) the sky; a warning says so, once. A place that is not finite is passed over, with a warning: all stays as it
 /// was.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
