@@ -74,7 +74,7 @@ impl Air {
             depth += clear.at((at.length() - GROUND).max(0.0)).extinction * step;
         }
         if self.dust != 1.0 {
-            depth += (self.dust - 1.0) * dust_depth(from, towards, length);
+            depth += Vec3::splat((self.dust - 1.0) * dust_depth(from, towards, length));
         }
         exp(-depth)
     }
