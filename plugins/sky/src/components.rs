@@ -10,9 +10,9 @@ use bevy::prelude::*;
 /// as soon as that gives more. Give the entity a `CascadeShadowConfig` of your own where shadows have
 /// to reach farther than Bevy's 150 m. It should have no parent: the place is that in the world.
 ///
-/// Of several suns each lights the ground by its own light, and the one spawned first the sky; a
-/// warning says so, once. A place that is not finite is passed over, with a warning: all stays as it
-/// was.
+/// Of several suns each lights the ground by its own light, and the one of the lowest entity (as a rule
+/// that spawned first) the sky; a warning says so, once. A place that is not finite is passed over,
+/// with a warning: all stays as it was.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(
@@ -80,7 +80,7 @@ impl Sun {
 #[cfg_attr(feature = "render", require(bevy::camera::Hdr))]
 pub struct Sky {
     /// Whether the sea lies below the horizon, which as the sun sinks mirrors the sky; else land.
-    /// Costs the maps of dusk and night half as much time again.
+    /// The maps of dusk and night then cost a second ray for each texel below the horizon.
     pub sea: bool,
     /// Dust in the air against that of a very clear day, 0 to 100. The turbidity, as in the sky
     /// models of the literature, is about 1 + 0.05 · `dust`: 20 is a usual day, 100 a hazy one.
@@ -95,7 +95,7 @@ pub struct Sky {
     /// Exposure of a night, EV at ISO 100, −20 to 30; not above `day_ev100`.
     pub night_ev100: f32,
     /// Whether the sky lights what the camera sees, by an environment map. Costs two look-ups a
-    /// pixel, and the making of 70 kB of maps, a fifth of the whole.
+    /// pixel; the maps for it, 70 kB, are made all the same.
     pub light: bool,
     /// Brightness of the stars against the true one, 0 to 1000; at 0 there is none. A full moon
     /// leaves a tenth of them to the eye; 3 gives back those of the fifth magnitude. Costs 6000

@@ -58,10 +58,10 @@ impl Plugin for SkyPlugin {
     }
 }
 
-/// The sun that lights the sky: of those whose place is finite, the one spawned first.
+/// The sun that lights the sky: of those whose place is finite, the one of the lowest entity.
 pub(crate) fn the_sun<'a>(suns: impl Iterator<Item = (Entity, &'a Sun)>) -> Option<(Entity, Sun)> {
     suns.filter(|(_, sun)| sun.towards().is_some())
-        .min_by_key(|(entity, _)| *entity)
+        .min_by_key(|(entity, _)| entity.index_u32())
         .map(|(entity, sun)| (entity, *sun))
 }
 

@@ -179,7 +179,7 @@ fn two_cameras_with_one_sky_share_its_maps_and_have_a_dome_each() {
             dome.camera
         })
         .collect();
-    cameras.sort();
+    cameras.sort_by_key(|camera| camera.index_u32());
     assert_eq!(cameras, [left, right]);
     assert!(world.get::<Skybox>(without).is_none() && world.get::<DrawnSky>(without).is_none());
     // One goes: what is hers goes with her, in the same frame or the next.

@@ -12,7 +12,7 @@ pub(super) fn light(
     mut suns: Query<(Ref<Sun>, &mut Transform, &mut DirectionalLight)>,
     skies: Query<(Entity, Ref<SeenSky>)>,
 ) {
-    let first = skies.iter().min_by_key(|(camera, _)| *camera);
+    let first = skies.iter().min_by_key(|(camera, _)| camera.index_u32());
     let sky_changed = first.as_ref().is_some_and(|(_, seen)| seen.is_changed());
     let sky = first.map_or_else(Sky::default, |(_, seen)| seen.sky);
     for (sun, mut place, mut light) in &mut suns {

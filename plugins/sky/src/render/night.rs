@@ -23,7 +23,9 @@ pub(super) struct Hung {
 }
 
 /// A kind of patches in the night sky.
-pub(super) trait NightKind: PatchKind + Component<Mutability = Mutable> + PartialEq {
+pub(super) trait NightKind:
+    PatchKind + Component<Mutability = Mutable> + Default + PartialEq
+{
     /// What it is called.
     const NAME: &'static str;
 
@@ -81,7 +83,7 @@ pub(super) fn show<K: NightKind>(
     let mut seen_by: Vec<(Entity, Hung)> = Vec::new();
     let mut wanted: Option<K> = None;
     let mut cameras: Vec<_> = cameras.iter().collect();
-    cameras.sort_by_key(|(camera, ..)| *camera);
+    cameras.sort_by_key(|(camera, ..)| camera.index_u32());
     for (camera, seen, drawn, msaa, staged, depth, deferred) in cameras {
         let Some(of) = K::of(seen, drawn) else {
             continue;
@@ -138,10 +140,8 @@ pub(super) fn show<K: NightKind>(
             ..*place
         });
     }
-    let Some(wanted) = wanted else {
-        return;
-    };
-    kind.set_if_neq(wanted);
+    // Nothing seen: the map of the last night is let go of.
+    kind.set_if_neq(wanted.unwrap_or_default());
     if seen_by.is_empty() {
         return;
     }
