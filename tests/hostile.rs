@@ -26,9 +26,10 @@ use dolomite::tessellation::render::StageStats;
 /// Few vertices, so that the finest tolerances are met by the pool's end and not by the machine's.
 const POOL: u32 = 1 << 13;
 
-/// A frame of these small pictures takes some tens of milliseconds on two slow cores; compiling all passes, some
-/// seconds.
-const LONGEST: Duration = Duration::from_secs(30);
+/// The work of a frame is bounded by the pool, so the dearest is one with a full pool. A frame of anything else may
+/// take so many times as long: what else the machine does has its share of that. Work that followed a hostile
+/// number instead, a tolerance of 1e-38 or an angle of nothing, would be beyond all bounds.
+const TIMES_A_FULL_POOL: u32 = 20;
 
 fn ground(app: &mut App) -> Terrain {
     let hills = hills::Hills {
@@ -61,6 +62,8 @@ struct Scene {
     camera: Entity,
     target: Handle<Image>,
     sane: (Transform, Projection, TerrainLod),
+    /// Longest frame of a view that fills the pool; none until it is measured.
+    full: Option<Duration>,
 }
 
 impl Scene {
@@ -83,26 +86,50 @@ impl Scene {
         let prepasses = (DepthPrepass, DeferredPrepass);
         let view = (prepasses, TerrainView, sane.clone());
         let (camera, target) = camera::camera(&mut app, UVec2::new(96, 54), view);
-        Some(Self {
+        let mut scene = Self {
             app,
             camera,
             target,
             sane,
-        })
+            full: None,
+        };
+        // Once to compile all passes, once to measure.
+        for _ in 0..2 {
+            scene.sane();
+            let full = detail(Metric::ErrorBound { pixels: 1e-3 });
+            scene.full = Some(scene.longest("a full pool", full));
+            let stats = scene.app.world().resource::<StageStats>();
+            // Cells come and go in fours, so that some room stays.
+            assert!(stats.vertices > POOL / 2, "{} of {POOL}", stats.vertices);
+        }
+        Some(scene)
     }
 
-    /// Some frames with this on the camera; what the stage says of the last.
-    fn frames(&mut self, name: &str, components: impl Bundle) -> StageStats {
+    /// The longest of five frames with this on the camera.
+    fn longest(&mut self, name: &str, components: impl Bundle) -> Duration {
         self.app
             .world_mut()
             .entity_mut(self.camera)
             .insert(components);
-        for frame in 0..5 {
+        let frames = (0..5).map(|_| {
             let began = Instant::now();
             self.app.update();
             assert_eq!(self.app.should_exit(), None, "{name}: rendering stopped");
-            let took = began.elapsed();
-            assert!(took < LONGEST, "{name}: frame {frame} took {took:?}");
+            began.elapsed()
+        });
+        frames.max().expect("five frames")
+    }
+
+    /// Some frames with this on the camera; what the stage says of the last.
+    fn frames(&mut self, name: &str, components: impl Bundle + Clone) -> StageStats {
+        let most = self.full.map(|full| full * TIMES_A_FULL_POOL);
+        let took = self.longest(name, components.clone());
+        if most.is_some_and(|most| took > most) {
+            // A pipeline that was not needed before is compiled once: the second time it is there.
+            let sane = self.sane.clone();
+            self.longest("sane", sane);
+            let again = self.longest(name, components);
+            assert!(Some(again) <= most, "{name}: {took:?}, then {again:?}");
         }
         let stats = self.app.world().resource::<StageStats>().clone();
         // A vertex brings two triangles.
