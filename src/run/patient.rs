@@ -3,8 +3,9 @@
 //! With Bevy's `PipelinedRenderingPlugin` a frame is rendered while the next is simulated, and at the end of
 //! each the renderer is waited for, as long as it takes. A software device compiles the machine code of a
 //! pass when the pass first runs; that takes many seconds, in which the window answers nobody. So while the
-//! start screen is shown a frame begins only when the renderer is back: until then the event loop goes on,
-//! no system runs, nothing is missed, and who wants to leave leaves at once. Afterwards all is as Bevy has it.
+//! start screen is shown, and on a software device always, a frame begins only when the renderer is back: until
+//! then the event loop goes on, no system runs, nothing is missed, and who wants to leave leaves at once.
+//! Otherwise all is as Bevy has it.
 
 use std::pin::Pin;
 use std::sync::{Mutex, PoisonError};
@@ -26,7 +27,15 @@ use crate::view::start::Starting;
 const WAIT: Duration = Duration::from_millis(50);
 
 /// Keeps the window answering while [`Starting`] is in the world. Add after Bevy's plugins.
-pub struct PatientRenderingPlugin;
+pub struct PatientRenderingPlugin {
+    /// Afterwards too: for devices on which frames take long, and which leave no core to the next frame's
+    /// simulation.
+    pub always: bool,
+}
+
+/// In the world where every frame is waited for so.
+#[derive(Resource)]
+struct Always;
 
 /// What [`App::update`] runs in place of [`Main`].
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -55,13 +64,20 @@ impl Plugin for PatientRenderingPlugin {
         extraction.set_extract(|world, _| extract(world));
         app.init_resource::<Returned>()
             .add_systems(PatientMain, frame);
+        if self.always {
+            app.insert_resource(Always);
+        }
         app.main_mut().update_schedule = Some(PatientMain.intern());
     }
 }
 
+fn is_patient(world: &World) -> bool {
+    world.contains_resource::<Starting>() || world.contains_resource::<Always>()
+}
+
 /// A frame, where one can begin.
 fn frame(world: &mut World) {
-    if world.contains_resource::<Starting>() {
+    if is_patient(world) {
         leave_if_asked(world);
         match receive(world, Some(WAIT)) {
             Received::Renderer(renderer) => world.resource::<Returned>().put(*renderer),
@@ -81,7 +97,7 @@ fn extract(world: &mut World) {
     let mut renderer = match returned {
         Some(renderer) => renderer,
         // The frame was put off.
-        None if world.contains_resource::<Starting>() => return,
+        None if is_patient(world) => return,
         None => match receive(world, None) {
             Received::Renderer(renderer) => *renderer,
             Received::Nothing | Received::Gone => {

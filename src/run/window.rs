@@ -52,7 +52,9 @@ pub fn play(setup: Setup) -> Result<AppExit, GameError> {
             })
             .set(log_plugin()),
     );
-    app.add_plugins(PatientRenderingPlugin);
+    app.add_plugins(PatientRenderingPlugin {
+        always: device.software,
+    });
     setup.add_behind_start_screen(&mut app);
     app.add_plugins(InputPlugin);
     Ok(app.run())

@@ -37,7 +37,8 @@ impl Made {
         if !self.textures {
             "loading textures".to_owned()
         } else if asked == 0 {
-            "starting the renderer".to_owned()
+            // Without a window they are compiled within the first frame.
+            "compiling the first shaders".to_owned()
         } else if ready < asked || self.triangles == 0 {
             // The ground is built by shaders: without triangles some are still to be asked for.
             format!("compiling shaders, {ready} of {asked}")
@@ -160,7 +161,7 @@ mod tests {
         assert_eq!(made.step(), "loading textures");
         made.textures = true;
         parts.push(made.part());
-        assert_eq!(made.step(), "starting the renderer");
+        assert_eq!(made.step(), "compiling the first shaders");
         made.shaders = (3, 40);
         parts.push(made.part());
         assert_eq!(made.step(), "compiling shaders, 3 of 40");

@@ -8,12 +8,14 @@ use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
 
 use super::progress::{Made, Progress, textures_are_there};
+use super::sharpen::Widened;
 use super::textures::TextureError;
 use super::{Dress, SceneTextures, textures};
 use crate::scene::CurrentScene;
 use crate::settings::paths::AssetsDir;
 
-/// Frames of this screen alone: the second is on the display when the third is made.
+/// Frames of the finished screen before the scene joins it: the first is on the display when the third is
+/// made.
 const ALONE: u32 = 3;
 
 /// Shows what is being done until there is a picture. In place of [`Dress`] at the start.
@@ -23,6 +25,7 @@ impl Plugin for StartPlugin {
     fn build(&self, app: &mut App) {
         super::init_dress(app);
         app.insert_resource(Starting)
+            .init_resource::<Widened>()
             .add_systems(Startup, (spawn, read_textures))
             .add_systems(
                 Update,
@@ -151,10 +154,13 @@ fn take_textures(
     }
 }
 
-/// Makes the scene visible once this screen has been seen and the textures are there.
+/// Makes the scene visible once this screen has been seen and the textures are there. What the scene needs
+/// would else be compiled before what the screen needs.
 fn dress(world: &mut World, mut frames: Local<u32>) {
-    *frames += 1;
-    if *frames > ALONE && world.resource::<Progress>().made().textures {
+    let made = world.resource::<Progress>().made();
+    let (ready, asked) = made.shaders;
+    *frames += u32::from(asked > 0 && ready == asked);
+    if *frames > ALONE && made.textures {
         world.insert_resource(Dressed);
         world.run_schedule(Dress);
     }
