@@ -7,7 +7,7 @@ mod app;
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use dolomite_geometry::GeometryStats;
-use dolomite_ground::detail::Detail;
+use dolomite_ground::detail::TerrainLod;
 use dolomite_ground::{
     GroundLayer, GroundMaterial, MOST_TERRAINS, PatchDetail, Surface, TerrainView,
 };
@@ -162,7 +162,7 @@ fn bytes(app: &App) -> (u64, Vec<u64>) {
 fn gpu_what_does_not_depend_on_the_view_is_kept_once() {
     let Some(mut app) = app::app() else { return };
     app.world_mut().spawn(ground(0.0, GREEN));
-    let detail = Detail {
+    let detail = TerrainLod {
         max_vertices: 1 << 14,
         ..default()
     };
@@ -173,7 +173,7 @@ fn gpu_what_does_not_depend_on_the_view_is_kept_once() {
         bytes(app)
     };
     let (shared, views) = look(&mut app, 0.0);
-    // 113 bytes a cell, four cells a vertex, and corners of one root; see `Detail::max_vertices`.
+    // 113 bytes a cell, four cells a vertex, and corners of one root; see `TerrainLod::max_vertices`.
     assert_eq!(shared, 113 * (4 << 14) + 16 + 4 * 16);
     assert_eq!(views.len(), 1);
     let (both, of_each) = look(&mut app, 30.0);
