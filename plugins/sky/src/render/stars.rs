@@ -31,7 +31,7 @@ pub struct Star {
     sky: Option<Handle<Image>>,
 }
 
-/// The twin of `StarLight` in `star.wgsl`.
+/// Laid out as `StarLight` in `star.wgsl`.
 #[derive(ShaderType, Clone, Copy, Default, PartialEq)]
 struct StarLight {
     /// Exposed illuminance of a star of magnitude 0, for each class of colour.
