@@ -6,6 +6,7 @@
 //! | [`hero`] | what the figure looks like |
 //! | [`panel`], [`passes`] | figures over the picture; times of render passes |
 //! | [`start`], [`progress`] | the start screen; what has been made of the first picture |
+//! | [`sharpen`] | the first ground in a window is coarse |
 //! | [`bloom`] | bloom in views of any shape |
 //! | [`daylight`] | the place of the sun; colours by day and by night |
 
@@ -15,6 +16,7 @@ pub mod hero;
 pub mod panel;
 pub mod passes;
 pub mod progress;
+pub mod sharpen;
 pub mod start;
 pub mod textures;
 
@@ -27,8 +29,8 @@ use bevy::pbr::DefaultOpaqueRendererMethod;
 use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
+use dolomite::ground::detail::TerrainLod;
 use dolomite::ground::detail::budget::{Budget, FrameTime, frame_time};
-use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::ground::{GroundTextures, PatchDetail, TerrainView};
 use dolomite::terrain::Ground;
 use dolomite::tessellation::StageCamera;
@@ -42,6 +44,7 @@ use bloom::BloomFitPlugin;
 use daylight::{DaylightPlugin, SATURATION};
 use hero::HeroPlugin;
 use panel::UiCamera;
+use sharpen::Widened;
 
 /// Distances that the camera sees, metres. Depth is infinite; `far` bounds culling only.
 const NEAR: f32 = 0.15;
@@ -110,7 +113,11 @@ impl Plugin for ViewPlugin {
             .add_systems(
                 Update,
                 (
-                    follow_switches.after(CameraSystems),
+                    (
+                        sharpen::sharpen.run_if(resource_exists::<Widened>),
+                        follow_switches.after(CameraSystems),
+                    )
+                        .chain(),
                     dress_landscape
                         .run_if(resource_exists::<SceneTextures>)
                         .run_if(resource_changed::<CurrentScene>),
@@ -124,6 +131,7 @@ fn dress_camera(
     target: Option<Res<OffscreenTarget>>,
     settings: Res<Settings>,
     scene: Res<CurrentScene>,
+    widened: Option<Res<Widened>>,
     cameras: Query<(Entity, &FreeCamera)>,
 ) {
     for (entity, camera) in &cameras {
@@ -155,6 +163,7 @@ fn dress_camera(
             Bloom::NATURAL,
             Smaa::default(),
             TerrainView,
+            Widened::detail(widened.as_deref(), settings.max_error.unwrap_or(1.0)),
             StageCamera {
                 pixels_per_edge: settings.pixels_per_edge,
                 ..default()
@@ -190,6 +199,7 @@ fn follow_switches(
     switches: Res<Switches>,
     settings: Res<Settings>,
     scene: Res<CurrentScene>,
+    widened: Option<Res<Widened>>,
     figures: Query<&Figure>,
     mut views: Query<(
         Entity,
@@ -210,10 +220,7 @@ fn follow_switches(
     for (entity, mut camera, mut detail, patches, budget) in &mut views {
         // A budget moves the metric itself.
         if let (None, Some(pixels)) = (settings.budget, settings.max_error) {
-            detail.set_if_neq(TerrainLod {
-                metric: Metric::ErrorBound { pixels },
-                ..default()
-            });
+            detail.set_if_neq(Widened::detail(widened.as_deref(), pixels));
         }
         let by_patches = settings.budget.is_none() && settings.max_error.is_none();
         let wanted = by_patches.then(|| PatchDetail {

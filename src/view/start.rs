@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
 
 use super::progress::{Made, Progress, textures_are_there};
+use super::sharpen::Widened;
 use super::textures::TextureError;
 use super::{Dress, SceneTextures, textures};
 use crate::scene::CurrentScene;
@@ -24,6 +25,7 @@ impl Plugin for StartPlugin {
     fn build(&self, app: &mut App) {
         super::init_dress(app);
         app.insert_resource(Starting)
+            .init_resource::<Widened>()
             .add_systems(Startup, (spawn, read_textures))
             .add_systems(
                 Update,
