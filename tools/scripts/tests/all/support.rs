@@ -117,11 +117,6 @@ impl System {
         symlink(real, self.0.join("bin").join(name)).expect("the system's folder can be written");
     }
 
-    /// The text of a file in its folder.
-    pub fn file(&self, name: &str) -> String {
-        fs::read_to_string(self.0.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
-    }
-
     /// Takes a command away.
     pub fn without(&self, name: &str) {
         fs::remove_file(self.0.join("bin").join(name)).expect("a command that is there can go");
