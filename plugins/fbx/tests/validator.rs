@@ -1,48 +1,68 @@
-//! Every result through Khronos' glTF validator.
+//! Every result through Khronos' glTF validator: no error, no warning.
 //!
-//! Skips where the npm package `gltf-validator` (2.0.0-dev.3.10) is not installed: name its folder by
-//! `GLTF_VALIDATOR`, for example after `npm install gltf-validator@2.0.0-dev.3.10` in some folder
-//! `GLTF_VALIDATOR=that/folder/node_modules/gltf-validator`.
+//! It is an npm package, which `scripts/lib/node.sh` installs. Without it these tests skip, with a line that says
+//! so; in CI they fail.
 
 #[path = "support/ascii.rs"]
 mod ascii;
 mod support;
 
 use dolomite_fbx::{Effort, Options, Origin, Weights, convert};
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use support::{files_below, shared_fbx};
 
-const SCRIPT: &str = r#"
-const [folder, ...files] = process.argv.slice(1);
-const validator = require(folder), fs = require('fs');
-(async () => {
-  let bad = 0;
-  for (const file of files) {
-    const report = await validator.validateBytes(new Uint8Array(fs.readFileSync(file)), { maxIssues: 0 });
-    if (report.issues.numErrors + report.issues.numWarnings > 0) {
-      bad += 1;
-      console.log(file, JSON.stringify(report.issues.messages.filter(m => m.severity < 2).slice(0, 3)));
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn is_there() -> bool {
+    let package = root().join("tests/node/node_modules/gltf-validator/package.json");
+    if package.exists() {
+        return true;
     }
-  }
-  process.exit(bad ? 1 : 0);
-})();
-"#;
+    let line = "the npm package gltf-validator is not installed: scripts/lib/node.sh does that";
+    assert!(
+        std::env::var_os("CI").is_none(),
+        "CI must not skip the validator: {line}"
+    );
+    eprintln!("skipped: {line}");
+    false
+}
+
+/// Whether all files are valid, and what the validator said.
+fn validate(files: &[PathBuf]) -> (bool, String) {
+    let run = Command::new("node")
+        .arg(root().join("tests/node/validate.mjs"))
+        .args(files)
+        .output()
+        .expect("node runs");
+    let said =
+        String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr);
+    (run.status.success(), said)
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("dolomite_fbx_{name}_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("the temporary folder can be written");
+    folder
+}
 
 #[test]
 fn every_result_is_valid() {
-    let Some(validator) = std::env::var_os("GLTF_VALIDATOR") else {
-        eprintln!("skipped: GLTF_VALIDATOR names no folder");
+    if !is_there() {
         return;
-    };
-    let folder = std::env::temp_dir().join(format!("dolomite_fbx_valid_{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
+    }
+    let folder = folder("valid");
     let mut files = Vec::new();
     let mut take = |bytes: &[u8], origin: Origin, options: &Options| {
-        if let Ok(made) = convert(bytes, &origin, options) {
-            let path = folder.join(format!("{}.glb", files.len()));
-            std::fs::write(&path, made.to_glb().unwrap()).unwrap();
-            files.push(path);
-        }
+        let Ok(made) = convert(bytes, &origin, options) else {
+            return false;
+        };
+        let path = folder.join(format!("{}.glb", files.len()));
+        std::fs::write(&path, made.to_glb().unwrap()).unwrap();
+        files.push(path);
+        true
     };
     let eight = Options {
         weights: Weights::Eight,
@@ -52,11 +72,16 @@ fn every_result_is_valid() {
         effort: Effort::Thorough,
         ..Options::default()
     };
-    take(ascii::strip(90.0).as_bytes(), Origin::default(), &eight);
-    take(ascii::strip(90.0).as_bytes(), Origin::default(), &thorough);
-    for path in shared_fbx()
-        .map(|folder| files_below(&folder))
-        .unwrap_or_default()
+    let options = [Options::default(), eight, thorough];
+    for options in &options {
+        let strip = ascii::strip(90.0);
+        assert!(take(strip.as_bytes(), Origin::default(), options));
+    }
+    let hero = root().join("assets/hero/hero.fbx");
+    let shared = shared_fbx().map(|folder| files_below(&folder));
+    for path in [hero.clone()]
+        .into_iter()
+        .chain(shared.into_iter().flatten())
     {
         let origin = Origin {
             name: path.display().to_string(),
@@ -64,20 +89,40 @@ fn every_result_is_valid() {
             ..Origin::default()
         };
         let bytes = std::fs::read(&path).unwrap();
-        take(&bytes, origin.clone(), &Options::default());
-        take(&bytes, origin.clone(), &thorough);
-        take(&bytes, origin, &eight);
+        for options in &options {
+            // Among the shared files some are broken, and refused.
+            let made = take(&bytes, origin.clone(), options);
+            assert!(made || path != hero);
+        }
     }
-    let run = Command::new("node")
-        .arg("-e")
-        .arg(SCRIPT)
-        .arg(validator)
-        .args(&files)
-        .output()
-        .unwrap();
-    let said =
-        String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr);
+    let (valid, said) = validate(&files);
     std::fs::remove_dir_all(folder).unwrap();
-    assert!(run.status.success(), "{said}");
-    eprintln!("{} files are valid", files.len());
+    println!("{said}");
+    assert!(valid, "{said}");
+    assert_eq!(said.trim(), format!("{} files, 0 not valid", files.len()));
+}
+
+#[test]
+fn a_file_with_an_error_is_refused() {
+    if !is_there() {
+        return;
+    }
+    let folder = folder("broken");
+    let text = ascii::strip(90.0);
+    let made = convert(text.as_bytes(), &Origin::default(), &Options::default()).unwrap();
+    let sound = made.to_glb().unwrap();
+    // The first mesh that a node names is another one, which does not exist.
+    let at = sound
+        .windows(8)
+        .position(|bytes| bytes == b"\"mesh\":0")
+        .unwrap();
+    let mut broken = sound.clone();
+    broken[at + 7] = b'9';
+    let files = [folder.join("sound.glb"), folder.join("broken.glb")];
+    std::fs::write(&files[0], sound).unwrap();
+    std::fs::write(&files[1], broken).unwrap();
+    let (valid, said) = validate(&files);
+    std::fs::remove_dir_all(folder).unwrap();
+    assert!(!valid && said.contains("UNRESOLVED_REFERENCE"), "{said}");
+    assert!(said.contains("2 files, 1 not valid"), "{said}");
 }

@@ -1,0 +1,30 @@
+# shellcheck shell=bash
+# What tests run by Node (sourced after system.sh): Khronos' glTF validator.
+#
+#   need_node_tests   installs Node where it may, and the packages that tests/node/package-lock.json pins; exits 1
+#                     where that fails
+#
+# Without it the tests that need it skip, with a line, outside CI.
+
+# The oldest Node that the packages run on.
+readonly node_oldest=18
+
+need_node_tests() {
+  local folder lock
+  folder=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../tests/node" && pwd)
+  if ! command -v node >/dev/null || ! command -v npm >/dev/null; then
+    install_packages nodejs npm ||
+      die "Node and npm are missing. Please type: sudo apt-get update && sudo apt-get install -y nodejs npm"
+  fi
+  local version
+  version=$(node --version)
+  [[ $(cut -d. -f1 <<<"${version#v}") -ge $node_oldest ]] ||
+    die "Node $node_oldest or newer is needed; found: $version"
+  # npm writes this file last.
+  lock=$folder/node_modules/.package-lock.json
+  [[ -e $lock && ! $folder/package-lock.json -nt $lock ]] && return 0
+  say "installing the npm packages of tests/node"
+  # Nothing that packages bring along is run.
+  (cd "$folder" && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error >&2) ||
+    die "npm ci failed in tests/node"
+}
