@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # A barrier in a loop whose bound is an atomicLoad: two implementations of WGSL on one shader.
 #
-# Version: naga 29.0.4 (crates.io, all validation flags on), webgpu 0.6.2 (npm, Dawn's Tint), Node 20.20.2
+# Version: naga 29.0.4 (cargo, all validation flags on), webgpu 0.6.2 (npm, Dawn's Tint), Node 20.20.2
 # Guess:   naga refuses it, as WGSL asks: an atomic number may differ from thread to thread, so the barrier
 #          does not stand in uniform control flow.
 # Seen:    `naga atomic: accepted`, and
