@@ -332,7 +332,7 @@ say_build() {
     say "building $1 in $folder: Bevy is built there already, so only what has changed is compiled"
     return 0
   fi
-  # Measured on two cores with nothing else on the machine (docs/measured): 25 and 13.
+  # Measured on two cores (docs/measured): 25 with light work beside it, and 13.
   case $2 in
     release) minutes=25 ;;
     *) minutes=15 ;;
