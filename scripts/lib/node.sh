@@ -12,10 +12,8 @@ readonly node_oldest=18
 need_node_tests() {
   local folder lock
   folder=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../tests/node" && pwd)
-  if ! command -v node >/dev/null || ! command -v npm >/dev/null; then
-    install_packages nodejs npm ||
-      die "Node and npm are missing. Please type: sudo apt-get update && sudo apt-get install -y nodejs npm"
-  fi
+  need_command node nodejs npm
+  need_command npm nodejs npm
   local version
   version=$(node --version)
   [[ $(cut -d. -f1 <<<"${version#v}") -ge $node_oldest ]] ||
