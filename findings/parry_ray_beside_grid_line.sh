@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Vertical rays onto a height field of parry: whether each one hits.
 #
-# Version: parry3d 0.30.2-glamx0.2-b (crates.io)
+# Version: parry3d 0.30.2-glamx0.2-b (cargo)
 # Guess:   a ray straight down, well inside the field's rectangle, hits it wherever it stands: the field has no holes.
 # Seen:    `214 of 2000000 miss, at most 8e-5 of a cell from a line of the grid`. Rays that fall through stand beside a
 #          line of the grid, not on it: cell and triangle are found by roundings of their own, which may disagree.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # A sparse TIFF by the crate `tiff`: what stands in tiles that the file says are not there.
 #
-# Version: tiff 0.11.3 (crates.io)
+# Version: tiff 0.11.3 (cargo)
 # Guess:   tiles with offset 0 and length 0, which GDAL writes for tiles without data, read as zeros, or are an
 #          error, whether the others are compressed or not.
 # Seen:    neither: the first bytes of the file. Absent tiles of a file without compression are read from offset 0, so

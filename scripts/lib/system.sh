@@ -4,6 +4,7 @@
 #
 #   need_system LIST   LIST is `build`, `test`, `play` or `wayland` (a window without X11 or XWayland);
 #                      returns when all is there, exits 1 if not
+#   need_command NAME PACKAGE...   installs the packages where the command is not there; exits 1 where it may not
 #   need_cargo         sets CARGO (an array: the command) to a cargo that is new enough, or exits 1
 #   say_adapter        one line when only software Vulkan is to be expected
 #   say_build WHAT PROFILE   one line about what will be built, and how long that takes
@@ -112,6 +113,19 @@ install_packages() {
   say "installing by apt-get: $*"
   as_root "${apt[@]}" install -y --no-install-recommends "$@" </dev/null >&2 ||
     { say "apt-get install failed, see above"; return 1; }
+}
+
+# need_command NAME PACKAGE...: a tool of the checks; its packages have these names everywhere.
+need_command() {
+  local name=$1
+  shift
+  command -v "$name" >/dev/null && return 0
+  package_manager
+  say "$name is missing"
+  [[ $MANAGER == apt ]] && install_packages "$@" && command -v "$name" >/dev/null && return 0
+  say "Please type:"
+  install_line "$@"
+  exit 1
 }
 
 # ask_dpkg NAME...: sets INSTALLED to those of the packages that are installed, one query for all.
@@ -301,7 +315,7 @@ need_cargo() {
     fi
   fi
   if command -v rustup >/dev/null; then
-    say "installing the stable Rust toolchain by rustup (some 250 MB to fetch, a minute or two)"
+    say "installing the stable Rust toolchain by rustup"
     rustup toolchain install stable --profile default >&2 || say "rustup failed, see above"
     found_cargo && return 0
   fi
@@ -332,9 +346,9 @@ say_build() {
     say "building $1 in $folder: Bevy is built there already, so only what has changed is compiled"
     return 0
   fi
-  # Measured on two cores with nothing else on the machine (docs/measured).
+  # Measured on two cores (docs/measured): 25 with light work beside it, and 13.
   case $2 in
-    release) minutes=20 ;;
+    release) minutes=25 ;;
     *) minutes=15 ;;
   esac
   say "building $1 in $folder for the first time, with Bevy and all it needs: some 400 crates and some $minutes"

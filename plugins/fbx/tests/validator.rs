@@ -1,6 +1,6 @@
 //! Every result through Khronos' glTF validator: no error, no warning.
 //!
-//! It is an npm package, which `scripts/lib/webgpu.sh` installs. Without it these tests skip, with a line that says
+//! It is an npm package, which `scripts/lib/node.sh` installs. Without it these tests skip, with a line that says
 //! so; in CI they fail.
 
 #[path = "support/ascii.rs"]
@@ -21,7 +21,7 @@ fn is_there() -> bool {
     if package.exists() {
         return true;
     }
-    let line = "the npm package gltf-validator is not installed: scripts/lib/webgpu.sh does that";
+    let line = "the npm package gltf-validator is not installed: scripts/lib/node.sh does that";
     assert!(
         std::env::var_os("CI").is_none(),
         "CI must not skip the validator: {line}"
@@ -44,7 +44,7 @@ fn validate(files: &[PathBuf]) -> (bool, String) {
 
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("dolomite_fbx_{name}_{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::create_dir_all(&folder).expect("the temporary folder can be written");
     folder
 }
 

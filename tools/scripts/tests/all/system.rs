@@ -1,7 +1,8 @@
 //! `need_system` and `need_cargo` of `scripts/lib/system.sh`, on systems of all kinds.
 //!
 //! Found on a fresh Debian: where `dpkg-query` does not know one name it exits with 1, and the list of what is
-//! missing was empty, so that nothing was installed and nothing said. Every test here fails on that script.
+//! missing was empty, so that nothing was installed and nothing said. Every test of `need_system` and `need_cargo`
+//! here fails on that script.
 
 use crate::support::{Apt, Said, System};
 use std::collections::BTreeSet;
@@ -306,6 +307,28 @@ fn an_old_rust_is_told_from_a_new_one() {
             "found: cargo 1.94.1"
         });
     }
+}
+
+#[test]
+fn a_tool_of_the_checks_is_installed_or_named() {
+    let script = "need_command sleep coreutils; echo went on";
+    let system = System::new();
+    system.debian(&[], Apt::Fails);
+    let said = system.run(script);
+    stopped(&said);
+    let line = "  sudo apt-get update && sudo apt-get install -y coreutils";
+    assert_eq!(said.line("sudo apt-get"), line);
+    // What apt-get claims is looked at here too.
+    system.debian(&[], Apt::Works);
+    stopped(&system.run(script));
+    system.command("sleep", "exit 0");
+    went_on(&system.run(script));
+    let said = bare("pacman").run(script);
+    stopped(&said);
+    assert_eq!(
+        said.line("sudo pacman").trim(),
+        "sudo pacman -Syu --needed coreutils"
+    );
 }
 
 /// What `./scripts/play ARGUMENTS` says and does where a variable names a display, or none does.

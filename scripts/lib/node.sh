@@ -1,21 +1,19 @@
 # shellcheck shell=bash
 # What tests run by Node (sourced after system.sh): Tint, by Dawn for Node, and Khronos' glTF validator.
 #
-#   need_webgpu   installs Node where it may, and the packages that tests/node/package-lock.json pins; exits 1
-#                 where that fails
+#   need_node_tests   installs Node where it may, and the packages that tests/node/package-lock.json pins; exits 1
+#                     where that fails
 #
 # Without it the tests that need it skip, with a line, outside CI.
 
 # The oldest Node that the packages run on.
 readonly node_oldest=18
 
-need_webgpu() {
+need_node_tests() {
   local folder lock
   folder=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../tests/node" && pwd)
-  if ! command -v node >/dev/null || ! command -v npm >/dev/null; then
-    install_packages nodejs npm ||
-      die "Node and npm are missing. Please type: sudo apt-get update && sudo apt-get install -y nodejs npm"
-  fi
+  need_command node nodejs npm
+  need_command npm nodejs npm
   local version
   version=$(node --version)
   [[ $(cut -d. -f1 <<<"${version#v}") -ge $node_oldest ]] ||
