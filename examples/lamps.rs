@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite::tessellation::render::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
+use dolomite::tessellation::render::{GeometryMaterial, PatchKind, PatchPlugin, PatchShader};
 use dolomite::tessellation::{PatchLayout, PatchMesh, Patches, shapes};
 
 /// Iron tubes: 12 sides of two triangles stand for each segment.
@@ -22,8 +22,8 @@ impl PatchKind for Post {
         PatchShader::File("shaders/tube.wgsl")
     }
 
-    fn materials(&self) -> Vec<PatchMaterial> {
-        vec![PatchMaterial {
+    fn materials(&self) -> Vec<GeometryMaterial> {
+        vec![GeometryMaterial {
             base_color: LinearRgba::rgb(0.04, 0.05, 0.05),
             roughness: 0.35,
             ..default()
@@ -43,8 +43,8 @@ impl PatchKind for Globe {
         PatchShader::File("shaders/globe.wgsl")
     }
 
-    fn materials(&self) -> Vec<PatchMaterial> {
-        vec![PatchMaterial {
+    fn materials(&self) -> Vec<GeometryMaterial> {
+        vec![GeometryMaterial {
             base_color: LinearRgba::rgb(0.9, 0.8, 0.6),
             emissive: LinearRgba::rgb(1.0, 0.66, 0.3) * 9_000.0,
             ..default()

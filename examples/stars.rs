@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bevy::math::ops;
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite::tessellation::render::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
+use dolomite::tessellation::render::{GeometryMaterial, PatchKind, PatchPlugin, PatchShader};
 use dolomite::tessellation::{PatchLayout, Patches, shapes};
 
 const STARS: u32 = 6000;
@@ -26,8 +26,8 @@ impl PatchKind for Star {
     }
 
     /// From red dwarfs to blue giants.
-    fn materials(&self) -> Vec<PatchMaterial> {
-        let shines = |red, green, blue| PatchMaterial {
+    fn materials(&self) -> Vec<GeometryMaterial> {
+        let shines = |red, green, blue| GeometryMaterial {
             base_color: LinearRgba::BLACK,
             emissive: LinearRgba::rgb(red, green, blue) * 1_500.0,
             ..default()

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite::tessellation::render::{PatchKind, PatchMaterial, PatchPlugin, PatchShader};
+use dolomite::tessellation::render::{GeometryMaterial, PatchKind, PatchPlugin, PatchShader};
 use dolomite::tessellation::{PatchLayout, PatchMesh, Patches, Winding};
 
 /// Bicubic Bézier surfaces.
@@ -23,8 +23,8 @@ impl PatchKind for Bezier {
         PatchShader::File("shaders/bezier.wgsl")
     }
 
-    fn materials(&self) -> Vec<PatchMaterial> {
-        vec![PatchMaterial {
+    fn materials(&self) -> Vec<GeometryMaterial> {
+        vec![GeometryMaterial {
             base_color: LinearRgba::rgb(0.4, 0.035, 0.02),
             roughness: 0.22,
             ..default()

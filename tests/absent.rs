@@ -21,7 +21,7 @@ use dolomite::ground::detail::{DrawnProbes, TerrainLod};
 use dolomite::ground::render::{AnswerCensus, DrawnProbeStats, answer_census};
 use dolomite::ground::{PatchDetail, TerrainView};
 use dolomite::terrain::{Fractal, GroundProbe, ProbeBatch, Terrain};
-use dolomite::tessellation::render::{StageCensus, StageStats, census};
+use dolomite::tessellation::render::{GeometryCensus, GeometryStats, census};
 
 /// Frames of 16 ms.
 const STEP: Duration = Duration::from_millis(16);
@@ -53,7 +53,7 @@ fn terrain(app: &mut App) {
 }
 
 /// (what the stage holds, pipelines of the whole app) after some frames.
-fn after_frames(app: &mut App) -> (StageCensus, usize) {
+fn after_frames(app: &mut App) -> (GeometryCensus, usize) {
     for _ in 0..12 {
         app.update();
         assert_eq!(app.should_exit(), None, "rendering stopped");
@@ -75,7 +75,7 @@ fn an_app_without_terrain_pays_nothing() {
     let (_, pipelines) = after_frames(&mut bare);
     assert_eq!(
         after_frames(&mut with),
-        (StageCensus::default(), pipelines),
+        (GeometryCensus::default(), pipelines),
         "nothing of ours"
     );
     camera(&mut bare, ());
@@ -83,7 +83,7 @@ fn an_app_without_terrain_pays_nothing() {
     let (_, pipelines) = after_frames(&mut bare);
     assert_eq!(
         after_frames(&mut with),
-        (StageCensus::default(), pipelines),
+        (GeometryCensus::default(), pipelines),
         "a view without terrain"
     );
 }
@@ -95,7 +95,7 @@ fn a_terrain_without_a_view_pays_nothing_and_with_one_it_is_seen() {
     camera(&mut app, ());
     assert_eq!(
         after_frames(&mut app).0,
-        StageCensus::default(),
+        GeometryCensus::default(),
         "a terrain that nobody looks at"
     );
     camera(&mut app, (TerrainView, PatchDetail::default()));
@@ -114,7 +114,7 @@ fn a_detailed_view_at_rest_dispatches_nothing() {
     camera(&mut app, (TerrainView, TerrainLod::default()));
     let (found, _) = after_frames(&mut app);
     assert_eq!((found.views, found.kinds), (1, 1), "{found:?}");
-    let stats = |app: &App| app.world().resource::<StageStats>().clone();
+    let stats = |app: &App| app.world().resource::<GeometryStats>().clone();
     // Picture and ground are small: some hundred triangles are far more than the two of a flat one.
     assert!(stats(&app).primitives > 100, "{:?}", stats(&app));
     let drawn = stats(&app).primitives;
@@ -207,7 +207,7 @@ fn height_queries_cost_nothing_without_a_probe_and_rest_with_one() {
         frame(&mut app);
         assert_eq!(answers(&app), found);
         assert!(answered(&app, probe) <= Some(FRESH) && answered(&app, probe).is_some());
-        assert_eq!(app.world().resource::<StageStats>().dispatches, 0);
+        assert_eq!(app.world().resource::<GeometryStats>().dispatches, 0);
     }
     // It walks while the view rests: asked in every frame, of the kept mesh.
     for step in 0..8_u16 {

@@ -20,7 +20,7 @@ use dolomite::ground::TerrainView;
 use dolomite::ground::detail::budget::{Budget, BudgetReport, FrameTime};
 use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::terrain::{Fractal, Ground};
-use dolomite::tessellation::render::StageStats;
+use dolomite::tessellation::render::GeometryStats;
 
 /// Where the synthetic time is published.
 const SPAN: DiagnosticPath = DiagnosticPath::const_new("render/made_up/elapsed_gpu");
@@ -89,7 +89,7 @@ impl Scene {
         assert_eq!(self.app.should_exit(), None, "rendering stopped");
         let taken = time(
             self.load,
-            self.app.world().resource::<StageStats>().primitives,
+            self.app.world().resource::<GeometryStats>().primitives,
         );
         let mut store = self.app.world_mut().resource_mut::<DiagnosticsStore>();
         let diagnostic = store.get_mut(&SPAN).expect("it was added");

@@ -21,8 +21,8 @@ use dolomite::DolomitePlugins;
 use dolomite::ground::TerrainView;
 use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::terrain::{Fractal, Ground, Terrain};
-use dolomite::tessellation::StageCamera;
-use dolomite::tessellation::render::StageStats;
+use dolomite::tessellation::GeometryCamera;
+use dolomite::tessellation::render::GeometryStats;
 
 /// Steep ground, as many slopes away from the eye as towards it.
 fn steep(app: &mut App) -> Terrain {
@@ -46,7 +46,7 @@ fn at_rest(app: &mut App, target: &Handle<Image>) -> (Vec<u8>, u32) {
     for _ in 0..8 {
         app.update();
     }
-    let stats = app.world().resource::<StageStats>().clone();
+    let stats = app.world().resource::<GeometryStats>().clone();
     assert_eq!(stats.dispatches, 0, "at rest");
     let image = picture::picture(app, target, 0);
     (image.data.expect("pixels"), stats.primitives)
@@ -142,10 +142,10 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
         }
     }
     // Edges alone hide nothing.
-    let edges = StageCamera {
+    let edges = GeometryCamera {
         fill: false,
         lines: true,
-        ..StageCamera::default()
+        ..GeometryCamera::default()
     };
     let mut found = Vec::new();
     for occluded in [false, true] {
@@ -164,7 +164,7 @@ fn gpu_a_picture_is_the_same_without_what_it_does_not_show() {
 
     // The comparison can fail: with a culling that takes the smallest triangles that face the eye for such
     // as face away, few are missing, and it is seen.
-    let filled = StageCamera::default();
+    let filled = GeometryCamera::default();
     too_much_is_culled(&mut app);
     let mut found = Vec::new();
     for culled in [false, true] {

@@ -21,7 +21,7 @@ use dolomite::ground::TerrainView;
 use dolomite::ground::detail::budget::{Budget, BudgetError, BudgetReport};
 use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::terrain::{Fractal, Ground, Terrain};
-use dolomite::tessellation::render::StageStats;
+use dolomite::tessellation::render::GeometryStats;
 
 /// Few vertices, so that the finest tolerances are met by the pool's end and not by the machine's.
 const POOL: u32 = 1 << 13;
@@ -98,7 +98,7 @@ impl Scene {
             scene.sane();
             let full = detail(Metric::ErrorBound { pixels: 1e-3 });
             scene.full = Some(scene.longest("a full pool", full));
-            let stats = scene.app.world().resource::<StageStats>();
+            let stats = scene.app.world().resource::<GeometryStats>();
             // Cells come and go in fours, so that some room stays.
             assert!(stats.vertices > POOL / 2, "{} of {POOL}", stats.vertices);
         }
@@ -121,7 +121,7 @@ impl Scene {
     }
 
     /// Some frames with this on the camera; what the stage says of the last.
-    fn frames(&mut self, name: &str, components: impl Bundle + Clone) -> StageStats {
+    fn frames(&mut self, name: &str, components: impl Bundle + Clone) -> GeometryStats {
         let most = self.full.map(|full| full * TIMES_A_FULL_POOL);
         let took = self.longest(name, components.clone());
         if most.is_some_and(|most| took > most) {
@@ -131,7 +131,7 @@ impl Scene {
             let again = self.longest(name, components);
             assert!(Some(again) <= most, "{name}: {took:?}, then {again:?}");
         }
-        let stats = self.app.world().resource::<StageStats>().clone();
+        let stats = self.app.world().resource::<GeometryStats>().clone();
         // A vertex brings two triangles.
         assert!(stats.primitives <= 2 * POOL, "{name}: {}", stats.primitives);
         stats
@@ -141,9 +141,33 @@ impl Scene {
     fn sane(&mut self) -> Vec<u8> {
         // Nothing moves, so the picture is one of the ground alone.
         let sane = self.sane.clone();
-        self.frames("sane", sane);
+        self.picture("sane", sane)
+    }
+
+    /// The picture with this on the camera.
+    fn picture(&mut self, name: &str, components: impl Bundle + Clone) -> Vec<u8> {
+        self.frames(name, components);
         let image = picture::picture(&mut self.app, &self.target, 0);
         image.data.expect("pixels")
+    }
+
+    /// [`Self::sane`], after it was seen that little things that stay would show: other triangles of the same
+    /// ground, and the camera a hand's breadth aside.
+    fn sane_and_told_apart(&mut self) -> Vec<u8> {
+        let sane = self.sane();
+        let coarser = detail(Metric::ErrorBound { pixels: 8.0 });
+        assert!(
+            self.picture("8 px", coarser) != sane,
+            "twice the tolerance does not show"
+        );
+        let (mut aside, _, original) = self.sane.clone();
+        aside.translation.x += 0.1;
+        assert!(
+            self.picture("aside", (aside, original)) != sane,
+            "a tenth of a metre does not show"
+        );
+        assert!(self.sane() == sane, "nothing hostile was on the camera yet");
+        sane
     }
 }
 
@@ -152,7 +176,7 @@ fn gpu_hostile_tolerances_are_clamped_and_leave_nothing_behind() {
     let Some(mut scene) = Scene::new() else {
         return;
     };
-    let before = scene.sane();
+    let before = scene.sane_and_told_apart();
     let mut metrics = Vec::new();
     for pixels in [
         0.0,
@@ -199,7 +223,7 @@ fn gpu_budgets_that_make_no_sense_are_refused_and_hopeless_ones_said_to_be() {
     let Some(mut scene) = Scene::new() else {
         return;
     };
-    let before = scene.sane();
+    let before = scene.sane_and_told_apart();
     let tolerance = |scene: &Scene| {
         let detail = scene.app.world().entity(scene.camera).get::<TerrainLod>();
         detail.expect("it has one").metric
@@ -246,7 +270,7 @@ fn gpu_hostile_cameras_see_what_there_is() {
     let Some(mut scene) = Scene::new() else {
         return;
     };
-    let before = scene.sane();
+    let before = scene.sane_and_told_apart();
     let (level, lens, _) = scene.sane.clone();
     let at = |offset: Vec3| Transform {
         translation: level.translation + offset,

@@ -7,7 +7,7 @@ use bevy::math::UVec2;
 use bevy::render::RenderApp;
 use dolomite::sky::render::Star;
 use dolomite::tessellation::Patches;
-use dolomite::tessellation::render::{StageCensus, StageStats, census};
+use dolomite::tessellation::render::{GeometryCensus, GeometryStats, census};
 use dolomite_game::run::Setup;
 use dolomite_game::run::offscreen::Offscreen;
 use dolomite_game::scene::SceneRequest;
@@ -25,9 +25,9 @@ fn game() -> Option<Offscreen> {
 }
 
 /// What the stage holds, and its counters.
-fn found(game: &Offscreen) -> (StageCensus, StageStats) {
+fn found(game: &Offscreen) -> (GeometryCensus, GeometryStats) {
     let world = game.app.world();
-    let stats = world.get_resource::<StageStats>().cloned();
+    let stats = world.get_resource::<GeometryStats>().cloned();
     (
         census(game.app.sub_app(RenderApp).world()),
         stats.unwrap_or_default(),

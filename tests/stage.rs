@@ -18,9 +18,9 @@ use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::render::render_resource::AsBindGroup;
 use dolomite::tessellation::render::{
-    PatchKind, PatchPlugin, PatchPool, PatchShader, StageCensus, StageStats, census,
+    GeometryCensus, GeometryStats, PatchKind, PatchPlugin, PatchPool, PatchShader, census,
 };
-use dolomite::tessellation::{Drawing, PatchLayout, PatchMesh, Patches, StageCamera, shapes};
+use dolomite::tessellation::{Drawing, GeometryCamera, PatchLayout, PatchMesh, Patches, shapes};
 
 #[derive(Resource, AsBindGroup, Clone)]
 struct Globe {
@@ -159,21 +159,21 @@ fn line() -> PatchMesh {
 }
 
 /// Runs until `done` says so; the counters come back two or three frames late.
-fn until(app: &mut App, what: &str, done: impl Fn(&StageStats) -> bool) -> StageStats {
+fn until(app: &mut App, what: &str, done: impl Fn(&GeometryStats) -> bool) -> GeometryStats {
     for _ in 0..600 {
         app.update();
         assert_eq!(app.should_exit(), None, "rendering stopped");
-        let stats = app.world().resource::<StageStats>();
+        let stats = app.world().resource::<GeometryStats>();
         if done(stats) {
             return stats.clone();
         }
         // Shader files come from a thread of their own.
         std::thread::sleep(Duration::from_millis(2));
     }
-    panic!("{what}: {:?}", app.world().resource::<StageStats>());
+    panic!("{what}: {:?}", app.world().resource::<GeometryStats>());
 }
 
-fn found(app: &App) -> StageCensus {
+fn found(app: &App) -> GeometryCensus {
     census(app.sub_app(RenderApp).world())
 }
 
@@ -182,7 +182,7 @@ fn frames(app: &mut App, count: u32) -> Vec<u32> {
     (0..count)
         .map(|_| {
             app.update();
-            app.world().resource::<StageStats>().dispatches
+            app.world().resource::<GeometryStats>().dispatches
         })
         .collect()
 }
@@ -192,14 +192,18 @@ fn what_is_not_there_costs_nothing_and_what_rests_is_not_done_again() {
     let Some(mut app) = app(ROOMY) else { return };
     camera(&mut app, ());
     frames(&mut app, 5);
-    assert_eq!(found(&app), StageCensus::default(), "no patches, no camera");
-    let fine = StageCamera {
+    assert_eq!(
+        found(&app),
+        GeometryCensus::default(),
+        "no patches, no camera"
+    );
+    let fine = GeometryCamera {
         pixels_per_edge: 2.0,
         ..default()
     };
     let eye = camera(&mut app, fine);
     frames(&mut app, 5);
-    assert_eq!(found(&app), StageCensus::default(), "no patches");
+    assert_eq!(found(&app), GeometryCensus::default(), "no patches");
     let globe = Arc::new(shapes::octahedron(1));
     for x in [-0.4, 0.0, 0.4] {
         let place = Transform::from_xyz(x, 0.0, 0.0).with_scale(Vec3::splat(0.3));
@@ -220,13 +224,13 @@ fn what_is_not_there_costs_nothing_and_what_rests_is_not_done_again() {
     place.translation.z = 1.8;
     let after = frames(&mut app, 8);
     assert_eq!(after.iter().sum::<u32>(), 7, "{after:?}");
-    let closer = app.world().resource::<StageStats>().clone();
+    let closer = app.world().resource::<GeometryStats>().clone();
     assert!(closer.primitives > first.primitives, "{closer:?}");
     // Back again: the same, to the triangle.
     let mut place = app.world_mut().get_mut::<Transform>(eye).expect("a camera");
     place.translation.z = 4.0;
     frames(&mut app, 8);
-    let back = app.world().resource::<StageStats>().clone();
+    let back = app.world().resource::<GeometryStats>().clone();
     assert_eq!(
         (back.primitives, back.vertices),
         (first.primitives, first.vertices)
@@ -258,8 +262,8 @@ fn shadow_views_draw_what_was_tessellated_once() {
         light,
         Transform::default().looking_to(Vec3::new(-1.0, -2.0, -1.0), Vec3::Y),
     ));
-    camera(&mut app, StageCamera::default());
-    camera(&mut app, StageCamera::default());
+    camera(&mut app, GeometryCamera::default());
+    camera(&mut app, GeometryCamera::default());
     until(&mut app, "two kinds", |stats| stats.primitives > 60);
     frames(&mut app, 6);
     assert_eq!((found(&app).kinds, found(&app).views), (2, 4));
@@ -286,13 +290,13 @@ fn functions_that_cannot_be_used_are_named_and_the_others_are_drawn() {
     app.world_mut()
         .spawn(Patches::<Missing>::new(globe.clone()));
     app.world_mut().spawn(Patches::<Globe>::new(globe));
-    camera(&mut app, StageCamera::default());
+    camera(&mut app, GeometryCamera::default());
     let stats = until(&mut app, "two faults and a globe", |stats| {
         stats.primitives > 8 && stats.faults.len() == 2
     });
     let fault = |kind: &str| {
         let named = |fault: &&_| -> bool {
-            let fault: &dolomite::tessellation::render::StageFault = fault;
+            let fault: &dolomite::tessellation::render::GeometryFault = fault;
             fault.kind.ends_with(kind)
         };
         stats.faults.iter().find(named).expect(kind).to_string()
@@ -313,7 +317,7 @@ fn a_pool_of_a_kibibyte_lowers_levels_and_the_app_goes_on() {
     };
     app.world_mut()
         .spawn(Patches::<Globe>::new(Arc::new(shapes::octahedron(1))));
-    camera(&mut app, StageCamera::default());
+    camera(&mut app, GeometryCamera::default());
     let stats = until(&mut app, "a globe", |stats| stats.primitives > 0);
     assert!(
         stats.lowered > 0 && stats.vertices <= pool.vertices,
@@ -346,7 +350,7 @@ fn functions_are_loaded_again() {
     let mesh = PatchMesh::from_patches(PatchLayout::QUAD, &points).expect("one patch");
     app.world_mut()
         .spawn(Patches::<Waving>::new(Arc::new(mesh)));
-    camera(&mut app, StageCamera::default());
+    camera(&mut app, GeometryCamera::default());
     until(&mut app, "levels of 5", |stats| stats.primitives == 50);
     frames(&mut app, 6);
     let path = "embedded://waving.wgsl";
@@ -398,7 +402,7 @@ fn what_the_draws_evaluate_moves_without_a_dispatch() {
     let mesh = PatchMesh::from_patches(PatchLayout::QUAD, &points).expect("one patch");
     app.world_mut()
         .spawn(Patches::<Waving>::new(Arc::new(mesh)));
-    let (_, image) = camera_into(&mut app, (StageCamera::default(), Tonemapping::None));
+    let (_, image) = camera_into(&mut app, (GeometryCamera::default(), Tonemapping::None));
     until(&mut app, "a flag", |stats| stats.primitives == 50);
     frames(&mut app, 6);
     assert!(
@@ -409,8 +413,8 @@ fn what_the_draws_evaluate_moves_without_a_dispatch() {
     let rows: Vec<Vec<usize>> = (0..6).map(|_| white_rows(&mut app, &image)).collect();
     assert!(rows.iter().all(|rows| !rows.is_empty()), "{rows:?}");
     assert!(rows.iter().any(|other| other != &rows[0]), "{rows:?}");
-    assert_eq!(app.world().resource::<StageStats>().dispatches, 0);
+    assert_eq!(app.world().resource::<GeometryStats>().dispatches, 0);
     // 12 bytes a vertex.
-    let stats = app.world().resource::<StageStats>();
+    let stats = app.world().resource::<GeometryStats>();
     assert_eq!(stats.bytes, u64::from(stats.vertices) * 12 + 50 * 12);
 }

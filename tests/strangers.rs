@@ -21,8 +21,8 @@ use dolomite::character::render::{CrowdMaterial, CrowdPlugin};
 use dolomite::ground::TerrainView;
 use dolomite::ground::detail::TerrainLod;
 use dolomite::terrain::Fractal;
-use dolomite::tessellation::render::{PatchKind, PatchPlugin, PatchShader, StageStats};
-use dolomite::tessellation::{PatchLayout, Patches, StageCamera, shapes};
+use dolomite::tessellation::render::{GeometryStats, PatchKind, PatchPlugin, PatchShader};
+use dolomite::tessellation::{GeometryCamera, PatchLayout, Patches, shapes};
 
 /// A frame.
 const STEP: Duration = Duration::from_millis(16);
@@ -49,7 +49,7 @@ fn triangles(app: &mut App) -> u32 {
     for _ in 0..600 {
         app.update();
         assert_eq!(app.should_exit(), None, "rendering stopped");
-        let stats = app.world().get_resource::<StageStats>();
+        let stats = app.world().get_resource::<GeometryStats>();
         let now = stats.map_or(0, |stats| stats.primitives);
         if now > 8 && now == last {
             return now;
@@ -64,7 +64,7 @@ fn globe(app: &mut App) -> u32 {
     let mesh = Arc::new(shapes::octahedron(1));
     app.world_mut().spawn(Patches::<Globe>::new(mesh));
     let place = Transform::from_xyz(0.0, 0.0, 4.0);
-    let view = (place, StageCamera::default());
+    let view = (place, GeometryCamera::default());
     camera::camera(app, UVec2::splat(64), view);
     triangles(app)
 }

@@ -10,8 +10,8 @@ use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
 use bevy::window::WindowResolution;
-use dolomite::tessellation::StageCamera;
-use dolomite::tessellation::render::StageStats;
+use dolomite::tessellation::GeometryCamera;
+use dolomite::tessellation::render::GeometryStats;
 
 /// Frames before the picture: shaders are compiled, textures are there.
 const FRAMES: u32 = 60;
@@ -52,7 +52,7 @@ pub fn camera(circle: Circle, pixels_per_edge: f32, ev100: f32) -> impl Bundle {
         Tonemapping::AgX,
         Bloom::NATURAL,
         Smaa::default(),
-        StageCamera {
+        GeometryCamera {
             pixels_per_edge,
             ..default()
         },
@@ -105,7 +105,11 @@ fn circle(
     }
 }
 
-fn show_counts(stats: Res<StageStats>, mut window: Single<&mut Window>, mut shown: Local<String>) {
+fn show_counts(
+    stats: Res<GeometryStats>,
+    mut window: Single<&mut Window>,
+    mut shown: Local<String>,
+) {
     let counts = format!(
         "{} triangles and segments, {} vertices, {} dispatches",
         stats.primitives, stats.vertices, stats.dispatches
@@ -119,7 +123,7 @@ fn show_counts(stats: Res<StageStats>, mut window: Single<&mut Window>, mut show
     }
 }
 
-fn picture(mut commands: Commands, stats: Res<StageStats>, mut frame: Local<u32>) {
+fn picture(mut commands: Commands, stats: Res<GeometryStats>, mut frame: Local<u32>) {
     let mut arguments = std::env::args().skip_while(|argument| argument != "--shot");
     let Some(path) = arguments.nth(1) else {
         return;

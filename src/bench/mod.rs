@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::prelude::*;
-use dolomite::tessellation::render::StageStats;
+use dolomite::tessellation::render::GeometryStats;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -255,7 +255,7 @@ fn frame(
 ) -> Frame {
     let stats = app
         .world()
-        .get_resource::<StageStats>()
+        .get_resource::<GeometryStats>()
         .cloned()
         .unwrap_or_default();
     let (gpu_ms, cpu_ms) = new_times(app, seen);

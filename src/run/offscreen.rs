@@ -16,7 +16,7 @@ use bevy::time::TimeUpdateStrategy;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use dolomite::ground::render::TerrainRelief;
-use dolomite::tessellation::render::StageStats;
+use dolomite::tessellation::render::GeometryStats;
 use thiserror::Error;
 
 use super::device::{self, Device};
@@ -195,7 +195,7 @@ impl Offscreen {
         for _ in 0..SETTLE_LIMIT {
             self.step(Duration::ZERO)?;
             let pending = self.pending_pipelines()?;
-            let stats = self.app.world().get_resource::<StageStats>().cloned();
+            let stats = self.app.world().get_resource::<GeometryStats>().cloned();
             let at_rest = stats.as_ref().is_some_and(|stats| {
                 stats.patches > 0 && stats.dispatches == 0 && stats.uploaded == 0
             });

@@ -40,8 +40,7 @@ fn highest(view: UVec2, widest: u32) -> u32 {
     let own = Bloom::NATURAL.max_mip_dimension;
     let fits = u64::from(widest) * u64::from(view.y.max(1)) / u64::from(view.x.max(1));
     let fits = u32::try_from(fits).unwrap_or(u32::MAX).max(1);
-    // The least power of two above half of it is the greatest that is not above it.
-    own.min(fits.div_ceil(2).next_power_of_two().min(fits.max(1)))
+    own.min(1 << fits.ilog2())
 }
 
 #[cfg(test)]

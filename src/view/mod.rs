@@ -33,7 +33,7 @@ use dolomite::ground::detail::TerrainLod;
 use dolomite::ground::detail::budget::{Budget, FrameTime, frame_time};
 use dolomite::ground::{GroundTextures, PatchDetail, TerrainView};
 use dolomite::terrain::Ground;
-use dolomite::tessellation::StageCamera;
+use dolomite::tessellation::GeometryCamera;
 
 use crate::play::camera::{CameraSystems, FreeCamera};
 use crate::play::figure::Figure;
@@ -164,7 +164,7 @@ fn dress_camera(
             Smaa::default(),
             TerrainView,
             Widened::detail(widened.as_deref(), settings.max_error.unwrap_or(1.0)),
-            StageCamera {
+            GeometryCamera {
                 pixels_per_edge: settings.pixels_per_edge,
                 ..default()
             },
@@ -203,7 +203,7 @@ fn follow_switches(
     figures: Query<&Figure>,
     mut views: Query<(
         Entity,
-        &mut StageCamera,
+        &mut GeometryCamera,
         &mut TerrainLod,
         Option<&mut PatchDetail>,
         Option<&Budget>,
@@ -250,7 +250,7 @@ fn follow_switches(
             }
             (None, None) => {}
         }
-        let next = StageCamera {
+        let next = GeometryCamera {
             pixels_per_edge: settings.pixels_per_edge,
             focus,
             fill: switches.fill,

@@ -9,7 +9,7 @@ use bevy::time::common_conditions::on_real_timer;
 use dolomite::ground::PatchDetail;
 use dolomite::ground::detail::budget::BudgetReport;
 use dolomite::ground::detail::{Metric, TerrainLod};
-use dolomite::tessellation::render::StageStats;
+use dolomite::tessellation::render::GeometryStats;
 
 use super::passes::{self, Clock};
 use super::{Dress, DressSystems};
@@ -124,7 +124,7 @@ fn line(text: &str) -> (Text, TextFont) {
 
 fn write_figures(
     diagnostics: Res<DiagnosticsStore>,
-    stats: Option<Res<StageStats>>,
+    stats: Option<Res<GeometryStats>>,
     scene: Res<CurrentScene>,
     switches: Res<Switches>,
     own: Option<Res<PanelRows>>,

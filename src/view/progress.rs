@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 use bevy::render::render_resource::{CachedPipelineState, PipelineCache};
 use bevy::render::{Render, RenderApp, RenderSystems};
-use dolomite::tessellation::render::StageStats;
+use dolomite::tessellation::render::GeometryStats;
 
 /// Who waits is told so after this, and then as often.
 const FIRST: Duration = Duration::from_secs(1);
@@ -130,7 +130,7 @@ pub fn textures_are_there(progress: Res<Progress>) {
     progress.change(|made| made.textures = true);
 }
 
-fn count_triangles(progress: Res<Progress>, stats: Option<Res<StageStats>>) {
+fn count_triangles(progress: Res<Progress>, stats: Option<Res<GeometryStats>>) {
     let triangles = stats.map_or(0, |stats| stats.primitives);
     if progress.made().triangles != triangles {
         progress.change(|made| made.triangles = triangles);

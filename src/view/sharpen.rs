@@ -3,7 +3,7 @@
 
 use bevy::prelude::*;
 use dolomite::ground::detail::{Metric, TerrainLod};
-use dolomite::tessellation::render::StageStats;
+use dolomite::tessellation::render::GeometryStats;
 
 /// The error bound of the first frame over the one that was asked for.
 const FIRST: f32 = 64.0;
@@ -37,7 +37,7 @@ impl Widened {
 /// Sharpens the ground by a step, once there is some.
 pub fn sharpen(
     mut commands: Commands,
-    stats: Option<Res<StageStats>>,
+    stats: Option<Res<GeometryStats>>,
     mut widened: ResMut<Widened>,
 ) {
     if stats.is_none_or(|stats| stats.primitives == 0) {
@@ -64,11 +64,11 @@ mod tests {
     fn the_bound_narrows_once_there_is_ground_and_ends_where_it_was_asked_for() {
         let mut app = App::new();
         app.init_resource::<Widened>()
-            .init_resource::<StageStats>()
+            .init_resource::<GeometryStats>()
             .add_systems(Update, sharpen.run_if(resource_exists::<Widened>));
         app.update();
         assert_eq!(pixels(&app), 2.0 * FIRST, "nothing is drawn yet");
-        app.world_mut().resource_mut::<StageStats>().primitives = 9;
+        app.world_mut().resource_mut::<GeometryStats>().primitives = 9;
         let mut last = pixels(&app);
         let mut frames = 0;
         while last > 2.0 {

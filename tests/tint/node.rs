@@ -30,8 +30,7 @@ pub fn is_there() -> bool {
     if folder().join("node_modules/webgpu/package.json").exists() {
         return true;
     }
-    let line =
-        "the npm package webgpu is not installed: source scripts/lib/system.sh && source scripts/lib/node.sh && need_node_tests";
+    let line = "the npm package webgpu is not installed: source scripts/lib/system.sh && source scripts/lib/node.sh && need_node_tests";
     assert!(
         std::env::var_os("CI").is_none(),
         "CI must not skip Tint: {line}"

@@ -42,7 +42,7 @@ pub enum ClassicLevels {
     /// By distance from the eye and relief, as the scene's definition has it.
     #[default]
     Classic,
-    /// By the length of edges on the screen, pixels as the camera's `StageCamera` wants them.
+    /// By the length of edges on the screen, pixels as the camera's `GeometryCamera` wants them.
     EdgeLength,
     /// The same everywhere, 1 to 64; does not depend on the view.
     Static(f32),

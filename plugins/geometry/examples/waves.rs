@@ -189,6 +189,7 @@ fn main() -> AppExit {
         .run()
 }
 
+/// A camera, a sun, and the waves with a ball in them.
 pub fn setup(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,

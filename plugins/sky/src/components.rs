@@ -64,7 +64,7 @@ impl Sun {
 ///
 /// With the `render` feature the camera gets `Exposure`, `Skybox`, `EnvironmentMapLight`,
 /// `AmbientLight` (none: all light comes from sun and sky) and `DistanceFog`, and is `Hdr`; at night
-/// also a `StageCamera`, which draws stars and moon. Those are
+/// also a `GeometryCamera`, which draws stars and moon. Those are
 /// drawn with one sample a pixel: give the camera `Msaa::Off`, else there are none, and a warning.
 /// Taken away, the component takes with it what it brought, but for the exposure; and Bevy 0.19 draws
 /// without ambient light until the camera has an `AmbientLight` again.

@@ -13,7 +13,7 @@ use bevy::render::render_resource::{PipelineCache, PollType, TextureFormat};
 use bevy::render::renderer::RenderDevice;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use dolomite_sky::{Sky, SkyPlugin, Sun};
-use dolomite_tessellation::render::{StageCensus, StageStats, census};
+use dolomite_tessellation::render::{GeometryCensus, GeometryStats, census};
 
 /// An app that renders, with the plugin or without.
 fn app(with_plugin: bool) -> Option<App> {
@@ -64,7 +64,7 @@ fn frame(app: &mut App) {
 }
 
 /// (images, pipelines of the whole app, what the stage holds) after some frames.
-fn after_frames(app: &mut App) -> (usize, usize, StageCensus) {
+fn after_frames(app: &mut App) -> (usize, usize, GeometryCensus) {
     for _ in 0..12 {
         frame(app);
     }
@@ -120,7 +120,7 @@ fn an_app_without_a_sky_pays_nothing() {
     camera(&mut bare, 0.0, bevy::camera::Hdr);
     camera(&mut with, 0.0, bevy::camera::Hdr);
     let expected = after_frames(&mut bare);
-    assert_eq!(expected.2, StageCensus::default());
+    assert_eq!(expected.2, GeometryCensus::default());
     assert_eq!(after_frames(&mut with), expected, "nothing of ours");
     // The count can fail.
     let camera = camera(&mut with, 0.0, Sky::default());
@@ -131,7 +131,7 @@ fn an_app_without_a_sky_pays_nothing() {
     assert!(pipelines > expected.1, "{pipelines}");
     assert_eq!(
         stage,
-        StageCensus::default(),
+        GeometryCensus::default(),
         "by day there is nothing of the night"
     );
     assert!(mean(&picture(&mut with, camera)) > 0.1);
@@ -173,7 +173,7 @@ fn night_is_drawn_without_a_g_buffer_and_rests_with_the_camera() {
     assert_eq!((stage.kinds, stage.views), (2, 2), "stars and moon");
     for _ in 0..3 {
         frame(&mut app);
-        let stats = app.world().resource::<StageStats>();
+        let stats = app.world().resource::<GeometryStats>();
         assert_eq!(stats.dispatches, 0, "nothing moves");
         assert!(stats.primitives > 100, "{stats:?}");
     }

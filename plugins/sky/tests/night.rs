@@ -10,7 +10,7 @@ use bevy::pbr::DistanceFog;
 use bevy::prelude::*;
 use dolomite_sky::render::{Dome, DrawnSky, Moon, Star};
 use dolomite_sky::{SeenSky, Sky, Sun};
-use dolomite_tessellation::{Patches, StageCamera};
+use dolomite_tessellation::{GeometryCamera, Patches};
 use support::{app, camera, found, set, small, sun};
 
 /// How many entities of stars and of moons there are.
@@ -43,7 +43,7 @@ fn by_day_there_is_neither_star_nor_moon() {
     let sun = sun(&mut app, 24.0);
     assert_eq!(count(&mut app), [0, 0], "day");
     assert!(
-        app.world().get::<StageCamera>(camera).is_none(),
+        app.world().get::<GeometryCamera>(camera).is_none(),
         "no patches are looked for"
     );
     for (elevation, expected) in [
@@ -217,7 +217,7 @@ fn stars_are_not_drawn_with_several_samples() {
     app.world_mut().entity_mut(camera).insert(Msaa::Sample4);
     sun(&mut app, -30.0);
     assert_eq!(found(&mut app), (3, 0));
-    assert!(app.world().get::<StageCamera>(camera).is_none());
+    assert!(app.world().get::<GeometryCamera>(camera).is_none());
     app.world_mut().entity_mut(camera).insert(Msaa::Off);
     assert_eq!(found(&mut app), (3, 2));
 }
@@ -227,7 +227,7 @@ fn the_stage_of_a_camera_that_had_none_does_not_ask_for_a_g_buffer() {
     let mut app = app();
     let plain = camera(&mut app, small());
     let deferred = camera(&mut app, (small(), DepthPrepass, DeferredPrepass));
-    let own = StageCamera {
+    let own = GeometryCamera {
         pixels_per_edge: 3.0,
         ..default()
     };
@@ -242,17 +242,17 @@ fn the_stage_of_a_camera_that_had_none_does_not_ask_for_a_g_buffer() {
             (expected, expected)
         );
     }
-    assert!(world.get::<StageCamera>(plain).is_some());
-    assert_eq!(world.get::<StageCamera>(staged), Some(&own));
+    assert!(world.get::<GeometryCamera>(plain).is_some());
+    assert_eq!(world.get::<GeometryCamera>(staged), Some(&own));
     for camera in [plain, staged] {
         app.world_mut().entity_mut(camera).remove::<Sky>();
     }
     app.update();
     assert!(
-        app.world().get::<StageCamera>(plain).is_none(),
+        app.world().get::<GeometryCamera>(plain).is_none(),
         "it goes with the sky"
     );
-    assert_eq!(app.world().get::<StageCamera>(staged), Some(&own));
+    assert_eq!(app.world().get::<GeometryCamera>(staged), Some(&own));
 }
 
 #[test]

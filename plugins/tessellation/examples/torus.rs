@@ -10,6 +10,7 @@ use dolomite_geometry::GeometryCamera;
 use dolomite_tessellation::render::{PatchKind, PatchPlugin, PatchShader};
 use dolomite_tessellation::{PatchLayout, PatchMesh, Patches};
 
+/// The kind of these patches: their functions, and no data beside the corners.
 #[derive(Resource, AsBindGroup, Clone)]
 pub struct Torus {}
 

@@ -50,7 +50,7 @@ mod tessellate;
 mod topology;
 
 pub use components::Patches;
-pub use dolomite_geometry::GeometryCamera as StageCamera;
+pub use dolomite_geometry::GeometryCamera;
 pub use host::{HostFunctions, HostPatch, HostTessellation, HostVertex, tessellate_host};
 pub use level::Levels;
 pub use mesh::{MeshTessellation, MeshVertex};

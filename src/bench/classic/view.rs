@@ -7,7 +7,7 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use dolomite::ground::detail::TerrainLod;
 use dolomite::terrain::GroundProbe;
-use dolomite::tessellation::StageCamera;
+use dolomite::tessellation::GeometryCamera;
 use dolomite_classic::ClassicHeights;
 use dolomite_classic::render::{ClassicPlugin, ClassicSettings};
 
@@ -79,7 +79,7 @@ fn dress_camera(
                 Tonemapping::None,
                 // Encoded at the vertices, not at each store of a pixel.
                 CompositingSpace::Srgb,
-                StageCamera::default(),
+                GeometryCamera::default(),
                 // The ground under the eye, in each frame.
                 GroundProbe::default(),
                 UiCamera,
@@ -118,7 +118,7 @@ fn follow(
     settings: Res<Settings>,
     methods: Res<Methods>,
     mut classic: ResMut<ClassicSettings>,
-    mut cameras: Query<(Entity, &mut StageCamera, Option<&mut TerrainLod>)>,
+    mut cameras: Query<(Entity, &mut GeometryCamera, Option<&mut TerrainLod>)>,
     mut commands: Commands,
 ) {
     classic.set_if_neq(methods.settings());
@@ -135,7 +135,7 @@ fn follow(
             }
             (None, None) => {}
         }
-        let next = StageCamera {
+        let next = GeometryCamera {
             pixels_per_edge: methods.tau.unwrap_or(settings.pixels_per_edge),
             fill: switches.fill,
             lines: switches.lines,

@@ -11,7 +11,7 @@ use super::lattice::{Lattice, Node, selection_height};
 use super::patches::GroundPatches;
 use super::settings::{PatchDetail, TerrainView};
 use crate::shown::ShownTerrains;
-use dolomite_tessellation::{PatchMeshError, StageCamera};
+use dolomite_tessellation::{GeometryCamera, PatchMeshError};
 
 /// The system that keeps [`TerrainCover`] runs in this set, in `PostUpdate`, after transforms
 /// are propagated.
@@ -132,7 +132,7 @@ pub(crate) fn update_covers(
     mut views: Query<
         (
             Option<Ref<PatchDetail>>,
-            Ref<StageCamera>,
+            Ref<GeometryCamera>,
             Ref<GlobalTransform>,
             &mut TerrainCover,
         ),

@@ -3,25 +3,25 @@
 use bevy::prelude::*;
 
 use crate::detail::TerrainLod;
-use dolomite_tessellation::StageCamera;
+use dolomite_tessellation::GeometryCamera;
 
 /// Makes a camera see every visible terrain. Each takes pools of its own in every view.
 ///
 /// Which triangles it gets is chosen by the [`TerrainLod`] that comes along: the ground is drawn with its error
 /// bounded in pixels. A [`PatchDetail`] beside it says patches of the tessellation stage instead; each camera has
-/// its own rule, whatever others have. Fill and lines are set by the [`StageCamera`], which comes along too.
+/// its own rule, whatever others have. Fill and lines are set by the [`GeometryCamera`], which comes along too.
 ///
 /// A camera without this component costs nothing: no pipeline, no buffer, no pass. It also needs
-/// Bevy's deferred G-buffer, see [`StageCamera`].
+/// Bevy's deferred G-buffer, see [`GeometryCamera`].
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default)]
-#[require(crate::TerrainCover, StageCamera, TerrainLod)]
+#[require(crate::TerrainCover, GeometryCamera, TerrainLod)]
 pub struct TerrainView;
 
 /// Makes a camera with a [`TerrainView`] see the ground as patches of the tessellation stage, in place of what its
 /// [`TerrainLod`] says: a quadtree around the focus, whose leaves are cut by the length of their edges in the picture.
 ///
-/// How fine they are cut, and the focus, are set by the [`StageCamera`]. There are no bounds of the error, and no
+/// How fine they are cut, and the focus, are set by the [`GeometryCamera`]. There are no bounds of the error, and no
 /// height queries from what is drawn; of several terrains the first visible one is drawn, and a warning says so.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default)]

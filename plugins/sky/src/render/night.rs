@@ -6,7 +6,7 @@ use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::ecs::component::Mutable;
 use bevy::prelude::*;
 use dolomite_tessellation::render::PatchKind;
-use dolomite_tessellation::{PatchMesh, Patches, StageCamera};
+use dolomite_tessellation::{GeometryCamera, PatchMesh, Patches};
 
 use super::dome::Dome;
 use super::dress::DrawnSky;
@@ -63,7 +63,7 @@ type NightCamera<'a> = (
     &'a SeenSky,
     &'a DrawnSky,
     Option<&'a Msaa>,
-    Has<StageCamera>,
+    Has<GeometryCamera>,
     Has<DepthPrepass>,
     Has<DeferredPrepass>,
 );
@@ -111,7 +111,7 @@ pub(super) fn show<K: NightKind>(
         }
         if !staged {
             let mut camera = commands.entity(camera);
-            camera.insert((StageCamera::default(), StageForSky));
+            camera.insert((GeometryCamera::default(), StageForSky));
             // Required by it, and needed for surfaces that receive light alone.
             if !deferred {
                 camera.remove::<DeferredPrepass>();
@@ -183,6 +183,6 @@ pub(super) fn unstage(
     if staged.contains(removed.entity)
         && let Ok(mut camera) = commands.get_entity(removed.entity)
     {
-        camera.try_remove::<(StageCamera, StageForSky)>();
+        camera.try_remove::<(GeometryCamera, StageForSky)>();
     }
 }

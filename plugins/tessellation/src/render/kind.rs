@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
 use dolomite_geometry::render::{GeometryPool, Viewpoint};
 
-use super::PatchMaterial;
+use super::GeometryMaterial;
 use super::variants::{KindVariants, stage_variants};
 use crate::{Drawing, HostFunctions, Mode, PatchLayout, Spacing, Winding};
 
@@ -79,8 +79,8 @@ pub trait PatchKind: AsBindGroup + Resource + Clone {
     fn shader() -> PatchShader;
 
     /// Materials that vertices choose from; at most 16 count.
-    fn materials(&self) -> Vec<PatchMaterial> {
-        vec![PatchMaterial::default()]
+    fn materials(&self) -> Vec<GeometryMaterial> {
+        vec![GeometryMaterial::default()]
     }
 
     /// Numbers that depend on the view, which `material` reads as `geometry_draw.numbers`: made anew in
@@ -110,7 +110,7 @@ pub trait PatchKind: AsBindGroup + Resource + Clone {
 }
 
 /// Room for what one view emits of one kind. Beyond it all levels are lowered evenly, and
-/// [`StageStats`](super::StageStats) says so; never more room is taken than the patches can fill.
+/// [`GeometryStats`](super::GeometryStats) says so; never more room is taken than the patches can fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PatchPool {
     /// Vertices: 20 bytes each, 32 with `MOVES`, 12 where the draws evaluate them.

@@ -33,8 +33,7 @@ use dolomite_geometry::render::{
 };
 
 pub use dolomite_geometry::render::{
-    GeometryCensus as StageCensus, GeometryFault as StageFault, GeometryMaterial as PatchMaterial,
-    GeometryStats as StageStats, Viewpoint, census,
+    GeometryCensus, GeometryFault, GeometryMaterial, GeometryStats, Viewpoint, census,
 };
 pub use kind::{PatchKind, PatchPlugin, PatchPool, PatchShader};
 
