@@ -98,9 +98,10 @@ impl Scene {
             scene.sane();
             let full = detail(Metric::ErrorBound { pixels: 1e-3 });
             scene.full = Some(scene.longest("a full pool", full));
+            // The pool's end bounds this view, not its tolerance. How full the pool is follows from the levels of
+            // cells, which come and go in fours.
             let stats = scene.app.world().resource::<GeometryStats>();
-            // Cells come and go in fours, so that some room stays.
-            assert!(stats.vertices > POOL / 2, "{} of {POOL}", stats.vertices);
+            assert!(stats.lowered > 0, "{} of {POOL}", stats.vertices);
         }
         Some(scene)
     }

@@ -51,7 +51,7 @@ impl From<MaterialBands> for GroundMaterial {
                 Band::new(Height, of.snow_line - blend, of.snow_line + blend)
                     .rough(blend * 1.6, blend * 0.5),
             )
-            .within(Band::new(Slope, of.snow_slope * 1.15, of.snow_slope * 0.7).rough(0.0, 0.25));
+            .within(below(Slope, of.snow_slope * 1.15, of.snow_slope * 0.7).rough(0.0, 0.25));
         let rock = GroundLayer {
             cliff: true,
             ..layer("rock", 2)
@@ -59,7 +59,7 @@ impl From<MaterialBands> for GroundMaterial {
         .within(Band::new(Slope, of.rock_slope * 0.8, of.rock_slope * 1.25).rough(0.3, 0.15));
         let sand = layer("sand", 0).within(Band {
             steep: 40.0,
-            ..Band::new(AboveSea, of.sand_top * 1.5, of.sand_top * 0.5).rough(0.0, 3.0)
+            ..below(AboveSea, of.sand_top * 1.5, of.sand_top * 0.5).rough(0.0, 3.0)
         });
         // Earth shows through the grass where it is steeper and in patches.
         let grass = layer("grass", 1)
@@ -67,9 +67,47 @@ impl From<MaterialBands> for GroundMaterial {
                 Band::new(Height, of.tree_line + blend, of.tree_line - blend)
                     .rough(blend * 1.4, blend),
             )
-            .within(Band::new(Slope, of.rock_slope * 0.9, of.rock_slope * 0.45).rough(0.35, 0.3));
+            .within(below(Slope, of.rock_slope * 0.9, of.rock_slope * 0.45).rough(0.35, 0.3));
         Self {
             layers: vec![snow, rock, sand, grass, layer("scree", 4)],
+        }
+    }
+}
+
+/// A band that lies below its edge whatever the numbers are: a multiple of 0 is 0, and of a negative number the
+/// other way round, while [`Band`] reads its direction from which of the two is greater.
+fn below(of: Measure, a: f32, b: f32) -> Band {
+    const LEAST: f32 = 1e-3;
+    let full = a.min(b);
+    Band::new(of, a.max(b).max(full + LEAST), full)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sand_snow_and_grass_lie_below_their_edges_for_any_number() {
+        for number in [0.0, -3.0, 1e-6, 4.0] {
+            let material = GroundMaterial::from(MaterialBands {
+                sand_top: number,
+                rock_slope: number,
+                snow_slope: number,
+                ..MaterialBands::default()
+            });
+            let band = |layer: &str, of: Measure| {
+                let layer = material.layers.iter().find(|found| found.name == layer);
+                let bands = &layer.expect("one of the five").bands;
+                *bands.iter().find(|band| band.of == of).expect("it has one")
+            };
+            for (layer, of) in [
+                ("sand", Measure::AboveSea),
+                ("snow", Measure::Slope),
+                ("grass", Measure::Slope),
+            ] {
+                let band = band(layer, of);
+                assert!(band.from > band.to, "{layer} with {number}: {band:?}");
+            }
         }
     }
 }
