@@ -188,7 +188,7 @@ fn gpu_the_oldest_cells_are_dropped_and_made_again_the_same() {
     let terrain = terrain();
     let cells = DetailCells::new(terrain.clone(), 0.25);
     let mut stage = DetailStage::new(&gpu, &cells, 1 << 18).expect("passes");
-    let metric = Metric::ErrorBound { pixels: 2.0 };
+    let metric = Metric::ErrorBound { pixels: 4.0 };
     let [north, south] = [0.0, 3.0].map(|yaw| params(&cells, view(&terrain, yaw, 4.0, metric)));
     let run = |stage: &mut DetailStage, params, oldest| {
         let params = DetailParams { oldest, ..params };
@@ -233,7 +233,7 @@ fn gpu_the_mesh_is_closed_and_the_same_after_looking_away() {
     let terrain = terrain();
     let cells = DetailCells::new(terrain.clone(), 0.25);
     let mut stage = DetailStage::new(&gpu, &cells, 1 << 18).expect("passes");
-    let metric = Metric::ErrorBound { pixels: 2.0 };
+    let metric = Metric::ErrorBound { pixels: 4.0 };
     let mut all = view(&terrain, 0.0, 3.0, metric);
     all.planes = [[0.0, 0.0, 0.0, 1.0]; 6];
     let run = stage.run(params(&cells, all)).expect("runs");
@@ -285,7 +285,7 @@ fn gpu_pools_that_are_too_small_coarsen_evenly_and_stay_closed() {
     let Some(gpu) = for_test() else { return };
     let terrain = terrain();
     let cells = DetailCells::new(terrain.clone(), 0.25);
-    let metric = Metric::ErrorBound { pixels: 2.0 };
+    let metric = Metric::ErrorBound { pixels: 4.0 };
     let mut all = view(&terrain, 0.0, 3.0, metric);
     all.planes = [[0.0, 0.0, 0.0, 1.0]; 6];
     // Too few vertices, and too few cells: then nothing is drawn that asks for less than the cells for
@@ -341,7 +341,7 @@ fn gpu_what_a_picture_does_not_show_is_left_out_and_kept_for_shadows() {
     let terrain = terrain();
     let cells = DetailCells::new(terrain.clone(), 0.25);
     let mut stage = DetailStage::new(&gpu, &cells, 1 << 18).expect("passes");
-    let metric = Metric::ErrorBound { pixels: 2.0 };
+    let metric = Metric::ErrorBound { pixels: 4.0 };
     for (yaw, above, most) in [(0.0, 3.0, 0.8), (2.0, 60.0, 0.9)] {
         let mut view = view(&terrain, yaw, above, metric);
         // The sun is low: cells beside the picture throw their shadows into it.
@@ -395,7 +395,7 @@ fn gpu_ground_behind_ridges_is_left_out_and_kept_for_shadows() {
     let terrain = terrain();
     let mut cells = DetailCells::new(terrain.clone(), 0.25);
     let mut stage = DetailStage::new(&gpu, &cells, 1 << 18).expect("passes");
-    let metric = Metric::ErrorBound { pixels: 2.0 };
+    let metric = Metric::ErrorBound { pixels: 4.0 };
     for (yaw, above, least) in [(0.0, 3.0, 0.2), (2.0, 30.0, 0.05)] {
         let view = view(&terrain, yaw, above, metric);
         let rotation = Quat::from_euler(EulerRot::YXZ, yaw, -0.15, 0.0);

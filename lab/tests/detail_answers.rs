@@ -10,14 +10,14 @@ use dolomite_terrain::GroundPoint;
 use dolomite_testkit::detail::DetailStage;
 use dolomite_testkit::gpu::for_test;
 
-const PIXELS: Metric = Metric::ErrorBound { pixels: 12.0 };
+const PIXELS: Metric = Metric::ErrorBound { pixels: 24.0 };
 
 #[test]
 fn gpu_ten_thousand_answers_lie_on_the_drawn_triangles() {
     let Some(gpu) = for_test() else { return };
     for centre in [DVec2::ZERO, DVec2::new(1e6, -1e6)] {
         let terrain = ground(1, centre);
-        let cells = DetailCells::new(terrain.clone(), 0.125);
+        let cells = DetailCells::new(terrain.clone(), 0.25);
         let mut stage = DetailStage::new(&gpu, &cells, 1 << 20).expect("passes");
         for (kind, seed) in [(Kind::Standing, 3), (Kind::Flying, 4)] {
             let camera = camera(&terrain, kind, seed);
@@ -28,7 +28,7 @@ fn gpu_ten_thousand_answers_lie_on_the_drawn_triangles() {
             let verdict = check(&terrain, &camera, (&told, &run), &places, &answers);
             assert_eq!(answers.head.count, 10_000);
             let drawn = run.triangles.len();
-            assert!(drawn > 3000 && run.coarsening == 1.0, "{kind:?}: {drawn}");
+            assert!(drawn > 1500 && run.coarsening == 1.0, "{kind:?}: {drawn}");
             // Half stand before the camera, from 1 m on.
             let found = verdict.checked.len();
             println!(
@@ -62,7 +62,7 @@ fn gpu_hostile_places_and_small_pools_have_no_wrong_answer() {
     let cells = DetailCells::new(terrain.clone(), 0.25);
     let mut stage = DetailStage::new(&gpu, &cells, 1 << 16).expect("passes");
     let camera = camera(&terrain, Kind::Flying, 2);
-    let mut told = params(&cells, &camera, Metric::ErrorBound { pixels: 1.0 });
+    let mut told = params(&cells, &camera, Metric::ErrorBound { pixels: 4.0 });
     // All is seen, and far more is asked for than there is room for.
     told.view.planes = [[0.0, 0.0, 0.0, 1.0]; 6];
     (told.max_vertices, told.max_triangles) = (3000, 6000);

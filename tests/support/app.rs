@@ -6,6 +6,7 @@ mod adapter;
 use std::time::Duration;
 
 use bevy::app::{App, PluginGroup};
+use bevy::light::DirectionalLightShadowMap;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
@@ -57,7 +58,9 @@ pub fn app_around(
     } else {
         plugins.disable::<PipelinedRenderingPlugin>()
     })
-    .insert_resource(TimeUpdateStrategy::ManualDuration(step));
+    .insert_resource(TimeUpdateStrategy::ManualDuration(step))
+    // Pictures here are small: shadow maps of Bevy's size would be most of the time on a software adapter.
+    .insert_resource(DirectionalLightShadowMap { size: 512 });
     add(&mut app);
     app.finish();
     app.cleanup();

@@ -115,13 +115,23 @@ fn the_adapter_agrees_with_the_cpu_reference() {
 }
 
 #[test]
-fn two_hundred_cameras_have_no_crack_on_the_adapter() {
+fn gpu_fifty_cameras_have_no_crack_on_the_adapter() {
+    no_cracks(50);
+}
+
+#[test]
+#[ignore = "half a minute; fifty of them run always"]
+fn gpu_two_hundred_cameras_have_no_crack_on_the_adapter() {
+    no_cracks(200);
+}
+
+fn no_cracks(cameras: usize) {
     let Some(gpu) = for_test() else { return };
     let passes = passes(&gpu);
     let terrain = terrain(3);
     let mut random = Random(21);
     let mut count = 0;
-    for round in 0..200 {
+    for round in 0..cameras {
         let scene = random_scene(&mut random, &terrain, 128.0);
         let ours = run(&gpu, &passes, &scene);
         let found = triangles(&ours);
@@ -155,7 +165,7 @@ fn two_hundred_cameras_have_no_crack_on_the_adapter() {
         }
     }
     assert!(
-        count > 200_000,
+        count > 1000 * cameras,
         "{count} triangles are enough to mean something"
     );
 }

@@ -432,9 +432,9 @@ mod tests {
     fn gpu_a_small_run_holds_together() {
         let report = run(&Plan {
             ground: terrains::small(1),
-            time_tau: 8.0,
+            time_tau: 16.0,
             cameras: 10,
-            taus: vec![4.0],
+            taus: vec![8.0],
             samples: 1500,
             edges: 20_000,
             frames: 1,
