@@ -47,6 +47,7 @@ pub(crate) fn finish(app: &mut App) {
             (
                 texture::make_built_in,
                 texture::make_arrays,
+                relief::forget,
                 relief::start,
                 relief::finish,
             )

@@ -24,7 +24,7 @@ type GroundQuery<'a> = (
     Option<&'a RenderLayers>,
 );
 
-/// What has to be taken over when a view next looks.
+/// What has to be taken over.
 #[derive(Default)]
 pub(super) struct Due {
     /// Of which terrain.
@@ -45,7 +45,8 @@ pub(super) fn follow<const SLOT: usize>(
     ready: Res<ReadyArrays>,
     mut due: Local<Due>,
 ) {
-    let entity = shown.slot(SLOT);
+    // Without a view nothing is kept on the GPU.
+    let entity = shown.slot(SLOT).filter(|_| !views.is_empty());
     let found = entity.and_then(|entity| terrains.get(entity).ok());
     let Some((terrain, material, textures, sea, relief, layers)) = found else {
         if kind.terrain.is_some() {
@@ -74,9 +75,6 @@ pub(super) fn follow<const SLOT: usize>(
     let layers = layers.cloned().unwrap_or_default();
     if kind.seen_on != layers {
         kind.seen_on = layers;
-    }
-    if views.is_empty() {
-        return;
     }
     let pool = pool(&views);
     if kind.pool != pool {

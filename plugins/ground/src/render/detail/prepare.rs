@@ -311,7 +311,13 @@ pub fn want<K: DetailKind>(
         producer.numbers = Some(Arc::new(move |view| newest.view_numbers(view)));
         details.data_due = true;
     }
-    if ground.terrain.is_none() || ground.cameras.is_empty() {
+    if ground.terrain.is_none() {
+        // The bind group would keep the buffers and the textures of the ground that was.
+        producer.data = None;
+        details.data_due = true;
+        return;
+    }
+    if ground.cameras.is_empty() {
         return;
     }
     if details.data_due
