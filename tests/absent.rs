@@ -98,8 +98,9 @@ fn an_app_without_terrain_pays_nothing() {
 #[test]
 fn a_terrain_without_a_view_pays_nothing_and_with_one_it_is_seen() {
     let Some(mut app) = app(true) else { return };
-    terrain(&mut app);
     camera(&mut app, ());
+    after_frames(&mut app);
+    terrain(&mut app);
     let before = images(&app);
     let (found, _, after) = after_frames(&mut app);
     assert_eq!(

@@ -48,7 +48,7 @@ mod shown;
 
 pub use cover::{PatchDetail, TerrainCover, TerrainCoverSystems, TerrainView};
 pub use material::{Band, GroundLayer, GroundMaterial, MaterialBands, Measure, Sea, Surface};
-pub use plugin::GroundPlugin;
+pub use plugin::{GroundPlugin, GroundSystems};
 #[cfg(feature = "render")]
 pub use render::GroundTextures;
 pub use shown::MOST_TERRAINS;

@@ -1,9 +1,12 @@
 //! The plugin.
 
 use bevy::prelude::*;
+use bevy::transform::TransformSystems;
 
 use crate::cover::{PatchBounds, TerrainCoverSystems, update_covers};
+use crate::detail::budget::DetailBudgetPlugin;
 use crate::shown::{ShownTerrains, follow_terrains};
+use dolomite_terrain::TerrainPlugin;
 
 /// Draws every visible [`Terrain`](dolomite_terrain::Terrain) that has a
 /// [`GroundMaterial`](crate::GroundMaterial), for every camera that carries a
@@ -11,13 +14,33 @@ use crate::shown::{ShownTerrains, follow_terrains};
 ///
 /// Under `MinimalPlugins` it keeps each camera's [`TerrainCover`](crate::TerrainCover); with the `render`
 /// feature and a render app it also refines and draws. Without a terrain, or without a `TerrainView`, it
-/// creates no pipeline and no buffer and runs no pass.
+/// creates no image, no pipeline and no buffer and runs no pass.
+///
+/// It brings the [`TerrainPlugin`] along, which answers height queries. It may be added before Bevy's plugins or
+/// after them; added again it does nothing, and the settings of the first time count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GroundPlugin {
     /// Side of the relief map of a terrain, texels, a power of two from 64 to 8192 (rounded up); 0: none. It
     /// keeps the slopes and the openness to the sky of ground whose triangles are larger than its texels.
     /// Default 2048: 43 MiB of the GPU a terrain; it is made on all cores in the background.
     pub relief_side: u32,
+}
+
+/// What runs when in the main world, beside [`TerrainCoverSystems`]. All but the budget's needs the `render` feature
+/// and a render app.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum GroundSystems {
+    /// Schedule `Update`: textures and relief maps are begun, taken over when they are done, and dropped. Change
+    /// materials and textures before, and they are drawn with in the same frame.
+    Make,
+    /// Schedule `PostUpdate`, after [`BudgetSystems`](crate::detail::budget::BudgetSystems): tolerances that were
+    /// decided are written into each [`TerrainLod`](crate::detail::TerrainLod).
+    Budget,
+    /// Schedule `PostUpdate`, after [`TerrainCoverSystems`]: what is drawn takes over terrains, materials, seas and
+    /// relief maps that changed.
+    Follow,
+    /// Behind it: each camera with a [`PatchDetail`](crate::PatchDetail) gets its patches as entities.
+    Place,
 }
 
 impl Default for GroundPlugin {
@@ -28,16 +51,27 @@ impl Default for GroundPlugin {
 
 impl Plugin for GroundPlugin {
     fn build(&self, app: &mut App) {
+        if app.world().contains_resource::<ShownTerrains>() {
+            return;
+        }
         app.init_resource::<PatchBounds>()
             .init_resource::<ShownTerrains>()
+            .configure_sets(
+                PostUpdate,
+                (
+                    TerrainCoverSystems.after(TransformSystems::Propagate),
+                    GroundSystems::Follow,
+                    GroundSystems::Place,
+                )
+                    .chain(),
+            )
             .add_systems(
                 PostUpdate,
                 (follow_terrains, update_covers)
                     .chain()
-                    .in_set(TerrainCoverSystems)
-                    .after(bevy::transform::TransformSystems::Propagate),
+                    .in_set(TerrainCoverSystems),
             );
-        app.add_plugins(crate::detail::budget::DetailBudgetPlugin);
+        app.add_plugins((TerrainPlugin, DetailBudgetPlugin));
         #[cfg(feature = "render")]
         crate::render::build(app, self.relief_side);
     }
@@ -45,5 +79,9 @@ impl Plugin for GroundPlugin {
     #[cfg(feature = "render")]
     fn finish(&self, app: &mut App) {
         crate::render::finish(app);
+    }
+
+    fn is_unique(&self) -> bool {
+        false
     }
 }

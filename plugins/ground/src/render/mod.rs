@@ -24,7 +24,8 @@ pub use look::{GroundLook, LookBand, LookLayer, LookLimit};
 pub use relief::TerrainRelief;
 pub use texture::GroundTextures;
 
-use crate::cover::{PatchDetail, TerrainCover, TerrainCoverSystems, TerrainView};
+use crate::GroundSystems;
+use crate::cover::{PatchDetail, TerrainCover, TerrainView};
 use dolomite_geometry::GeometryPlugin;
 use dolomite_tessellation::Patches;
 use dolomite_tessellation::render::PatchPlugin;
@@ -51,14 +52,10 @@ pub(crate) fn finish(app: &mut App) {
                 relief::start,
                 relief::finish,
             )
-                .chain(),
+                .chain()
+                .in_set(GroundSystems::Make),
         )
-        .add_systems(
-            PostUpdate,
-            place_patches
-                .after(TerrainCoverSystems)
-                .after(terrain::follow::<0>),
-        );
+        .add_systems(PostUpdate, place_patches.in_set(GroundSystems::Place));
     // As many as MOST_TERRAINS.
     add_slot::<0>(app);
     add_slot::<1>(app);
@@ -71,7 +68,7 @@ fn add_slot<const SLOT: usize>(app: &mut App) {
     const { assert!(SLOT < crate::MOST_TERRAINS) };
     app.init_resource::<GroundKind<SLOT>>().add_systems(
         PostUpdate,
-        terrain::follow::<SLOT>.after(TerrainCoverSystems),
+        terrain::follow::<SLOT>.in_set(GroundSystems::Follow),
     );
     detail::build::<GroundKind<SLOT>>(app);
 }
