@@ -12,9 +12,11 @@ mod noise;
 pub mod relief;
 mod terrain;
 pub mod texture;
+mod told;
 
 use std::sync::Arc;
 
+use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
 
@@ -27,9 +29,10 @@ pub use texture::GroundTextures;
 use crate::GroundSystems;
 use crate::cover::{PatchDetail, TerrainCover, TerrainView};
 use dolomite_geometry::GeometryPlugin;
-use dolomite_tessellation::Patches;
 use dolomite_tessellation::render::PatchPlugin;
+use dolomite_tessellation::{PatchMeshError, Patches};
 use texture::ReadyArrays;
+use told::is_news;
 
 /// Adds the main world's side of the GPU half.
 pub(crate) fn build(app: &mut App, relief_side: u32) {
@@ -77,7 +80,8 @@ fn add_slot<const SLOT: usize>(app: &mut App) {
 #[derive(Component)]
 struct GroundOf(Entity);
 
-/// Gives every view whose ground is of patches those of its cover, as an entity that it alone sees.
+/// Gives every view whose ground is of patches those of its cover, as an entity that it alone sees, where it sees one
+/// of the terrain's layers.
 fn place_patches(
     mut commands: Commands,
     kind: Res<GroundKind<0>>,
@@ -88,7 +92,9 @@ fn place_patches(
         &mut Patches<GroundKind<0>>,
         &mut Transform,
         &mut GlobalTransform,
+        &mut RenderLayers,
     )>,
+    mut told: Local<Vec<PatchMeshError>>,
 ) {
     for (entity, of, ..) in &grounds {
         if !kind.shown || !covers.contains(of.0) {
@@ -99,7 +105,15 @@ fn place_patches(
         return;
     }
     for (camera, cover) in &covers {
-        let found = grounds.iter_mut().find(|(_, of, ..)| of.0 == camera);
+        if let Some(fault) = &cover.fault
+            && is_news(&mut told, fault)
+        {
+            error!("the ground cannot be covered with patches: {fault}");
+        }
+        let mut found = grounds.iter_mut().find(|(_, of, ..)| of.0 == camera);
+        if let Some((.., layers)) = &mut found {
+            layers.set_if_neq(kind.seen_on.clone());
+        }
         let mesh = &cover.patches.mesh;
         let other = |patches: &Patches<GroundKind<0>>| !Arc::ptr_eq(&patches.mesh, mesh);
         if found
@@ -108,8 +122,8 @@ fn place_patches(
         {
             continue;
         }
-        if let Some(fault) = &cover.fault {
-            error!("the ground cannot be covered with patches: {fault}");
+        // The newest patches cannot be had: what is drawn stays.
+        if cover.fault.is_some() {
             continue;
         }
         let mut patches = Patches::new(mesh.clone());
@@ -120,13 +134,14 @@ fn place_patches(
         // Transforms have been propagated by now.
         let world = GlobalTransform::from(place);
         match found {
-            Some((.., mut old, mut transform, mut global)) => {
+            Some((_, _, mut old, mut transform, mut global, _)) => {
                 *old = patches;
                 *transform = place;
                 *global = world;
             }
             None => {
-                commands.spawn((GroundOf(camera), patches, place, world));
+                let layers = kind.seen_on.clone();
+                commands.spawn((GroundOf(camera), patches, place, world, layers));
             }
         }
     }

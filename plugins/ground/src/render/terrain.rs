@@ -8,9 +8,10 @@ use dolomite_terrain::Terrain;
 use dolomite_tessellation::render::PatchPool;
 
 use super::kind::GroundKind;
-use super::look::GroundLook;
+use super::look::{GroundLook, LookLimit};
 use super::relief::{TerrainRelief, drawn};
 use super::texture::{GroundTextures, ReadyArrays, textured};
+use super::told::is_news;
 use crate::cover::{PatchDetail, TerrainView};
 use crate::material::{GroundMaterial, Sea};
 use crate::shown::ShownTerrains;
@@ -44,6 +45,7 @@ pub(super) fn follow<const SLOT: usize>(
     views: Query<Option<&PatchDetail>, With<TerrainView>>,
     ready: Res<ReadyArrays>,
     mut due: Local<Due>,
+    mut told: Local<Vec<LookLimit>>,
 ) {
     // Without a view nothing is kept on the GPU.
     let entity = shown.slot(SLOT).filter(|_| !views.is_empty());
@@ -103,7 +105,9 @@ pub(super) fn follow<const SLOT: usize>(
         let (look, limits) = GroundLook::new(&material, sea, relief.as_deref());
         kind.look = look;
         for limit in limits {
-            warn!("{limit}");
+            if is_news(&mut told, &limit) {
+                warn!("{limit}");
+            }
         }
     }
 }

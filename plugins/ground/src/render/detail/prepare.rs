@@ -25,6 +25,7 @@ use crate::detail::layout::{
     LIST_BYTES, RECORD_BYTES, VIEW_CELL_BYTES, without,
 };
 use crate::detail::{CullView, DetailCells, DetailView, HorizonView, TerrainLod};
+use crate::render::told::is_news;
 use dolomite_geometry::layout::OWN;
 use dolomite_geometry::render::{GeometryPool, GeometryShared, GeometryView, Producer, Producers};
 use dolomite_terrain::Terrain;
@@ -297,6 +298,7 @@ pub fn want<K: DetailKind>(
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
     param: StaticSystemParam<<K as AsBindGroup>::Param>,
+    mut told: Local<Vec<String>>,
 ) {
     let Some(producer) = producers.get_mut(detail_key::<K>()) else {
         return;
@@ -335,7 +337,12 @@ pub fn want<K: DetailKind>(
             }
             // An image that has not arrived: again in the next frame.
             Err(AsBindGroupError::RetryNextUpdate) => {}
-            Err(fault) => error!("{}: {fault}", producer.name),
+            Err(fault) => {
+                let fault = fault.to_string();
+                if is_news(&mut told, &fault) {
+                    error!("{}: {fault}", producer.name);
+                }
+            }
         }
     }
     if producer.data.is_some() {
