@@ -42,6 +42,7 @@ pub mod cover;
 pub mod detail;
 pub mod material;
 mod plugin;
+mod range;
 #[cfg(feature = "render")]
 pub mod render;
 mod shown;

@@ -2,6 +2,8 @@
 
 use bevy::prelude::*;
 
+use crate::range::within;
+
 /// What a vertex is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Default)]
@@ -104,15 +106,6 @@ impl Metric {
             },
         }
         .clamped()
-    }
-}
-
-/// A number within its range; `default` for what is no number.
-pub(crate) fn within(value: f32, low: f32, high: f32, default: f32) -> f32 {
-    if value.is_nan() {
-        default
-    } else {
-        value.clamp(low, high)
     }
 }
 

@@ -3,11 +3,12 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
+use bevy::render::render_resource::ShaderType;
 use bevy::render::storage::ShaderBuffer;
 use dolomite_terrain::Terrain;
 use dolomite_tessellation::render::PatchPool;
 
-use super::kind::GroundKind;
+use super::kind::{GroundKind, HeightUniform};
 use super::look::{GroundLook, LookLimit};
 use super::relief::{TerrainRelief, drawn};
 use super::texture::{GroundTextures, ReadyArrays, textured};
@@ -43,6 +44,7 @@ pub(super) fn follow<const SLOT: usize>(
     shown: Res<ShownTerrains>,
     terrains: Query<GroundQuery>,
     views: Query<Option<&PatchDetail>, With<TerrainView>>,
+    images: Res<Assets<Image>>,
     ready: Res<ReadyArrays>,
     mut due: Local<Due>,
     mut told: Local<Vec<LookLimit>>,
@@ -90,6 +92,8 @@ pub(super) fn follow<const SLOT: usize>(
         kind.layers = buffer(bytemuck::cast_slice(&gpu.layers));
         kind.data = buffer(bytemuck::cast_slice(&gpu.data));
         kind.heights = gpu.uniform.into();
+        let uniforms = HeightUniform::min_size().get() + GroundLook::min_size().get();
+        kind.buffer_bytes = (size_of_val(&*gpu.layers) + size_of_val(&*gpu.data)) as u64 + uniforms;
         let bounds = terrain.bounds(&terrain.extent());
         kind.heights_apart = (bounds.max - bounds.min).max(0.0);
         kind.extent_min = terrain.extent().min;
@@ -110,6 +114,43 @@ pub(super) fn follow<const SLOT: usize>(
             }
         }
     }
+    let elsewhere = |handle: &Handle<Image>| {
+        let lower = (0..SLOT).filter_map(|slot| shown.slot(slot));
+        terrains
+            .iter_many(lower)
+            .any(|(_, material, textures, ..)| textured(&material) && textures.names(handle))
+    };
+    let arrays = [&kind.albedo_height, &kind.normal_roughness];
+    let arrays = arrays
+        .into_iter()
+        .flatten()
+        .filter(|array| !elsewhere(array));
+    let bytes: u64 = arrays
+        .chain(&kind.relief)
+        .filter_map(|handle| images.get(handle))
+        .map(image_bytes)
+        .sum();
+    if kind.texture_bytes != bytes {
+        kind.texture_bytes = bytes;
+    }
+}
+
+/// Bytes of an image on the GPU, with its mip levels.
+fn image_bytes(image: &Image) -> u64 {
+    let descriptor = &image.texture_descriptor;
+    let (width, height) = descriptor.format.block_dimensions();
+    let block = descriptor.format.block_copy_size(None).unwrap_or(0);
+    let level = |level: u32| {
+        let size = descriptor.size.mip_level_size(level, descriptor.dimension);
+        let sides = [
+            size.width.div_ceil(width),
+            size.height.div_ceil(height),
+            size.depth_or_array_layers,
+            block,
+        ];
+        sides.map(u64::from).iter().product::<u64>()
+    };
+    (0..descriptor.mip_level_count).map(level).sum()
 }
 
 /// Most that any view asks for whose ground is of patches.

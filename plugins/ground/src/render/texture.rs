@@ -50,6 +50,11 @@ impl Default for GroundTextures {
 }
 
 impl GroundTextures {
+    /// Whether an array is one of these.
+    pub(super) fn names(&self, array: &Handle<Image>) -> bool {
+        self.handles().iter().any(|(handle, _)| *handle == array)
+    }
+
     fn handles(&self) -> [(&Handle<Image>, bool); 2] {
         [(&self.albedo_height, true), (&self.normal_roughness, false)]
     }

@@ -11,9 +11,10 @@
 //!
 //! A test scans these functions.
 
+use super::Cells;
 use super::sum::{State, Unit};
-use super::{CellBounds, Cells, Interval, SecondOrder};
 use crate::ground::fixed;
+use crate::interval::{CellBounds, Interval, SecondOrder};
 use crate::noise::points::{self, BLOCK, Positions};
 use crate::noise::sum::Fbm;
 use crate::noise::tile::{self, Grid, Out};

@@ -1,7 +1,7 @@
 //! Sums that are not linear in the noise, in intervals: the CPU reference of `noise::sum`.
 
 use super::fractal::{ROUNDING, SECOND};
-use super::{CellBounds, Interval};
+use crate::interval::{CellBounds, Interval};
 use crate::noise::Octave;
 use crate::noise::sum::SMOOTH_SQUARED;
 use bevy::math::DVec2;
