@@ -3,14 +3,18 @@
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
-use crate::cover::{PatchBounds, TerrainCoverSystems, update_covers};
+use crate::cover::{
+    PatchBounds, PatchDetail, TerrainCoverSystems, TerrainView, update_covers,
+};
 use crate::detail::budget::DetailBudgetPlugin;
+use crate::detail::{DrawnProbes, TerrainLod};
+use crate::material::{GroundMaterial, MaterialBands, Sea};
 use crate::shown::{ShownTerrains, follow_terrains};
 use dolomite_terrain::TerrainPlugin;
 
 /// Draws every visible [`Terrain`](dolomite_terrain::Terrain) that has a
-/// [`GroundMaterial`](crate::GroundMaterial), for every camera that carries a
-/// [`TerrainView`](crate::TerrainView).
+/// [`GroundMaterial`], for every camera that carries a
+/// [`TerrainView`].
 ///
 /// Under `MinimalPlugins` it keeps each camera's [`TerrainCover`](crate::TerrainCover); with the `render`
 /// feature and a render app it also refines and draws. Without a terrain, or without a `TerrainView`, it
@@ -34,12 +38,12 @@ pub enum GroundSystems {
     /// materials and textures before, and they are drawn with in the same frame.
     Make,
     /// Schedule `PostUpdate`, after [`BudgetSystems`](crate::detail::budget::BudgetSystems): tolerances that were
-    /// decided are written into each [`TerrainLod`](crate::detail::TerrainLod).
+    /// decided are written into each [`TerrainLod`].
     Budget,
     /// Schedule `PostUpdate`, after [`TerrainCoverSystems`]: what is drawn takes over terrains, materials, seas and
     /// relief maps that changed.
     Follow,
-    /// Behind it: each camera with a [`PatchDetail`](crate::PatchDetail) gets its patches as entities.
+    /// Behind it: each camera with a [`PatchDetail`] gets its patches as entities.
     Place,
 }
 
@@ -54,6 +58,13 @@ impl Plugin for GroundPlugin {
         if app.world().contains_resource::<ShownTerrains>() {
             return;
         }
+        app.register_type::<TerrainView>()
+            .register_type::<TerrainLod>()
+            .register_type::<PatchDetail>()
+            .register_type::<GroundMaterial>()
+            .register_type::<MaterialBands>()
+            .register_type::<Sea>()
+            .register_type::<DrawnProbes>();
         app.init_resource::<PatchBounds>()
             .init_resource::<ShownTerrains>()
             .configure_sets(

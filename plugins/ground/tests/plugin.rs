@@ -1,14 +1,19 @@
 //! The plugins in an app without a renderer: they keep covers, answer height queries, and may be added more than once.
 
+use std::any::TypeId;
+
 use bevy::app::{PluginGroup, PluginGroupBuilder};
+use bevy::ecs::reflect::AppTypeRegistry;
 use bevy::ecs::schedule::Schedule;
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use dolomite_ground::detail::TerrainLod;
-use dolomite_ground::detail::budget::DetailBudgetPlugin;
-use dolomite_ground::{GroundMaterial, GroundPlugin, PatchDetail, TerrainCover, TerrainView};
+use dolomite_ground::detail::budget::{Budget, DetailBudgetPlugin};
+use dolomite_ground::detail::{DrawnProbes, TerrainLod};
+use dolomite_ground::{
+    GroundMaterial, GroundPlugin, MaterialBands, PatchDetail, Sea, TerrainCover, TerrainView,
+};
 use dolomite_terrain::{
-    GroundProbe, GroundRect, Hill, Layer, Source, Terrain, TerrainData, TerrainPlugin,
+    GroundProbe, ProbeBatch, GroundRect, Hill, Layer, Source, Terrain, TerrainData, TerrainPlugin,
 };
 
 /// A square of 400 m with a hill of 10 m in its middle.
@@ -122,4 +127,34 @@ fn without_a_renderer_covers_are_kept_and_probes_answered() {
     app.world_mut().despawn(ground);
     app.update();
     assert_eq!(cover(&app, patches), (None, 0));
+}
+
+#[test]
+fn settings_can_be_reflected() {
+    let mut app = App::new();
+    // An empty one: whatever Bevy's features enter by themselves, what is found comes from the plugins.
+    app.insert_resource(AppTypeRegistry::default());
+    app.add_plugins(GroundPlugin::default());
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let mut components = vec![
+        TypeId::of::<TerrainView>(),
+        TypeId::of::<TerrainLod>(),
+        TypeId::of::<PatchDetail>(),
+        TypeId::of::<GroundMaterial>(),
+        TypeId::of::<Sea>(),
+        TypeId::of::<DrawnProbes>(),
+        TypeId::of::<Budget>(),
+        TypeId::of::<GroundProbe>(),
+        TypeId::of::<ProbeBatch>(),
+    ];
+    #[cfg(feature = "render")]
+    components.extend([
+        TypeId::of::<dolomite_ground::GroundTextures>(),
+        TypeId::of::<dolomite_ground::render::TerrainRelief>(),
+    ]);
+    for id in components {
+        let found = registry.get_type_data::<ReflectComponent>(id);
+        assert!(found.is_some(), "{id:?}");
+    }
+    assert!(registry.get(TypeId::of::<MaterialBands>()).is_some());
 }

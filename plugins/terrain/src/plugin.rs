@@ -3,6 +3,8 @@
 use bevy::app::{App, Plugin};
 use bevy::ecs::resource::Resource;
 
+use crate::probe::{GroundProbe, ProbeBatch};
+
 /// Fills every [`GroundProbe`](crate::GroundProbe) from the [`Terrain`](crate::Terrain) of the world.
 ///
 /// Runs under `MinimalPlugins`, with or without the transform plugin. Probes are answered in
@@ -26,7 +28,9 @@ impl Plugin for TerrainPlugin {
         if app.world().contains_resource::<Added>() {
             return;
         }
-        app.insert_resource(Added);
+        app.insert_resource(Added)
+            .register_type::<GroundProbe>()
+            .register_type::<ProbeBatch>();
         crate::probe::build(app);
     }
 

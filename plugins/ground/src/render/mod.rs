@@ -36,7 +36,9 @@ use told::is_news;
 
 /// Adds the main world's side of the GPU half.
 pub(crate) fn build(app: &mut App, relief_side: u32) {
-    app.insert_resource(relief::ReliefSide(relief_side))
+    app.register_type::<GroundTextures>()
+        .register_type::<TerrainRelief>()
+        .insert_resource(relief::ReliefSide(relief_side))
         .add_plugins((GeometryPlugin, PatchPlugin(GroundKind::<0>::default())));
 }
 
