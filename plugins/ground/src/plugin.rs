@@ -3,9 +3,7 @@
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
-use crate::cover::{
-    PatchBounds, PatchDetail, TerrainCoverSystems, TerrainView, update_covers,
-};
+use crate::cover::{PatchBounds, PatchDetail, TerrainCoverSystems, TerrainView, update_covers};
 use crate::detail::budget::DetailBudgetPlugin;
 use crate::detail::{DrawnProbes, TerrainLod};
 use crate::material::{GroundMaterial, MaterialBands, Sea};

@@ -13,7 +13,7 @@ use dolomite_ground::{
     GroundMaterial, GroundPlugin, MaterialBands, PatchDetail, Sea, TerrainCover, TerrainView,
 };
 use dolomite_terrain::{
-    GroundProbe, ProbeBatch, GroundRect, Hill, Layer, Source, Terrain, TerrainData, TerrainPlugin,
+    GroundProbe, GroundRect, Hill, Layer, ProbeBatch, Source, Terrain, TerrainData, TerrainPlugin,
 };
 
 /// A square of 400 m with a hill of 10 m in its middle.
@@ -136,7 +136,7 @@ fn settings_can_be_reflected() {
     app.insert_resource(AppTypeRegistry::default());
     app.add_plugins(GroundPlugin::default());
     let registry = app.world().resource::<AppTypeRegistry>().read();
-    let mut components = vec![
+    let components = [
         TypeId::of::<TerrainView>(),
         TypeId::of::<TerrainLod>(),
         TypeId::of::<PatchDetail>(),
@@ -148,11 +148,13 @@ fn settings_can_be_reflected() {
         TypeId::of::<ProbeBatch>(),
     ];
     #[cfg(feature = "render")]
-    components.extend([
+    let of_render = [
         TypeId::of::<dolomite_ground::GroundTextures>(),
         TypeId::of::<dolomite_ground::render::TerrainRelief>(),
-    ]);
-    for id in components {
+    ];
+    #[cfg(not(feature = "render"))]
+    let of_render = [];
+    for id in components.into_iter().chain(of_render) {
         let found = registry.get_type_data::<ReflectComponent>(id);
         assert!(found.is_some(), "{id:?}");
     }

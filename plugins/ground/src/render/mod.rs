@@ -21,7 +21,9 @@ use bevy::prelude::*;
 use bevy::render::RenderApp;
 
 pub use detail::probe::{AnswerCensus, DrawnProbeStats, answer_census};
+#[doc(hidden)]
 pub use kind::{GroundKind, HeightUniform};
+#[doc(hidden)]
 pub use look::{GroundLook, LookBand, LookLayer, LookLimit};
 pub use relief::TerrainRelief;
 pub use texture::GroundTextures;
