@@ -45,11 +45,13 @@ mod plugin;
 mod range;
 #[cfg(feature = "render")]
 pub mod render;
+mod sets;
 mod shown;
 
 pub use cover::{PatchDetail, TerrainCover, TerrainCoverSystems, TerrainView};
 pub use material::{Band, GroundLayer, GroundMaterial, MaterialBands, Measure, Sea, Surface};
-pub use plugin::{GroundPlugin, GroundSystems};
+pub use plugin::GroundPlugin;
 #[cfg(feature = "render")]
 pub use render::GroundTextures;
+pub use sets::GroundSystems;
 pub use shown::MOST_TERRAINS;

@@ -7,6 +7,7 @@ use crate::cover::{PatchBounds, PatchDetail, TerrainCoverSystems, TerrainView, u
 use crate::detail::budget::DetailBudgetPlugin;
 use crate::detail::{DrawnProbes, TerrainLod};
 use crate::material::{GroundMaterial, MaterialBands, Sea};
+use crate::sets::GroundSystems;
 use crate::shown::{ShownTerrains, follow_terrains};
 use dolomite_terrain::TerrainPlugin;
 
@@ -26,23 +27,6 @@ pub struct GroundPlugin {
     /// keeps the slopes and the openness to the sky of ground whose triangles are larger than its texels.
     /// Default 2048: 43 MiB of the GPU a terrain; it is made on all cores in the background.
     pub relief_side: u32,
-}
-
-/// What runs when in the main world, beside [`TerrainCoverSystems`]. All but the budget's needs the `render` feature
-/// and a render app.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum GroundSystems {
-    /// Schedule `Update`: textures and relief maps are begun, taken over when they are done, and dropped. Change
-    /// materials and textures before, and they are drawn with in the same frame.
-    Make,
-    /// Schedule `PostUpdate`, after [`BudgetSystems`](crate::detail::budget::BudgetSystems): tolerances that were
-    /// decided are written into each [`TerrainLod`].
-    Budget,
-    /// Schedule `PostUpdate`, after [`TerrainCoverSystems`]: what is drawn takes over terrains, materials, seas and
-    /// relief maps that changed.
-    Follow,
-    /// Behind it: each camera with a [`PatchDetail`] gets its patches as entities.
-    Place,
 }
 
 impl Default for GroundPlugin {

@@ -14,7 +14,7 @@ use bevy::prelude::*;
 pub use dolomite_geometry::budget::*;
 
 use super::{Metric, TerrainLod};
-use crate::GroundSystems;
+use crate::sets::GroundSystems;
 
 /// The GPU's time for choosing the ground's detail and drawing it into the G-buffer: what its tolerance
 /// moves. Needs Bevy's `RenderDiagnosticsPlugin`.

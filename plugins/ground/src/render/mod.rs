@@ -28,8 +28,8 @@ pub use look::{GroundLook, LookBand, LookLayer, LookLimit};
 pub use relief::TerrainRelief;
 pub use texture::GroundTextures;
 
-use crate::GroundSystems;
 use crate::cover::{PatchDetail, TerrainCover, TerrainView};
+use crate::sets::GroundSystems;
 use dolomite_geometry::GeometryPlugin;
 use dolomite_tessellation::render::PatchPlugin;
 use dolomite_tessellation::{PatchMeshError, Patches};
