@@ -11,9 +11,8 @@ use crate::sets::GroundSystems;
 use crate::shown::{ShownTerrains, follow_terrains};
 use dolomite_terrain::TerrainPlugin;
 
-/// Draws every visible [`Terrain`](dolomite_terrain::Terrain) that has a
-/// [`GroundMaterial`], for every camera that carries a
-/// [`TerrainView`].
+/// Draws every visible [`Terrain`](dolomite_terrain::Terrain) that has a [`GroundMaterial`], for every camera that
+/// carries a [`TerrainView`].
 ///
 /// Under `MinimalPlugins` it keeps each camera's [`TerrainCover`](crate::TerrainCover); with the `render`
 /// feature and a render app it also refines and draws. Without a terrain, or without a `TerrainView`, it
