@@ -1,5 +1,5 @@
 //! What a scene does not need costs nothing: the plugins in an app that renders, first without a
-//! terrain, then without a view of it, add no pipeline, no buffer and no pass; with both they do.
+//! terrain, then without a view of it, add no image, no pipeline, no buffer and no pass; with both they do.
 
 #[path = "support/app.rs"]
 mod app;
@@ -19,7 +19,7 @@ use bevy::render::renderer::RenderDevice;
 use dolomite::DolomitePlugins;
 use dolomite::ground::detail::{DrawnProbes, TerrainLod};
 use dolomite::ground::render::{AnswerCensus, DrawnProbeStats, answer_census};
-use dolomite::ground::{PatchDetail, TerrainView};
+use dolomite::ground::{GroundPlugin, PatchDetail, TerrainView};
 use dolomite::terrain::{Fractal, GroundProbe, ProbeBatch, Terrain};
 use dolomite::tessellation::render::{GeometryCensus, GeometryStats, census};
 
@@ -30,7 +30,9 @@ const STEP: Duration = Duration::from_millis(16);
 fn app(with_plugins: bool) -> Option<App> {
     app::app(STEP, |app| {
         if with_plugins {
-            app.add_plugins(DolomitePlugins);
+            // A small relief map, so that it is there within the frames of a test. The group adds the plugin
+            // again, which does nothing.
+            app.add_plugins((GroundPlugin { relief_side: 64 }, DolomitePlugins));
         }
     })
 }
@@ -52,8 +54,8 @@ fn terrain(app: &mut App) {
     hills.spawn(app);
 }
 
-/// (what the stage holds, pipelines of the whole app) after some frames.
-fn after_frames(app: &mut App) -> (GeometryCensus, usize) {
+/// (what the stage holds, pipelines of the whole app, images) after some frames.
+fn after_frames(app: &mut App) -> (GeometryCensus, usize, usize) {
     for _ in 0..12 {
         app.update();
         assert_eq!(app.should_exit(), None, "rendering stopped");
@@ -62,7 +64,12 @@ fn after_frames(app: &mut App) -> (GeometryCensus, usize) {
     (
         census(world),
         world.resource::<PipelineCache>().pipelines().count(),
+        images(app),
     )
+}
+
+fn images(app: &App) -> usize {
+    app.world().resource::<Assets<Image>>().len()
 }
 
 #[test]
@@ -72,18 +79,18 @@ fn an_app_without_terrain_pays_nothing() {
     };
     camera(&mut bare, ());
     camera(&mut with, ());
-    let (_, pipelines) = after_frames(&mut bare);
+    let (_, pipelines, images) = after_frames(&mut bare);
     assert_eq!(
         after_frames(&mut with),
-        (GeometryCensus::default(), pipelines),
+        (GeometryCensus::default(), pipelines, images),
         "nothing of ours"
     );
     camera(&mut bare, ());
     camera(&mut with, TerrainView);
-    let (_, pipelines) = after_frames(&mut bare);
+    let (_, pipelines, images) = after_frames(&mut bare);
     assert_eq!(
         after_frames(&mut with),
-        (GeometryCensus::default(), pipelines),
+        (GeometryCensus::default(), pipelines, images),
         "a view without terrain"
     );
 }
@@ -91,15 +98,27 @@ fn an_app_without_terrain_pays_nothing() {
 #[test]
 fn a_terrain_without_a_view_pays_nothing_and_with_one_it_is_seen() {
     let Some(mut app) = app(true) else { return };
-    terrain(&mut app);
     camera(&mut app, ());
+    after_frames(&mut app);
+    terrain(&mut app);
+    let before = images(&app);
+    let (found, _, after) = after_frames(&mut app);
     assert_eq!(
-        after_frames(&mut app).0,
-        GeometryCensus::default(),
+        (found, after),
+        (GeometryCensus::default(), before),
         "a terrain that nobody looks at"
     );
     camera(&mut app, (TerrainView, PatchDetail::default()));
-    let (found, _) = after_frames(&mut app);
+    let before = images(&app);
+    let (found, _, mut after) = after_frames(&mut app);
+    // The relief map is made in the background.
+    for _ in 0..200 {
+        if after > before {
+            break;
+        }
+        (_, _, after) = after_frames(&mut app);
+    }
+    assert_eq!(after, before + 1, "its relief map");
     // The count can fail: with a view there is one, and what it needs.
     assert!(
         found.views == 1 && found.pipelines >= 7 && found.kinds == 1,
@@ -112,7 +131,7 @@ fn a_detailed_view_at_rest_dispatches_nothing() {
     let Some(mut app) = app(true) else { return };
     terrain(&mut app);
     camera(&mut app, (TerrainView, TerrainLod::default()));
-    let (found, _) = after_frames(&mut app);
+    let (found, ..) = after_frames(&mut app);
     assert_eq!((found.views, found.kinds), (1, 1), "{found:?}");
     let stats = |app: &App| app.world().resource::<GeometryStats>().clone();
     // Picture and ground are small: some hundred triangles are far more than the two of a flat one.

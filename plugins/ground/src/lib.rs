@@ -42,8 +42,10 @@ pub mod cover;
 pub mod detail;
 pub mod material;
 mod plugin;
+mod range;
 #[cfg(feature = "render")]
 pub mod render;
+mod sets;
 mod shown;
 
 pub use cover::{PatchDetail, TerrainCover, TerrainCoverSystems, TerrainView};
@@ -51,4 +53,5 @@ pub use material::{Band, GroundLayer, GroundMaterial, MaterialBands, Measure, Se
 pub use plugin::GroundPlugin;
 #[cfg(feature = "render")]
 pub use render::GroundTextures;
+pub use sets::GroundSystems;
 pub use shown::MOST_TERRAINS;

@@ -1,17 +1,25 @@
 //! The plugin.
 
 use bevy::prelude::*;
+use bevy::transform::TransformSystems;
 
-use crate::cover::{PatchBounds, TerrainCoverSystems, update_covers};
+use crate::cover::{PatchBounds, PatchDetail, TerrainCoverSystems, TerrainView, update_covers};
+use crate::detail::budget::DetailBudgetPlugin;
+use crate::detail::{DrawnProbes, TerrainLod};
+use crate::material::{GroundMaterial, MaterialBands, Sea};
+use crate::sets::GroundSystems;
 use crate::shown::{ShownTerrains, follow_terrains};
+use dolomite_terrain::TerrainPlugin;
 
-/// Draws every visible [`Terrain`](dolomite_terrain::Terrain) that has a
-/// [`GroundMaterial`](crate::GroundMaterial), for every camera that carries a
-/// [`TerrainView`](crate::TerrainView).
+/// Draws every visible [`Terrain`](dolomite_terrain::Terrain) that has a [`GroundMaterial`], for every camera that
+/// carries a [`TerrainView`].
 ///
 /// Under `MinimalPlugins` it keeps each camera's [`TerrainCover`](crate::TerrainCover); with the `render`
 /// feature and a render app it also refines and draws. Without a terrain, or without a `TerrainView`, it
-/// creates no pipeline and no buffer and runs no pass.
+/// creates no image, no pipeline and no buffer and runs no pass.
+///
+/// It brings the [`TerrainPlugin`] along, which answers height queries. It may be added before Bevy's plugins or
+/// after them; added again it does nothing, and the settings of the first time count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GroundPlugin {
     /// Side of the relief map of a terrain, texels, a power of two from 64 to 8192 (rounded up); 0: none. It
@@ -28,16 +36,34 @@ impl Default for GroundPlugin {
 
 impl Plugin for GroundPlugin {
     fn build(&self, app: &mut App) {
+        if app.world().contains_resource::<ShownTerrains>() {
+            return;
+        }
+        app.register_type::<TerrainView>()
+            .register_type::<TerrainLod>()
+            .register_type::<PatchDetail>()
+            .register_type::<GroundMaterial>()
+            .register_type::<MaterialBands>()
+            .register_type::<Sea>()
+            .register_type::<DrawnProbes>();
         app.init_resource::<PatchBounds>()
             .init_resource::<ShownTerrains>()
+            .configure_sets(
+                PostUpdate,
+                (
+                    TerrainCoverSystems.after(TransformSystems::Propagate),
+                    GroundSystems::Follow,
+                    GroundSystems::Place,
+                )
+                    .chain(),
+            )
             .add_systems(
                 PostUpdate,
                 (follow_terrains, update_covers)
                     .chain()
-                    .in_set(TerrainCoverSystems)
-                    .after(bevy::transform::TransformSystems::Propagate),
+                    .in_set(TerrainCoverSystems),
             );
-        app.add_plugins(crate::detail::budget::DetailBudgetPlugin);
+        app.add_plugins((TerrainPlugin, DetailBudgetPlugin));
         #[cfg(feature = "render")]
         crate::render::build(app, self.relief_side);
     }
@@ -45,5 +71,9 @@ impl Plugin for GroundPlugin {
     #[cfg(feature = "render")]
     fn finish(&self, app: &mut App) {
         crate::render::finish(app);
+    }
+
+    fn is_unique(&self) -> bool {
+        false
     }
 }

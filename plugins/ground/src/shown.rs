@@ -23,6 +23,12 @@ impl ShownTerrains {
         self.slots.get(slot).copied().flatten()
     }
 
+    /// All that are drawn.
+    #[cfg(feature = "render")]
+    pub fn entities(&self) -> impl Iterator<Item = Entity> + '_ {
+        self.slots.iter().flatten().copied()
+    }
+
     /// How many are drawn.
     pub fn count(&self) -> usize {
         self.slots.iter().flatten().count()

@@ -4,10 +4,14 @@
 
 mod app;
 
+use bevy::camera::Viewport;
+use bevy::camera::visibility::RenderLayers;
 use bevy::math::DVec2;
 use bevy::prelude::*;
+use bevy::render::render_resource::ShaderType;
 use dolomite_geometry::GeometryStats;
-use dolomite_ground::detail::TerrainLod;
+use dolomite_ground::detail::{Metric, TerrainLod};
+use dolomite_ground::render::{GroundLook, TerrainRelief};
 use dolomite_ground::{
     GroundLayer, GroundMaterial, MOST_TERRAINS, PatchDetail, Surface, TerrainView,
 };
@@ -156,24 +160,231 @@ fn bytes(app: &App) -> (u64, Vec<u64>) {
     )
 }
 
+/// Until the relief map of a terrain is there and drawn with.
+fn await_relief(app: &mut App, terrain: Entity) {
+    for _ in 0..600 {
+        app::frames(app, 1);
+        if app.world().get::<TerrainRelief>(terrain).is_some() {
+            app::frames(app, 12);
+            return;
+        }
+    }
+    panic!("no relief map was made");
+}
+
 #[test]
 fn gpu_what_does_not_depend_on_the_view_is_kept_once() {
     let Some(mut app) = app::app() else { return };
-    app.world_mut().spawn(ground(0.0, GREEN));
+    let (terrain, material) = ground(0.0, GREEN);
+    let heights = terrain.gpu();
+    let terrain = app.world_mut().spawn((terrain, material)).id();
     let detail = TerrainLod {
         max_vertices: 1 << 14,
         ..default()
     };
     let target = app::target(&mut app, 32, 32);
-    let look = |app: &mut App, x: f32| {
-        app::camera(app, &target, (TerrainView, detail, above(x, 60.0)));
+    let look =
+        |app: &mut App, x: f32| app::camera(app, &target, (TerrainView, detail, above(x, 60.0)));
+    let see = |app: &mut App, camera: Entity, detail: TerrainLod| {
+        app.world_mut().entity_mut(camera).insert(detail);
         app::frames(app, 12);
         bytes(app)
     };
-    let (shared, views) = look(&mut app, 0.0);
+    let first = look(&mut app, 0.0);
+    await_relief(&mut app, terrain);
+    let (shared, views) = see(&mut app, first, detail);
     // 113 bytes a cell, four cells a vertex, and corners of one root; see `TerrainLod::max_vertices`.
-    assert_eq!(shared, 113 * (4 << 14) + 16 + 4 * 16);
+    let cells = 113 * (4 << 14) + 16 + 4 * 16;
+    // The relief map has 64 texels a side and eight bytes a texel.
+    let relief: u64 = (0..=6).map(|level: u32| 8 * (64_u64 >> level).pow(2)).sum();
+    let heights = (size_of_val(&*heights.layers) + size_of_val(&*heights.data)) as u64;
+    let uniforms = 16 + GroundLook::min_size().get();
+    let data = relief + heights + uniforms;
+    assert_eq!(shared, cells + data);
     assert_eq!(views.len(), 1);
-    let (both, of_each) = look(&mut app, 30.0);
+
+    // As `TerrainLod::max_vertices` says: so much a vertex of the view, and of what all share.
+    let twice = TerrainLod {
+        max_vertices: 1 << 15,
+        ..detail
+    };
+    let (more, larger) = see(&mut app, first, twice);
+    assert_eq!(larger.len(), 1);
+    assert_eq!(
+        (more - shared, larger[0] - views[0]),
+        (452 << 14, 472 << 14)
+    );
+
+    let second = look(&mut app, 30.0);
+    let (both, of_each) = see(&mut app, first, detail);
     assert_eq!((both, of_each), (shared, vec![views[0]; 2]));
+
+    // Another smallest cell has cells of its own, until nobody asks for it.
+    let finer = TerrainLod {
+        finest: 0.25,
+        ..detail
+    };
+    let (apart, of_each) = see(&mut app, second, finer);
+    assert_eq!((apart, of_each), (2 * cells + data, vec![views[0]; 2]));
+    let (both, _) = see(&mut app, second, detail);
+    assert_eq!(both, shared);
+}
+
+#[test]
+fn gpu_a_hidden_terrain_keeps_nothing() {
+    let Some(mut app) = app::app() else { return };
+    let target = app::target(&mut app, 32, 32);
+    app::camera(&mut app, &target, (TerrainView, above(0.0, 60.0)));
+    app::frames(&mut app, 12);
+    let kept = |app: &App| (bytes(app), app.world().resource::<Assets<Image>>().len());
+    let nothing = kept(&app);
+    assert_eq!(nothing.0, (0, Vec::new()));
+    let terrain = app
+        .world_mut()
+        .spawn((ground(0.0, GREEN), Visibility::Hidden));
+    let terrain = terrain.id();
+    app::frames(&mut app, 24);
+    assert_eq!(kept(&app), nothing);
+    let show = |app: &mut App, visibility: Visibility| {
+        app.world_mut().entity_mut(terrain).insert(visibility);
+    };
+    show(&mut app, Visibility::Visible);
+    await_relief(&mut app, terrain);
+    let ((shared, views), images) = kept(&app);
+    assert!(shared > 0 && views.len() == 1, "{shared} {views:?}");
+    assert_eq!(images, nothing.1 + 1, "its relief map");
+    show(&mut app, Visibility::Hidden);
+    app::frames(&mut app, 12);
+    assert_eq!(kept(&app), nothing);
+}
+
+#[test]
+fn gpu_layers_of_a_terrain_say_who_sees_it() {
+    let Some(mut app) = app::app() else { return };
+    app.insert_resource(GlobalAmbientLight {
+        brightness: 3000.0,
+        ..default()
+    });
+    let terrain = app.world_mut().spawn(ground(0.0, GREEN)).id();
+    let targets = [32, 32].map(|side| app::target(&mut app, side, side));
+    let place = above(0.0, 60.0);
+    let patches = (TerrainView, PatchDetail::default(), place);
+    let cameras = [
+        app::camera(&mut app, &targets[0], (TerrainView, place)),
+        app::camera(&mut app, &targets[1], patches),
+    ];
+    let seen = |app: &mut App| {
+        app::frames(app, 12);
+        [0, 1].map(|k: usize| halves(app, &targets[k]))
+    };
+    use Seen::{Green, Nothing};
+    assert_eq!(seen(&mut app), [[Green; 2]; 2]);
+    app.world_mut()
+        .entity_mut(terrain)
+        .insert(RenderLayers::layer(1));
+    assert_eq!(seen(&mut app), [[Nothing; 2]; 2]);
+    for camera in cameras {
+        app.world_mut()
+            .entity_mut(camera)
+            .insert(RenderLayers::from_layers(&[1, 2]));
+    }
+    assert_eq!(seen(&mut app), [[Green; 2]; 2]);
+    app.world_mut().entity_mut(terrain).remove::<RenderLayers>();
+    assert_eq!(seen(&mut app), [[Nothing; 2]; 2]);
+}
+
+#[test]
+fn gpu_a_camera_that_lost_its_detail_sees_by_the_default() {
+    let Some(mut app) = app::app() else { return };
+    app.insert_resource(GlobalAmbientLight {
+        brightness: 3000.0,
+        ..default()
+    });
+    app.world_mut().spawn(ground(0.0, GREEN));
+    let target = app::target(&mut app, 128, 64);
+    let place = Transform::from_xyz(0.0, 30.0, 80.0).looking_at(Vec3::Y * 5.0, Vec3::Y);
+    let camera = app::camera(&mut app, &target, (TerrainView, place));
+    let seen = |app: &mut App| {
+        app::frames(app, 12);
+        let drawn = app.world().resource::<GeometryStats>().primitives;
+        (drawn, halves(app, &target))
+    };
+    let (by_default, halves) = seen(&mut app);
+    assert_eq!(halves, [Seen::Green; 2]);
+    let coarse = TerrainLod {
+        metric: Metric::ErrorBound { pixels: 64.0 },
+        ..default()
+    };
+    app.world_mut().entity_mut(camera).insert(coarse);
+    let (fewer, _) = seen(&mut app);
+    assert!(fewer < by_default, "{fewer} of {by_default}");
+    app.world_mut().entity_mut(camera).remove::<TerrainLod>();
+    assert_eq!(seen(&mut app), (by_default, [Seen::Green; 2]));
+}
+
+/// The pixels of a part of a picture, and whether all the others are black.
+fn part(picture: &Image, at: UVec2, size: UVec2) -> (Vec<[u8; 4]>, bool) {
+    let width = picture.texture_descriptor.size.width;
+    let data = picture.data.as_ref().expect("pixels");
+    let (mut inside, mut black) = (Vec::new(), true);
+    for (index, pixel) in (0..).zip(data.chunks_exact(4)) {
+        let place = UVec2::new(index % width, index / width);
+        if place.cmpge(at).all() && place.cmplt(at + size).all() {
+            inside.push([pixel[0], pixel[1], pixel[2], pixel[3]]);
+        } else {
+            black &= pixel[..3] == [0, 0, 0];
+        }
+    }
+    (inside, black)
+}
+
+#[test]
+fn gpu_two_cameras_share_a_picture() {
+    let Some(mut app) = app::app() else { return };
+    app.insert_resource(GlobalAmbientLight {
+        brightness: 3000.0,
+        ..default()
+    });
+    app.world_mut().spawn(ground(-60.0, RED));
+    app.world_mut().spawn(ground(60.0, GREEN));
+    let target = app::target(&mut app, 128, 64);
+    // Between them, and above the lower one, nobody draws.
+    let parts = [
+        (UVec2::new(0, 0), UVec2::new(48, 64)),
+        (UVec2::new(64, 16), UVec2::new(64, 48)),
+    ];
+    let cameras = [(0, -60.0), (1, 60.0)].map(|(order, x)| {
+        let (physical_position, physical_size) = parts[order];
+        let viewport = Viewport {
+            physical_position,
+            physical_size,
+            ..default()
+        };
+        let camera = Camera {
+            order: order as isize,
+            viewport: Some(viewport),
+            ..default()
+        };
+        app::camera(&mut app, &target, (TerrainView, camera, above(x, 60.0)))
+    });
+    let picture = |app: &mut App, active: [bool; 2]| {
+        for (camera, is_active) in cameras.into_iter().zip(active) {
+            let mut camera = app.world_mut().get_mut::<Camera>(camera).expect("there");
+            camera.is_active = is_active;
+        }
+        app::frames(app, 12);
+        app::picture(app, &target)
+    };
+    let alone = [[true, false], [false, true]].map(|active| picture(&mut app, active));
+    let both = picture(&mut app, [true, true]);
+    for (k, (at, size)) in parts.into_iter().enumerate() {
+        let (own, black) = part(&alone[k], at, size);
+        assert!(black, "camera {k} drew outside of its part");
+        let strongest = |pixel: &[u8; 4]| pixel[k] > 20 && pixel[k] / 2 > pixel[1 - k];
+        let coloured = own.iter().filter(|pixel| strongest(pixel)).count();
+        assert!(2 * coloured > own.len(), "{coloured} of {}", own.len());
+        assert!(part(&both, at, size).0 == own, "part {k} is another one");
+    }
+    let (gap, _) = part(&both, UVec2::new(48, 0), UVec2::new(16, 64));
+    assert!(gap.iter().all(|pixel| pixel[..3] == [0, 0, 0]));
 }

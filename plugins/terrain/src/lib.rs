@@ -26,6 +26,7 @@ mod gpu_layout;
 mod ground;
 mod height_map;
 mod hill;
+mod interval;
 pub mod noise;
 mod plugin;
 mod probe;

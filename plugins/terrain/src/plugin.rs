@@ -1,6 +1,9 @@
 //! The ECS side: height queries for entities, in f64, without a GPU.
 
 use bevy::app::{App, Plugin};
+use bevy::ecs::resource::Resource;
+
+use crate::probe::{GroundProbe, ProbeBatch};
 
 /// Fills every [`GroundProbe`](crate::GroundProbe) from the [`Terrain`](crate::Terrain) of the world.
 ///
@@ -11,11 +14,27 @@ use bevy::app::{App, Plugin};
 /// At most [`ProbeBatch::per_frame`](crate::ProbeBatch::per_frame) probes are answered in a frame; a
 /// greater crowd takes turns. What is drawn under them comes in by
 /// [`ProbeBatch::fill`](crate::ProbeBatch::fill), if a renderer hands it in.
+///
+/// Added again it does nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TerrainPlugin;
 
+/// Says that the plugin was added.
+#[derive(Resource)]
+struct Added;
+
 impl Plugin for TerrainPlugin {
     fn build(&self, app: &mut App) {
+        if app.world().contains_resource::<Added>() {
+            return;
+        }
+        app.insert_resource(Added)
+            .register_type::<GroundProbe>()
+            .register_type::<ProbeBatch>();
         crate::probe::build(app);
+    }
+
+    fn is_unique(&self) -> bool {
+        false
     }
 }

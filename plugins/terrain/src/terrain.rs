@@ -1,6 +1,5 @@
 //! A terrain: layers of sources, one function of the ground plane.
 
-use crate::bounds::HeightBounds;
 use crate::ground::{Ground, GroundPoint, GroundRect, GroundSample, Height, in_range};
 use crate::height_map::{HeightMap, HeightMapError};
 use crate::hill::Hill;
@@ -266,13 +265,6 @@ impl Terrain {
             };
             masked_f64(mask, below, added)
         })
-    }
-
-    /// Lowest and highest height and steepest slope that `rect` may contain: never too narrow,
-    /// and wider than the truth by a little (see [`crate::bounds`]). Some 10 µs a layer.
-    #[must_use]
-    pub fn bounds(&self, rect: &GroundRect) -> HeightBounds {
-        crate::bounds::terrain(self, rect)
     }
 }
 

@@ -5,17 +5,12 @@ use bevy::math::{UVec2, Vec2, Vec3};
 use dolomite_terrain::{GpuTerrainUniform, GroundPoint, Terrain};
 
 use super::patches::GroundPatches;
+pub use crate::range::{DEPTH_RANGE, OPAQUE_DEPTH};
 use dolomite_tessellation::Levels;
 use dolomite_tessellation::layout::StageView;
 
-/// The bed of water deeper than this cannot be seen, metres: the surface above it is flat.
-pub const OPAQUE_DEPTH: f32 = 12.0;
-
 /// Share of the segments that patches get which are seen through a shadow map alone.
 pub const SHADOW_DETAIL: f32 = 0.25;
-
-/// Depth below the sea that a vertex can carry either way, metres.
-pub const DEPTH_RANGE: f32 = 32.0;
 
 /// The ground in one view.
 #[derive(Clone, Copy, Debug)]

@@ -14,6 +14,7 @@ use bevy::prelude::*;
 pub use dolomite_geometry::budget::*;
 
 use super::{Metric, TerrainLod};
+use crate::sets::GroundSystems;
 
 /// The GPU's time for choosing the ground's detail and drawing it into the G-buffer: what its tolerance
 /// moves. Needs Bevy's `RenderDiagnosticsPlugin`.
@@ -42,14 +43,30 @@ fn follow(mut cameras: Query<(&BudgetReport, &mut TerrainLod), With<Budget>>) {
     }
 }
 
-/// Lets the ground's detail follow the budgets of cameras; comes with the ground's plugin.
+/// Lets the ground's detail follow the budgets of cameras; comes with the ground's plugin. Added again it does
+/// nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DetailBudgetPlugin;
 
+/// Marks an app that has the system.
+#[derive(Resource)]
+struct Added;
+
 impl Plugin for DetailBudgetPlugin {
     fn build(&self, app: &mut App) {
-        app.add_plugins(BudgetPlugin)
-            .add_systems(PostUpdate, follow.after(BudgetSystems));
+        if app.world().contains_resource::<Added>() {
+            return;
+        }
+        app.insert_resource(Added)
+            .add_plugins(BudgetPlugin)
+            .add_systems(
+                PostUpdate,
+                follow.in_set(GroundSystems::Budget).after(BudgetSystems),
+            );
+    }
+
+    fn is_unique(&self) -> bool {
+        false
     }
 }
 

@@ -291,7 +291,7 @@ fn make_cells(
         *out = Cell::new(
             heights,
             sea,
-            crate::cover::functions::OPAQUE_DEPTH,
+            crate::range::OPAQUE_DEPTH,
             place.quarter(),
             unseen,
         );

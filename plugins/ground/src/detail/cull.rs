@@ -15,8 +15,6 @@
 
 use bevy::math::{Mat4, Vec2, Vec3, Vec4, Vec4Swizzles as _};
 
-use super::horizon::Horizon;
-
 /// Rounding of f32, some times: of a sum of four products, and of what made them.
 const ROUNDING: f32 = 1e-6;
 /// Pixels by which a corner may be drawn off its place: twice the half step of the coarsest grid.
@@ -80,17 +78,17 @@ impl CullView {
         ab.perp_dot(ac) < -off * (around + 4.0 * off)
     }
 
-    /// Puts what is not hidden first, by nearer ground neither; how many these are. `places` of the vertices
-    /// are relative to the stage's anchor.
+    /// Puts what is not hidden first, by nearer ground neither, as `occluded` says of three corners; how many these
+    /// are. `places` of the vertices are relative to the stage's anchor.
     pub fn sort(
         &self,
-        horizon: Option<&Horizon>,
+        occluded: impl Fn([Vec3; 3]) -> bool,
         triangles: &mut Vec<[u32; 3]>,
         places: &[Vec3],
     ) -> usize {
         let hidden = |triangle: &[u32; 3]| {
             let corners = triangle.map(|k| places[k as usize]);
-            self.hides(corners) || horizon.is_some_and(|horizon| horizon.hides(corners))
+            self.hides(corners) || occluded(corners)
         };
         let (others, mut first): (Vec<_>, Vec<_>) = triangles.drain(..).partition(hidden);
         let count = first.len();
@@ -242,7 +240,7 @@ mod tests {
         assert!(one.hides(far) && two.hides(far));
         let mut triangles = vec![[0, 2, 1], [0, 1, 2], [3, 4, 5]];
         let places: Vec<Vec3> = [a, b, c].into_iter().chain(far).collect();
-        assert_eq!(one.sort(None, &mut triangles, &places), 1);
+        assert_eq!(one.sort(|_| false, &mut triangles, &places), 1);
         assert_eq!(triangles, [[0, 1, 2], [0, 2, 1], [3, 4, 5]]);
     }
 }

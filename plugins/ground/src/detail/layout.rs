@@ -9,7 +9,7 @@ use super::cull::CullView;
 use super::horizon::{COLUMNS, HorizonView, LAYERS};
 use super::lattice::DetailLattice;
 use super::view::DetailView;
-use crate::cover::functions::{DEPTH_RANGE, OPAQUE_DEPTH};
+use crate::range::{DEPTH_RANGE, OPAQUE_DEPTH};
 
 /// All that the passes depend on, beside buffers.
 #[repr(C)]

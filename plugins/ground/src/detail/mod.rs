@@ -25,32 +25,42 @@
 //! | [`mod@cell`] | heights and error bounds of a cell, from a few samples |
 //! | [`errors`] | how far the meshes of a cell are from its samples |
 //! | [`view`] | what a vertical metre is in pixels, at most |
-//! | [`mod@select`] | which vertices a view gets |
-//! | [`mod@mesh`] | their heights, and the triangles |
-//! | [`cull`] | which of these a view shows nothing of |
-//! | [`horizon`] | which of these other ground hides |
+//! | `select` | which vertices a view gets |
+//! | `mesh` | their heights, and the triangles |
+//! | `cull` | which of these a view shows nothing of |
+//! | `horizon` | which of these other ground hides |
 //! | [`layout`] | the same on the GPU: records and passes |
 //! | [`probe`] | the triangle under a place: height queries |
+//!
+//! What only the passes, their tests and studies use is not in the pages: `select`, `mesh`, `cull`, `horizon`.
 
 pub mod budget;
 pub mod cell;
+#[doc(hidden)]
 pub mod cull;
 pub mod errors;
+#[doc(hidden)]
 pub mod horizon;
 pub mod lattice;
 pub mod layout;
+#[doc(hidden)]
 pub mod mesh;
 pub mod probe;
+#[doc(hidden)]
 pub mod select;
 pub mod settings;
 pub mod view;
 
 pub use cell::{Cell, DetailCells};
+#[doc(hidden)]
 pub use cull::CullView;
+#[doc(hidden)]
 pub use horizon::{Horizon, HorizonView};
 pub use lattice::{CellPlace, DetailLattice};
+#[doc(hidden)]
 pub use mesh::{DetailMesh, DetailVertex};
 pub use probe::DrawnProbes;
+#[doc(hidden)]
 pub use select::{Selection, select};
 pub use settings::{Metric, TerrainLod};
 pub use view::{DetailView, Lens};

@@ -30,9 +30,9 @@ pub const MOST_ASKED: u32 = 1 << 20;
 
 /// How many ground probes are answered from what is drawn.
 ///
-/// The view that answers is that of the active camera with a [`TerrainLod`](super::TerrainLod) whose order is the
-/// least. Without one, the ground is drawn as patches or not at all, and probes have their true answers
-/// alone.
+/// The view that answers is that of the active camera of least order with a [`TerrainView`](crate::TerrainView) and
+/// without a [`PatchDetail`](crate::PatchDetail). Where there is none, the ground is drawn as patches or not at all,
+/// and probes have their true answers alone.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default)]
 pub struct DrawnProbes {

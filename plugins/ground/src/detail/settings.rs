@@ -2,6 +2,8 @@
 
 use bevy::prelude::*;
 
+use crate::range::within;
+
 /// What a vertex is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Default)]
@@ -107,15 +109,6 @@ impl Metric {
     }
 }
 
-/// A number within its range; `default` for what is no number.
-pub(crate) fn within(value: f32, low: f32, high: f32, default: f32) -> f32 {
-    if value.is_nan() {
-        default
-    } else {
-        value.clamp(low, high)
-    }
-}
-
 /// How finely a camera sees the ground.
 ///
 /// Required by [`TerrainView`](crate::TerrainView). A camera from which it was taken away sees the ground as by the
@@ -125,15 +118,19 @@ pub(crate) fn within(value: f32, low: f32, high: f32, default: f32) -> f32 {
 pub struct TerrainLod {
     /// What is asked of the drawn surface.
     pub metric: Metric,
-    /// Side of the smallest cell, metres; 2⁻¹⁰ to 1024.
+    /// Side of the smallest cell, metres; 2⁻¹⁰ to 1024, default 0.125.
+    ///
+    /// Views with the same value share the cells of a terrain; each other value among them has cells of its own,
+    /// made and kept once more.
     pub finest: f32,
     /// Most vertices of a view; where a view asks for more, the tolerance grows until it fits. 2¹⁰ to 2²²,
     /// default 2¹⁸.
     ///
     /// A vertex takes 472 bytes a view (64 of pools, 408 of the four cells that it is counted with), and another
-    /// 452 of cells that all views of the terrain share, as large as the greatest of them asks for: by default
-    /// 118 MiB a view and 113 MiB a terrain. They are published as
-    /// `dolomite/geometry/allocated/…` and in `GeometryStats::pools`.
+    /// 452 of cells that all views of the terrain with the same `finest` share, as large as the greatest of them asks
+    /// for: by default 118 MiB a view, and 113 MiB a terrain and value of `finest`. They are published as
+    /// `dolomite/geometry/allocated/…` and in `GeometryStats::pools`, with the terrain's relief map, its textures
+    /// and its heights.
     pub max_vertices: u32,
     /// Share of the detail that ground gets which is seen through its shadow alone, 0 to 1.
     pub shadow_share: f32,

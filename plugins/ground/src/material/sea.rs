@@ -3,6 +3,8 @@
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::range::within;
+
 /// The sea of a terrain: goes on the entity that carries the [`Terrain`](dolomite_terrain::Terrain), whose
 /// `sea_level` says how high it stands.
 ///
@@ -36,7 +38,6 @@ impl Sea {
     /// The same with every number in its range; what is not a number becomes the default.
     #[must_use]
     pub fn clamped(self) -> Self {
-        use crate::detail::settings::within;
         let default = Self::default();
         let three = |value: [f32; 3], most: f32, default: [f32; 3]| {
             [0, 1, 2].map(|k| within(value[k], 0.0, most, default[k]))

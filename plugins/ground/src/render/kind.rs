@@ -9,8 +9,8 @@ use dolomite_terrain::{GpuTerrainUniform, Terrain};
 
 use super::detail::DetailKind;
 use super::look::GroundLook;
-use crate::cover::functions::DEPTH_RANGE;
 use crate::cover::{GROUND_LAYOUT, PatchDetail, TerrainView};
+use crate::range::DEPTH_RANGE;
 use dolomite_tessellation::PatchLayout;
 use dolomite_tessellation::render::{PatchKind, PatchPool, PatchShader, Viewpoint};
 
@@ -40,6 +40,10 @@ pub struct GroundKind<const SLOT: usize> {
     pub(super) extent_min: DVec2,
     /// From the lowest to the highest ground of all, metres.
     pub(super) heights_apart: f32,
+    /// Bytes of its buffers on the GPU.
+    pub(super) buffer_bytes: u64,
+    /// Bytes of its textures on the GPU; of arrays that terrains share, those of the first slot alone.
+    pub(super) texture_bytes: u64,
     /// What the buffers hold.
     pub(super) terrain: Option<Terrain>,
     /// Whether it is drawn.
@@ -131,6 +135,10 @@ impl<const SLOT: usize> DetailKind for GroundKind<SLOT> {
 
     fn is_shown(&self) -> bool {
         self.shown
+    }
+
+    fn data_bytes(&self) -> u64 {
+        self.buffer_bytes + self.texture_bytes
     }
 
     fn layers(&self) -> RenderLayers {

@@ -5,8 +5,8 @@ use bevy::render::render_resource::ShaderType;
 use dolomite_terrain::GpuTerrainUniform;
 
 use super::TerrainRelief;
-use crate::detail::settings::within;
 use crate::material::{Band, GroundLayer, GroundMaterial, Measure, Sea, Surface};
+use crate::range::within;
 
 /// See `GroundBand` in `shaders/src/ground/types.wgsl`.
 #[derive(ShaderType, Clone, Copy, Debug, Default, PartialEq)]

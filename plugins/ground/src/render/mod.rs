@@ -12,27 +12,35 @@ mod noise;
 pub mod relief;
 mod terrain;
 pub mod texture;
+mod told;
 
 use std::sync::Arc;
 
+use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
 
 pub use detail::probe::{AnswerCensus, DrawnProbeStats, answer_census};
+#[doc(hidden)]
 pub use kind::{GroundKind, HeightUniform};
+#[doc(hidden)]
 pub use look::{GroundLook, LookBand, LookLayer, LookLimit};
 pub use relief::TerrainRelief;
 pub use texture::GroundTextures;
 
-use crate::cover::{PatchDetail, TerrainCover, TerrainCoverSystems, TerrainView};
+use crate::cover::{PatchDetail, TerrainCover, TerrainView};
+use crate::sets::GroundSystems;
 use dolomite_geometry::GeometryPlugin;
-use dolomite_tessellation::Patches;
 use dolomite_tessellation::render::PatchPlugin;
+use dolomite_tessellation::{PatchMeshError, Patches};
 use texture::ReadyArrays;
+use told::is_news;
 
 /// Adds the main world's side of the GPU half.
 pub(crate) fn build(app: &mut App, relief_side: u32) {
-    app.insert_resource(relief::ReliefSide(relief_side))
+    app.register_type::<GroundTextures>()
+        .register_type::<TerrainRelief>()
+        .insert_resource(relief::ReliefSide(relief_side))
         .add_plugins((GeometryPlugin, PatchPlugin(GroundKind::<0>::default())));
 }
 
@@ -47,17 +55,14 @@ pub(crate) fn finish(app: &mut App) {
             (
                 texture::make_built_in,
                 texture::make_arrays,
+                relief::forget,
                 relief::start,
                 relief::finish,
             )
-                .chain(),
+                .chain()
+                .in_set(GroundSystems::Make),
         )
-        .add_systems(
-            PostUpdate,
-            place_patches
-                .after(TerrainCoverSystems)
-                .after(terrain::follow::<0>),
-        );
+        .add_systems(PostUpdate, place_patches.in_set(GroundSystems::Place));
     // As many as MOST_TERRAINS.
     add_slot::<0>(app);
     add_slot::<1>(app);
@@ -70,7 +75,7 @@ fn add_slot<const SLOT: usize>(app: &mut App) {
     const { assert!(SLOT < crate::MOST_TERRAINS) };
     app.init_resource::<GroundKind<SLOT>>().add_systems(
         PostUpdate,
-        terrain::follow::<SLOT>.after(TerrainCoverSystems),
+        terrain::follow::<SLOT>.in_set(GroundSystems::Follow),
     );
     detail::build::<GroundKind<SLOT>>(app);
 }
@@ -79,7 +84,8 @@ fn add_slot<const SLOT: usize>(app: &mut App) {
 #[derive(Component)]
 struct GroundOf(Entity);
 
-/// Gives every view whose ground is of patches those of its cover, as an entity that it alone sees.
+/// Gives every view whose ground is of patches those of its cover, as an entity that it alone sees, where it sees one
+/// of the terrain's layers.
 fn place_patches(
     mut commands: Commands,
     kind: Res<GroundKind<0>>,
@@ -90,7 +96,9 @@ fn place_patches(
         &mut Patches<GroundKind<0>>,
         &mut Transform,
         &mut GlobalTransform,
+        &mut RenderLayers,
     )>,
+    mut told: Local<Vec<PatchMeshError>>,
 ) {
     for (entity, of, ..) in &grounds {
         if !kind.shown || !covers.contains(of.0) {
@@ -101,7 +109,15 @@ fn place_patches(
         return;
     }
     for (camera, cover) in &covers {
-        let found = grounds.iter_mut().find(|(_, of, ..)| of.0 == camera);
+        if let Some(fault) = &cover.fault
+            && is_news(&mut told, fault)
+        {
+            error!("the ground cannot be covered with patches: {fault}");
+        }
+        let mut found = grounds.iter_mut().find(|(_, of, ..)| of.0 == camera);
+        if let Some((.., layers)) = &mut found {
+            layers.set_if_neq(kind.seen_on.clone());
+        }
         let mesh = &cover.patches.mesh;
         let other = |patches: &Patches<GroundKind<0>>| !Arc::ptr_eq(&patches.mesh, mesh);
         if found
@@ -110,8 +126,8 @@ fn place_patches(
         {
             continue;
         }
-        if let Some(fault) = &cover.fault {
-            error!("the ground cannot be covered with patches: {fault}");
+        // The newest patches cannot be had: what is drawn stays.
+        if cover.fault.is_some() {
             continue;
         }
         let mut patches = Patches::new(mesh.clone());
@@ -122,13 +138,14 @@ fn place_patches(
         // Transforms have been propagated by now.
         let world = GlobalTransform::from(place);
         match found {
-            Some((.., mut old, mut transform, mut global)) => {
+            Some((_, _, mut old, mut transform, mut global, _)) => {
                 *old = patches;
                 *transform = place;
                 *global = world;
             }
             None => {
-                commands.spawn((GroundOf(camera), patches, place, world));
+                let layers = kind.seen_on.clone();
+                commands.spawn((GroundOf(camera), patches, place, world, layers));
             }
         }
     }

@@ -4,7 +4,9 @@
 //! shading, filtered by mip levels: the means of gradients, as the normals of a rough surface
 //! should be averaged (Olano and Baker, "LEAN mapping", 2010, first moments).
 
+use crate::cover::TerrainView;
 use crate::material::{GroundMaterial, Sea};
+use crate::shown::ShownTerrains;
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::math::DVec2;
@@ -14,7 +16,8 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 use dolomite_terrain::{GroundPoint, HeightTile, Planes, Terrain};
 use half::f16;
 
-/// The relief map of a terrain; made in the background by the plugin.
+/// The relief map of a terrain; made in the background by the plugin for a terrain that is drawn, and taken away
+/// when it is hidden or no camera has a [`TerrainView`] any more.
 #[derive(Component, Clone, Debug, Reflect)]
 #[reflect(Component)]
 pub struct TerrainRelief {
@@ -42,17 +45,42 @@ impl ReliefSide {
 #[derive(Component)]
 pub(crate) struct ReliefTask(Task<Image>, u32);
 
+/// Takes the relief maps away of terrains that are no longer drawn. Without a side the maps are not the plugin's.
+pub(crate) fn forget(
+    mut commands: Commands,
+    side: Res<ReliefSide>,
+    shown: Res<ShownTerrains>,
+    views: Query<(), With<TerrainView>>,
+    made: Query<Entity, Or<(With<TerrainRelief>, With<ReliefTask>)>>,
+) {
+    if side.texels().is_none() {
+        return;
+    }
+    for entity in &made {
+        if views.is_empty() || !shown.entities().any(|drawn| drawn == entity) {
+            commands
+                .entity(entity)
+                .remove::<(TerrainRelief, ReliefTask)>();
+        }
+    }
+}
+
 /// Starts a relief map for every drawn terrain that is new or has changed.
 pub(crate) fn start(
     mut commands: Commands,
     side: Res<ReliefSide>,
+    shown: Res<ShownTerrains>,
+    views: Query<(), With<TerrainView>>,
     terrains: Query<(Entity, Ref<Terrain>, Has<Sea>), With<GroundMaterial>>,
     known: Query<(), Or<(With<TerrainRelief>, With<ReliefTask>)>>,
 ) {
     let Some(side) = side.texels() else {
         return;
     };
-    for (entity, terrain, sea) in &terrains {
+    if views.is_empty() {
+        return;
+    }
+    for (entity, terrain, sea) in terrains.iter_many(shown.entities()) {
         if !terrain.is_changed() && known.contains(entity) {
             continue;
         }
@@ -228,6 +256,9 @@ fn sky_occlusion(heights: &[f32], n: usize, spacing: f64) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::MOST_TERRAINS;
+    use crate::shown::follow_terrains;
+    use dolomite_terrain::{GroundRect, TerrainData};
 
     #[test]
     fn flat_ground_sees_the_whole_sky() {
@@ -246,5 +277,46 @@ mod tests {
         // Walls 1000 times as high as far (√2 on the diagonals): cos² of the horizon is below 2e-6.
         assert!(occlusion[8 * 16 + 8] < 2e-6);
         assert_eq!(occlusion[0], 1.0, "the rim sees everything");
+    }
+
+    #[test]
+    fn maps_are_there_for_terrains_that_are_drawn_alone() {
+        let mut app = App::new();
+        app.add_plugins(MinimalPlugins)
+            .insert_resource(ReliefSide(64))
+            .init_resource::<ShownTerrains>()
+            .init_resource::<Assets<Image>>()
+            .add_systems(Update, (forget, start, finish).chain())
+            .add_systems(PostUpdate, follow_terrains);
+        let terrain = Terrain::new(TerrainData {
+            extent: GroundRect::square(DVec2::ZERO, 10.0),
+            layers: Vec::new(),
+            base: 0.0,
+            sea_level: None,
+        });
+        let terrain = terrain.expect("valid");
+        let ground = (terrain, GroundMaterial::default(), Visibility::Inherited);
+        let all: Vec<Entity> = (0..=MOST_TERRAINS)
+            .map(|_| app.world_mut().spawn(ground.clone()).id())
+            .collect();
+        let made = |app: &mut App| {
+            // One frame says what is shown, the next one makes and drops.
+            app.update();
+            app.update();
+            let has = |entity: &Entity| {
+                let entity = app.world().entity(*entity);
+                entity.contains::<TerrainRelief>() || entity.contains::<ReliefTask>()
+            };
+            all.iter().map(has).collect::<Vec<bool>>()
+        };
+        assert_eq!(made(&mut app), [false; 5], "nobody looks");
+        let view = app.world_mut().spawn(TerrainView).id();
+        assert_eq!(made(&mut app), [true, true, true, true, false]);
+        app.world_mut()
+            .entity_mut(all[0])
+            .insert(Visibility::Hidden);
+        assert_eq!(made(&mut app), [false, true, true, true, true]);
+        app.world_mut().despawn(view);
+        assert_eq!(made(&mut app), [false; 5]);
     }
 }

@@ -3,14 +3,16 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
+use bevy::render::render_resource::ShaderType;
 use bevy::render::storage::ShaderBuffer;
 use dolomite_terrain::Terrain;
 use dolomite_tessellation::render::PatchPool;
 
-use super::kind::GroundKind;
-use super::look::GroundLook;
+use super::kind::{GroundKind, HeightUniform};
+use super::look::{GroundLook, LookLimit};
 use super::relief::{TerrainRelief, drawn};
 use super::texture::{GroundTextures, ReadyArrays, textured};
+use super::told::is_news;
 use crate::cover::{PatchDetail, TerrainView};
 use crate::material::{GroundMaterial, Sea};
 use crate::shown::ShownTerrains;
@@ -24,7 +26,7 @@ type GroundQuery<'a> = (
     Option<&'a RenderLayers>,
 );
 
-/// What has to be taken over when a view next looks.
+/// What has to be taken over.
 #[derive(Default)]
 pub(super) struct Due {
     /// Of which terrain.
@@ -42,10 +44,13 @@ pub(super) fn follow<const SLOT: usize>(
     shown: Res<ShownTerrains>,
     terrains: Query<GroundQuery>,
     views: Query<Option<&PatchDetail>, With<TerrainView>>,
+    images: Res<Assets<Image>>,
     ready: Res<ReadyArrays>,
     mut due: Local<Due>,
+    mut told: Local<Vec<LookLimit>>,
 ) {
-    let entity = shown.slot(SLOT);
+    // Without a view nothing is kept on the GPU.
+    let entity = shown.slot(SLOT).filter(|_| !views.is_empty());
     let found = entity.and_then(|entity| terrains.get(entity).ok());
     let Some((terrain, material, textures, sea, relief, layers)) = found else {
         if kind.terrain.is_some() {
@@ -75,9 +80,6 @@ pub(super) fn follow<const SLOT: usize>(
     if kind.seen_on != layers {
         kind.seen_on = layers;
     }
-    if views.is_empty() {
-        return;
-    }
     let pool = pool(&views);
     if kind.pool != pool {
         kind.pool = pool;
@@ -90,6 +92,8 @@ pub(super) fn follow<const SLOT: usize>(
         kind.layers = buffer(bytemuck::cast_slice(&gpu.layers));
         kind.data = buffer(bytemuck::cast_slice(&gpu.data));
         kind.heights = gpu.uniform.into();
+        let uniforms = HeightUniform::min_size().get() + GroundLook::min_size().get();
+        kind.buffer_bytes = (size_of_val(&*gpu.layers) + size_of_val(&*gpu.data)) as u64 + uniforms;
         let bounds = terrain.bounds(&terrain.extent());
         kind.heights_apart = (bounds.max - bounds.min).max(0.0);
         kind.extent_min = terrain.extent().min;
@@ -105,9 +109,48 @@ pub(super) fn follow<const SLOT: usize>(
         let (look, limits) = GroundLook::new(&material, sea, relief.as_deref());
         kind.look = look;
         for limit in limits {
-            warn!("{limit}");
+            if is_news(&mut told, &limit) {
+                warn!("{limit}");
+            }
         }
     }
+    let elsewhere = |handle: &Handle<Image>| {
+        let lower = (0..SLOT).filter_map(|slot| shown.slot(slot));
+        terrains
+            .iter_many(lower)
+            .any(|(_, material, textures, ..)| textured(&material) && textures.names(handle))
+    };
+    let arrays = [&kind.albedo_height, &kind.normal_roughness];
+    let arrays = arrays
+        .into_iter()
+        .flatten()
+        .filter(|array| !elsewhere(array));
+    let bytes: u64 = arrays
+        .chain(&kind.relief)
+        .filter_map(|handle| images.get(handle))
+        .map(image_bytes)
+        .sum();
+    if kind.texture_bytes != bytes {
+        kind.texture_bytes = bytes;
+    }
+}
+
+/// Bytes of an image on the GPU, with its mip levels.
+fn image_bytes(image: &Image) -> u64 {
+    let descriptor = &image.texture_descriptor;
+    let (width, height) = descriptor.format.block_dimensions();
+    let block = descriptor.format.block_copy_size(None).unwrap_or(0);
+    let level = |level: u32| {
+        let size = descriptor.size.mip_level_size(level, descriptor.dimension);
+        let sides = [
+            size.width.div_ceil(width),
+            size.height.div_ceil(height),
+            size.depth_or_array_layers,
+            block,
+        ];
+        sides.map(u64::from).iter().product::<u64>()
+    };
+    (0..descriptor.mip_level_count).map(level).sum()
 }
 
 /// Most that any view asks for whose ground is of patches.

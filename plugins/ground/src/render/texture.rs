@@ -11,12 +11,14 @@ use bevy::render::renderer::RenderAdapterInfo;
 use thiserror::Error;
 
 use super::builtin::{COUNT, Making};
+use crate::cover::TerrainView;
 use crate::material::{GroundMaterial, Surface};
+use crate::shown::ShownTerrains;
 
 /// Layers of the textures that [`MaterialBands`](crate::MaterialBands) speaks of.
 pub const LAYERS: u32 = 5;
 
-/// Textures that come with the crate; made when a terrain first needs them.
+/// Textures that come with the crate; made when a terrain that is drawn first needs them.
 const BUILT_IN: [Handle<Image>; 2] = [
     uuid_handle!("5c9e1f0a-5f0b-4c7e-9d35-6f7d0d2b8a01"),
     uuid_handle!("5c9e1f0a-5f0b-4c7e-9d35-6f7d0d2b8a02"),
@@ -48,6 +50,11 @@ impl Default for GroundTextures {
 }
 
 impl GroundTextures {
+    /// Whether an array is one of these.
+    pub(super) fn names(&self, array: &Handle<Image>) -> bool {
+        self.handles().iter().any(|(handle, _)| *handle == array)
+    }
+
     fn handles(&self) -> [(&Handle<Image>, bool); 2] {
         [(&self.albedo_height, true), (&self.normal_roughness, false)]
     }
@@ -184,34 +191,41 @@ fn halve(level: &[u8], side: usize, srgb: bool) -> Vec<u8> {
 
 /// Texture arrays that are ready to be drawn with.
 #[derive(Resource, Default)]
-pub struct ReadyArrays(HashSet<AssetId<Image>>);
+pub(crate) struct ReadyArrays {
+    ready: HashSet<AssetId<Image>>,
+    /// Those that come with the crate, while they are being made.
+    making: Option<Making>,
+}
 
 impl ReadyArrays {
     /// Whether all that a material samples is there.
-    pub fn has(&self, material: &GroundMaterial, textures: &GroundTextures) -> bool {
+    pub(super) fn has(&self, material: &GroundMaterial, textures: &GroundTextures) -> bool {
         !textured(material)
             || textures
                 .handles()
                 .iter()
-                .all(|(handle, _)| self.0.contains(&handle.id()))
+                .all(|(handle, _)| self.ready.contains(&handle.id()))
     }
 }
 
-/// Makes the textures that come with the crate, once a terrain needs them.
+/// Makes the textures that come with the crate, once a terrain that is drawn needs them.
 pub(super) fn make_built_in(
+    shown: Res<ShownTerrains>,
+    views: Query<(), With<TerrainView>>,
     materials: Query<(&GroundMaterial, &GroundTextures)>,
     mut images: ResMut<Assets<Image>>,
     mut ready: ResMut<ReadyArrays>,
-    mut making: Local<Option<Making>>,
     adapter: Option<Res<RenderAdapterInfo>>,
 ) {
-    if ready.0.contains(&BUILT_IN[0].id()) {
+    let ReadyArrays { ready, making } = &mut *ready;
+    if ready.contains(&BUILT_IN[0].id()) {
         return;
     }
     let of =
         |textures: &GroundTextures| textures.handles().iter().any(|(h, _)| is_built_in(h.id()));
     let needed = |(material, textures)| textured(material) && of(textures);
-    if making.is_none() && materials.iter().any(needed) {
+    let mut drawn = materials.iter_many(shown.entities());
+    if making.is_none() && !views.is_empty() && drawn.any(needed) {
         *making = Some(Making::start());
     }
     let Some(stacks) = making.as_mut().and_then(Making::finished) else {
@@ -224,7 +238,7 @@ pub(super) fn make_built_in(
         if let Ok(array) = made.map(|array| filtered(array, adapter.as_deref()))
             && images.insert(handle.id(), array).is_ok()
         {
-            ready.0.insert(handle.id());
+            ready.insert(handle.id());
         }
     }
 }
@@ -253,19 +267,19 @@ pub(super) fn make_arrays(
 ) {
     for (handle, srgb) in textures.iter().flat_map(GroundTextures::handles) {
         let id = handle.id();
-        if ready.0.contains(&id) || refused.contains(&id) || is_built_in(id) {
+        if ready.ready.contains(&id) || refused.contains(&id) || is_built_in(id) {
             continue;
         }
         let Some(image) = images.get(id) else {
             // One that was made, not loaded, and lives on the GPU alone: an array, as it should be.
             if handle.path().is_none() && id != AssetId::default() {
-                ready.0.insert(id);
+                ready.ready.insert(id);
             }
             continue;
         };
         let size = image.texture_descriptor.size;
         if size.depth_or_array_layers > 1 {
-            ready.0.insert(id);
+            ready.ready.insert(id);
             continue;
         }
         let layers = (size.height / size.width.max(1)).max(1);
@@ -276,7 +290,7 @@ pub(super) fn make_arrays(
         });
         match put {
             Ok(()) => {
-                ready.0.insert(id);
+                ready.ready.insert(id);
             }
             Err(error) => {
                 error!("texture of the ground {:?}: {error}", handle.path());
@@ -289,6 +303,9 @@ pub(super) fn make_arrays(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shown::follow_terrains;
+    use bevy::math::DVec2;
+    use dolomite_terrain::{GroundRect, Terrain, TerrainData};
 
     fn stack(width: u32, height: u32, texel: [u8; 4]) -> Image {
         Image::new_fill(
@@ -325,6 +342,45 @@ mod tests {
         let data = array.data.expect("texels are kept");
         // sRGB of a linear half is 188; alpha is linear: (255 + 255 + 0 + 0) / 4, rounded.
         assert_eq!(data[16..], [188, 188, 188, 128]);
+    }
+
+    #[test]
+    fn textures_are_made_for_terrains_that_are_drawn_alone() {
+        let mut app = App::new();
+        app.add_plugins(MinimalPlugins)
+            .init_resource::<ShownTerrains>()
+            .init_resource::<ReadyArrays>()
+            .init_resource::<Assets<Image>>()
+            .add_systems(Update, make_built_in)
+            .add_systems(PostUpdate, follow_terrains);
+        let terrain = Terrain::new(TerrainData {
+            extent: GroundRect::square(DVec2::ZERO, 10.0),
+            layers: Vec::new(),
+            base: 0.0,
+            sea_level: None,
+        });
+        let ground = (
+            terrain.expect("valid"),
+            GroundMaterial::default(),
+            Visibility::Hidden,
+        );
+        let ground = app.world_mut().spawn(ground).id();
+        let begun = |app: &mut App| {
+            // One frame says what is shown, the next one begins.
+            app.update();
+            app.update();
+            let arrays = app.world().resource::<ReadyArrays>();
+            arrays.making.is_some() || !arrays.ready.is_empty()
+        };
+        let view = app.world_mut().spawn(TerrainView).id();
+        assert!(!begun(&mut app), "hidden");
+        app.world_mut()
+            .entity_mut(ground)
+            .insert(Visibility::Inherited);
+        app.world_mut().despawn(view);
+        assert!(!begun(&mut app), "nobody looks");
+        app.world_mut().spawn(TerrainView);
+        assert!(begun(&mut app));
     }
 
     #[test]

@@ -13,7 +13,6 @@ use bevy::time::TimeUpdateStrategy;
 use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
 use dolomite_ground::GroundPlugin;
-use dolomite_terrain::TerrainPlugin;
 
 /// Bevy's plugins and the ground's; `None`, after a line that says so, without Vulkan; in CI that fails.
 pub fn app() -> Option<App> {
@@ -34,7 +33,7 @@ pub fn app() -> Option<App> {
         .disable::<WinitPlugin>()
         .disable::<PipelinedRenderingPlugin>();
     let relief_side = 64;
-    app.add_plugins((plugins, TerrainPlugin, GroundPlugin { relief_side }))
+    app.add_plugins((plugins, GroundPlugin { relief_side }))
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
         .insert_resource(ClearColor(Color::BLACK));
     app.finish();

@@ -11,9 +11,10 @@
 //!
 //! A test scans these functions.
 
-use super::sum::{State, Unit};
-use super::{CellBounds, Cells, Interval, SecondOrder};
+use super::Cells;
+use super::sum::{ROUNDING, SECOND, State, Unit};
 use crate::ground::fixed;
+use crate::interval::{CellBounds, Interval};
 use crate::noise::points::{self, BLOCK, Positions};
 use crate::noise::sum::Fbm;
 use crate::noise::tile::{self, Grid, Out};
@@ -25,16 +26,7 @@ use fearless_simd::Level;
 const VALUE: f64 = 1.0;
 /// Bound of |∂n/∂x| and |∂n/∂z|, 1/cell.
 const FIRST: f64 = 2.75;
-/// Bounds of the second derivatives, 1/cell²: 20/√3 = 11.547…, and 6.87.
-pub(super) const SECOND: SecondOrder = SecondOrder {
-    xx: 11.548,
-    xz: 6.88,
-    zz: 11.548,
-};
-
-/// Share of its amplitude by which an octave's f32 value may leave the bounds (twice what the
-/// accuracy test sees), and share of amplitude × frequency for its gradient.
-pub(super) const ROUNDING: f64 = 2e-6;
+/// As [`ROUNDING`], as a share of amplitude × frequency, for the gradient.
 const ROUNDING_FIRST: f64 = 1e-5;
 
 /// Noise of one octave at the centres of the cells: value, and gradient a metre.

@@ -10,14 +10,12 @@
 //! range; slopes of eroded sums are the loosest, up to ten times the truth.
 
 mod fractal;
-mod interval;
 mod sum;
 mod unseen;
 
-pub(crate) use interval::{Interval, SecondOrder};
-
 use crate::ground::{GroundRect, in_range};
 use crate::hill::Hill;
+use crate::interval::{CellBounds, Interval};
 use crate::noise::Sum;
 use crate::terrain::{Mask, Prepared, Terrain};
 use bevy::math::DVec2;
@@ -31,15 +29,6 @@ pub struct HeightBounds {
     pub max: f32,
     /// No gradient is longer, rise over run.
     pub max_slope: f32,
-}
-
-/// What a source, or the sum so far, stays within in one cell.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CellBounds {
-    /// Heights, metres.
-    pub height: Interval,
-    /// Longest gradient.
-    pub slope: f64,
 }
 
 /// A rectangle cut into n × n cells.
@@ -84,8 +73,16 @@ fn affordable(source: &Prepared) -> usize {
     }
 }
 
-/// Bounds of a terrain; see [`Terrain::bounds`].
-pub(crate) fn terrain(terrain: &Terrain, rect: &GroundRect) -> HeightBounds {
+impl Terrain {
+    /// Lowest and highest height and steepest slope that `rect` may contain: never too narrow,
+    /// and wider than the truth by a little (see [`crate::bounds`]). Some 10 µs a layer.
+    #[must_use]
+    pub fn bounds(&self, rect: &GroundRect) -> HeightBounds {
+        bounds(self, rect)
+    }
+}
+
+fn bounds(terrain: &Terrain, rect: &GroundRect) -> HeightBounds {
     // A rectangle given the wrong way round is the same rectangle; NaN counts as 0, as it does
     // where heights are asked for.
     let (a, b) = (in_range(rect.min), in_range(rect.max));

@@ -1,10 +1,20 @@
 //! Sums that are not linear in the noise, in intervals: the CPU reference of `noise::sum`.
 
-use super::fractal::{ROUNDING, SECOND};
-use super::{CellBounds, Interval};
+use crate::interval::{CellBounds, Interval, SecondOrder};
 use crate::noise::Octave;
 use crate::noise::sum::SMOOTH_SQUARED;
 use bevy::math::DVec2;
+
+/// Bounds of the second derivatives, 1/cell²: 20/√3 = 11.547…, and 6.87.
+pub(super) const SECOND: SecondOrder = SecondOrder {
+    xx: 11.548,
+    xz: 6.88,
+    zz: 11.548,
+};
+
+/// Share of its amplitude by which an octave's f32 value may leave the bounds (twice what the
+/// accuracy test sees).
+pub(super) const ROUNDING: f64 = 2e-6;
 
 /// One octave in one cell, amplitude 1.
 #[derive(Clone, Copy)]

@@ -11,7 +11,7 @@
 //!   factors multiply.
 
 use super::{Filter, HeightMap};
-use crate::bounds::{CellBounds, Interval, SecondOrder};
+use crate::interval::{CellBounds, Interval, SecondOrder};
 use bevy::math::DVec2;
 
 /// Extremes of a block. The differences of a sample are those towards larger indices, the second

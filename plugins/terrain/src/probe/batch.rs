@@ -3,8 +3,10 @@
 use crate::ground::GroundPoint;
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::prelude::*;
+use bevy::ecs::reflect::ReflectResource;
 use bevy::ecs::world::DeferredWorld;
 use bevy::math::DVec2;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 use std::sync::Arc;
@@ -60,20 +62,31 @@ pub(super) struct Slot {
 
 /// The probes of the world in flat arrays, in an order that stays: a probe keeps its slot for as long
 /// as it lives, and what is freed goes to the next one.
-#[derive(Resource, Debug)]
+///
+/// By reflection its setting alone is seen.
+#[derive(Resource, Debug, Reflect)]
+#[reflect(Resource, Default)]
 pub struct ProbeBatch {
     /// Most true answers that are found in one frame; the rest waits its turn, so that a crowd never
     /// holds up a frame. Default 16 384; at least 1 (clamped). Of ground with eight octaves, two cores find
     /// 65 536 in 34 to 64 ms without optimisation for speed (the profile `dev`).
     pub per_frame: usize,
+    #[reflect(ignore)]
     frame: u32,
+    #[reflect(ignore)]
     pub(super) slots: Vec<Slot>,
+    #[reflect(ignore)]
     places: Arc<Vec<GroundPoint>>,
+    #[reflect(ignore)]
     free: Vec<u32>,
+    #[reflect(ignore)]
     changed: Range<u32>,
     /// Slots that wait for the true surface, and where the round goes on.
+    #[reflect(ignore)]
     pub(super) waiting: usize,
+    #[reflect(ignore)]
     pub(super) cursor: usize,
+    #[reflect(ignore)]
     inbox: Vec<(ProbeQuestion, ProbePart)>,
 }
 

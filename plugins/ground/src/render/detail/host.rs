@@ -5,12 +5,12 @@ use bevy::render::renderer::RenderQueue;
 use bytemuck::{Zeroable, cast_slice};
 use dolomite_terrain::GroundPoint;
 
-use super::prepare::DetailState;
-use crate::cover::functions::DEPTH_RANGE;
+use super::state::DetailState;
 use crate::detail::layout::{HEAD_COARSENING, HEAD_LEFT, HEAD_USED};
 use crate::detail::mesh::mesh;
 use crate::detail::select::select;
 use crate::detail::{DetailCells, DetailVertex, DetailView, Horizon};
+use crate::range::DEPTH_RANGE;
 use dolomite_geometry::layout::{GeometryHead, OWN};
 use dolomite_geometry::render::{GeometryShared, GeometryView};
 use dolomite_geometry::vertex::pack;
@@ -54,7 +54,11 @@ pub(super) fn choose(
         let horizon = own
             .horizon(ground, &view, anchor_height)
             .map(|horizon| Horizon::of(horizon, ground, &selection, &view, anchor_height));
-        seen = picture.sort(horizon.as_ref(), &mut triangles, &places);
+        let occluded = |corners: [Vec3; 3]| {
+            let horizon = horizon.as_ref();
+            horizon.is_some_and(|horizon| horizon.hides(corners))
+        };
+        seen = picture.sort(occluded, &mut triangles, &places);
         if !shadowed {
             triangles.truncate(seen);
         }

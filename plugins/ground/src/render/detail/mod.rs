@@ -10,6 +10,7 @@ mod pipeline;
 mod prepare;
 pub(crate) mod probe;
 pub mod record;
+mod state;
 mod store;
 mod view;
 
@@ -43,7 +44,7 @@ pub trait DetailKind: AsBindGroup + Resource + Clone {
     /// Import path of the shader library with its function `material(surface: Surface) -> Shaded`.
     const MATERIAL: &'static str;
     /// Greatest |u| of a vertex: its depth below the sea, metres.
-    const UV_RANGE: f32 = crate::cover::functions::DEPTH_RANGE;
+    const UV_RANGE: f32 = crate::range::DEPTH_RANGE;
     /// All that [`Self::material_defs`] may give.
     const MATERIAL_DEFS: &[&[&'static str]] = &[&[]];
     /// Whether, in a view without G-buffer, `material` runs at the vertices.
@@ -60,6 +61,11 @@ pub trait DetailKind: AsBindGroup + Resource + Clone {
     /// Whether it is drawn at all. What is not keeps no buffer.
     fn is_shown(&self) -> bool {
         true
+    }
+
+    /// Bytes of the buffers and textures that its data are bound from, but for those that another kind counts.
+    fn data_bytes(&self) -> u64 {
+        0
     }
 
     /// Layers of which a camera has to see one.
@@ -103,6 +109,8 @@ struct ExtractedGround<K> {
     /// From the lowest to the highest ground, metres.
     relief: f32,
     on_host: bool,
+    /// Bytes of its data on the GPU.
+    data_bytes: u64,
     /// Who sees it, and how.
     cameras: Vec<(Entity, TerrainLod)>,
 }
@@ -115,6 +123,7 @@ impl<K> Default for ExtractedGround<K> {
             terrain: None,
             relief: 0.0,
             on_host: false,
+            data_bytes: 0,
             cameras: Vec::new(),
         }
     }
@@ -234,6 +243,7 @@ fn extract<K: DetailKind>(
     ground.cameras.clear();
     let Some(kind) = kind.as_ref() else {
         ground.terrain = None;
+        ground.data_bytes = 0;
         return;
     };
     if kind.is_changed() {
@@ -249,6 +259,7 @@ fn extract<K: DetailKind>(
     }
     ground.relief = kind.relief();
     ground.on_host = kind.on_host();
+    ground.data_bytes = kind.data_bytes();
     if kind.is_shown() {
         let layers = kind.layers();
         let seen = cameras

@@ -1,4 +1,5 @@
-//! The cells of a ground, which all views of it share: heights and error bounds, and how they hang together.
+//! The cells of a ground, which all views of it with the same smallest cell share: heights and error bounds, and how
+//! they hang together.
 //!
 //! What a view makes of them (error ratios, lists, vertices) is its own; see [`super::prepare`]. Views choose one after
 //! the other, in the order of their cameras, so that none meets a cell half made.

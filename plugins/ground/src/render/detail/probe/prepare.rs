@@ -15,7 +15,8 @@ use super::{AnswerShader, GroundAnswers, MeshKey, Ticket};
 use crate::detail::probe::{AnswerHead, Asked, MOST_ASKED};
 use crate::render::GroundKind;
 use crate::render::detail::detail_key;
-use crate::render::detail::prepare::{DetailState, DetailViews};
+use crate::render::detail::prepare::DetailViews;
+use crate::render::detail::state::DetailState;
 use dolomite_geometry::render::{GeometryView, Mapped, Producers};
 
 /// Bytes of the head, and of each answer and each place.

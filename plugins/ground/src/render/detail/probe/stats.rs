@@ -89,8 +89,8 @@ pub struct AnswerCensus {
     pub dispatches: u64,
 }
 
-/// Counts what height queries hold in a render world: all 0 as long as there is no probe, or no camera
-/// with a [`TerrainLod`](crate::detail::TerrainLod).
+/// Counts what height queries hold in a render world: all 0 as long as there is no probe, or no active camera with a
+/// [`TerrainView`](crate::TerrainView) and without a [`PatchDetail`](crate::PatchDetail).
 pub fn answer_census(render_world: &World) -> AnswerCensus {
     let Some(answers) = render_world.get_resource::<GroundAnswers>() else {
         return AnswerCensus::default();

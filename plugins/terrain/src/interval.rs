@@ -1,7 +1,15 @@
 //! Intervals, and Taylor's theorem over a rectangle.
 
-use super::CellBounds;
 use bevy::math::DVec2;
+
+/// What a source, or the sum so far, stays within in one cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CellBounds {
+    /// Heights, metres.
+    pub height: Interval,
+    /// Longest gradient.
+    pub slope: f64,
+}
 
 /// All numbers from low to high. The arithmetic is that of f64, not rounded outward: the margins
 /// that callers add for f32 are a million times its error.
