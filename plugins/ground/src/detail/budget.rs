@@ -1,5 +1,8 @@
 //! The ground's tolerance under a time budget: [`dolomite_geometry::budget`] decides, the metric follows.
 //!
+//! The GPU's times come from Bevy's `RenderDiagnosticsPlugin`, which the app adds. Until there is one, the tolerance
+//! that the metric has stays.
+//!
 //! ```
 //! # use bevy::prelude::*;
 //! # use dolomite_ground::detail::TerrainLod;
@@ -14,6 +17,10 @@ use bevy::prelude::*;
 pub use dolomite_geometry::budget::*;
 
 use super::{Metric, TerrainLod};
+use crate::cover::{PatchDetail, TerrainView};
+
+/// Frames for which a budget may move nothing before that is said: settings are put on a camera one after the other.
+const PATIENCE: u32 = 30;
 
 /// The GPU's time for choosing the ground's detail and drawing it into the G-buffer: what its tolerance
 /// moves. Needs Bevy's `RenderDiagnosticsPlugin`.
@@ -26,7 +33,7 @@ pub fn frame_time() -> FrameTime {
 /// it is.
 fn follow(mut cameras: Query<(&BudgetReport, &mut TerrainLod), With<Budget>>) {
     for (report, mut detail) in &mut cameras {
-        // Before the first decision there is none.
+        // Before anything was measured there is none.
         if report.tau <= 0.0 {
             continue;
         }
@@ -42,14 +49,51 @@ fn follow(mut cameras: Query<(&BudgetReport, &mut TerrainLod), With<Budget>>) {
     }
 }
 
+/// Why a budget moves nothing of the ground that a camera sees, if it does not.
+fn idle(detail: Option<&TerrainLod>, by_patches: bool) -> Option<&'static str> {
+    match detail {
+        _ if by_patches => Some("a PatchDetail chooses its ground, by no tolerance; remove it"),
+        None => Some("it has no TerrainLod"),
+        Some(detail) => matches!(detail.metric, Metric::Classic { .. })
+            .then_some("Metric::Classic has no tolerance; take ErrorBound or EdgeLength"),
+    }
+}
+
+/// Says once where a budget moves nothing. Cameras that see no ground may have a budget for something else.
+fn tell(
+    cameras: Query<
+        (Entity, Option<&TerrainLod>, Has<PatchDetail>),
+        (With<Budget>, With<TerrainView>),
+    >,
+    mut waited: Local<u32>,
+) {
+    let mut reasons = cameras
+        .iter()
+        .filter_map(|(camera, detail, by_patches)| Some((camera, idle(detail, by_patches)?)));
+    let Some((camera, reason)) = reasons.next() else {
+        if *waited < PATIENCE {
+            *waited = 0;
+        }
+        return;
+    };
+    *waited = waited.saturating_add(1);
+    if *waited == PATIENCE {
+        tell!("the Budget of {camera} moves nothing of the ground: {reason}");
+    }
+}
+
 /// Lets the ground's detail follow the budgets of cameras; comes with the ground's plugin.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DetailBudgetPlugin;
 
 impl Plugin for DetailBudgetPlugin {
     fn build(&self, app: &mut App) {
-        app.add_plugins(BudgetPlugin)
-            .add_systems(PostUpdate, follow.after(BudgetSystems));
+        app.add_plugins(BudgetPlugin).add_systems(
+            PostUpdate,
+            (follow, tell)
+                .after(BudgetSystems)
+                .run_if(any_with_component::<Budget>),
+        );
     }
 }
 
@@ -62,6 +106,47 @@ mod tests {
     /// What a frame of the tests takes: 1 ms and 4 ms a pixel's inverse.
     fn time(tau: f32) -> f32 {
         1.0 + 4.0 / tau
+    }
+
+    #[test]
+    fn a_tolerance_stays_while_nothing_is_measured() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, DetailBudgetPlugin));
+        let detail = TerrainLod {
+            metric: Metric::ErrorBound { pixels: 1.5 },
+            ..default()
+        };
+        let bundle = (Budget::default(), detail, GlobalTransform::default());
+        // By the budget alone, and with times that nobody publishes.
+        let cameras = [
+            app.world_mut().spawn(bundle).id(),
+            app.world_mut().spawn((bundle, frame_time())).id(),
+        ];
+        for _ in 0..20 {
+            app.update();
+        }
+        for camera in cameras {
+            assert_eq!(app.world().get::<TerrainLod>(camera), Some(&detail));
+        }
+    }
+
+    #[test]
+    fn a_budget_that_moves_nothing_has_a_reason() {
+        let detail = TerrainLod::default();
+        assert_eq!(idle(Some(&detail), false), None);
+        assert!(idle(Some(&detail), true).is_some_and(|why| why.contains("PatchDetail")));
+        assert!(idle(None, false).is_some_and(|why| why.contains("TerrainLod")));
+        let classic = TerrainLod {
+            metric: Metric::Classic {
+                patch: 16.0,
+                least: 1.0,
+                greatest: 32.0,
+                reach: 400.0,
+                height: 10.0,
+            },
+            ..detail
+        };
+        assert!(idle(Some(&classic), false).is_some_and(|why| why.contains("Classic")));
     }
 
     #[test]
