@@ -38,6 +38,7 @@ pub mod layout;
 pub mod level;
 mod mesh;
 pub mod passes;
+mod patch_layout;
 pub mod patches;
 pub mod place;
 #[cfg(feature = "render")]

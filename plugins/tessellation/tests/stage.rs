@@ -206,6 +206,39 @@ fn what_is_hidden_costs_nothing_gpu() {
     assert_eq!(drawn(&mut app), size);
 }
 
+/// A camera that can see no patch of a kind has no pools for it: by its layers, or by the camera that patches name.
+#[test]
+fn a_camera_that_sees_none_of_a_kind_has_no_pool_gpu() {
+    let Some(mut app) = white_app() else { return };
+    let target = app::target(&mut app, [32, 32]);
+    let patches = quad(&mut app, AHEAD);
+    let blind = camera(&mut app, &target, RenderLayers::none());
+    app::frames(&mut app, 6);
+    assert_eq!(held(&app), GeometryCensus::default());
+    // Another that sees: one view alone.
+    let seeing = camera(&mut app, &target, ());
+    app::frames(&mut app, 6);
+    assert_eq!(held(&app).views, 1);
+    app.world_mut().entity_mut(blind).remove::<RenderLayers>();
+    app::frames(&mut app, 6);
+    assert_eq!(held(&app).views, 2);
+    let only = |app: &mut App, camera: Option<Entity>| {
+        let mut patches = app.world_mut().get_mut::<Patches<White>>(patches);
+        patches.as_mut().expect("spawned").camera = camera;
+        app::frames(app, 6);
+        held(app).views
+    };
+    assert_eq!(only(&mut app, Some(seeing)), 1);
+    assert_eq!(only(&mut app, Some(nobody())), 0);
+    assert_eq!(held(&app).bytes, 0, "of nobody's patches nothing is kept");
+    assert_eq!(only(&mut app, None), 2);
+}
+
+/// An entity that is no camera.
+fn nobody() -> Entity {
+    Entity::from_raw_u32(1 << 20).expect("a number that can be one")
+}
+
 /// Five suns of four cascades: every one of the twenty shadow views is drawn into.
 #[test]
 fn there_is_no_last_shadow_view_gpu() {

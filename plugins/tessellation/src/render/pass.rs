@@ -31,7 +31,9 @@ pub fn bind_groups(
             continue;
         };
         if kind.pipelines.is_none() {
-            kind.pipelines = Some(KindPipelines::new(kind, layout, &cache));
+            let (shaders, traits) = (&kind.shaders, &kind.traits);
+            let pipelines = KindPipelines::new(kind.name, shaders, traits, layout, &cache);
+            kind.pipelines = Some(pipelines);
         }
         let Kind {
             pipelines: Some(pipelines),
