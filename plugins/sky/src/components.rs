@@ -66,7 +66,8 @@ impl Sun {
 /// `AmbientLight` (none: all light comes from sun and sky) and `DistanceFog`, and is `Hdr`; at night
 /// also a `GeometryCamera`, which draws stars and moon. Those are
 /// drawn with one sample a pixel: give the camera `Msaa::Off`, else there are none, and a warning.
-/// Taken away, the component takes with it what it brought, but for the exposure; and Bevy 0.19 draws
+/// Taken away, the component takes with it what it brought, but for the exposure, and but for the
+/// `GeometryCamera` where another component of the camera requires it by then; and Bevy 0.19 draws
 /// without ambient light until the camera has an `AmbientLight` again.
 ///
 /// Numbers that are not finite count as the defaults, others as the nearest in their range.

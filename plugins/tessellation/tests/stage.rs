@@ -223,8 +223,8 @@ fn a_camera_that_sees_none_of_a_kind_has_no_pool_gpu() {
     app::frames(&mut app, 6);
     assert_eq!(held(&app).views, 2);
     let only = |app: &mut App, camera: Option<Entity>| {
-        let mut patches = app.world_mut().get_mut::<Patches<White>>(patches);
-        patches.as_mut().expect("spawned").camera = camera;
+        let mut entity = app.world_mut().entity_mut(patches);
+        entity.get_mut::<Patches<White>>().expect("spawned").camera = camera;
         app::frames(app, 6);
         held(app).views
     };
