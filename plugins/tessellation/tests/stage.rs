@@ -1,5 +1,5 @@
 //! The stage in an app with nothing else of Dolomite: the README's example, parts of a target, what is
-//! hidden, many lights, and the order of plugins.
+//! hidden, and the order of plugins.
 
 #[path = "../../geometry/tests/app/mod.rs"]
 mod app;
@@ -16,7 +16,7 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite_geometry::render::{GeometryCensus, GeometryMaterial, Producers, census};
+use dolomite_geometry::render::{GeometryCensus, GeometryMaterial, census};
 use dolomite_geometry::{GeometryCamera, GeometryPlugin, GeometryStats};
 use dolomite_tessellation::render::{PatchKind, PatchPlugin, PatchShader};
 use dolomite_tessellation::{PatchLayout, PatchMesh, Patches};
@@ -237,36 +237,6 @@ fn a_camera_that_sees_none_of_a_kind_has_no_pool_gpu() {
 /// An entity that is no camera.
 fn nobody() -> Entity {
     Entity::from_raw_u32(1 << 20).expect("a number that can be one")
-}
-
-/// Five suns of four cascades: every one of the twenty shadow views is drawn into.
-#[test]
-fn there_is_no_last_shadow_view_gpu() {
-    let Some(mut app) = white_app() else { return };
-    let target = app::target(&mut app, [32, 32]);
-    quad(&mut app, AHEAD);
-    camera(&mut app, &target, ());
-    for k in 0..5_u8 {
-        let sun = DirectionalLight {
-            shadow_maps_enabled: true,
-            ..default()
-        };
-        let towards = Vec3::new(f32::from(k) - 2.0, -2.0, -1.0);
-        app.world_mut()
-            .spawn((sun, Transform::default().looking_to(towards, Vec3::Y)));
-    }
-    app::frames(&mut app, 12);
-    let producers = app.sub_app(RenderApp).world().resource::<Producers>();
-    let shadows: Vec<_> = producers
-        .iter()
-        .flat_map(|producer| producer.views.values())
-        .map(|state| state.shadows.clone())
-        .collect();
-    assert_eq!(shadows.len(), 1);
-    assert_eq!(shadows[0].len(), 20);
-    let mut numbers: Vec<u32> = shadows[0].iter().map(|slot| slot.number()).collect();
-    numbers.dedup();
-    assert_eq!(numbers, (0..20).collect::<Vec<_>>());
 }
 
 /// Plugins may come before Bevy's, and more than once; without a renderer they do nothing.
