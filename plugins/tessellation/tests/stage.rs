@@ -263,11 +263,17 @@ fn the_order_of_plugins_does_not_matter_gpu() {
 #[test]
 fn an_app_without_a_renderer_keeps_the_resource_alone() {
     let mut app = App::new();
+    // Nothing that Bevy registers by itself, where it was built so.
+    app.insert_resource(AppTypeRegistry::default());
     app.add_plugins((MinimalPlugins, PatchPlugin(White {}), GeometryPlugin));
     app.finish();
     app.cleanup();
     app.update();
     assert!(app.world().contains_resource::<White>());
+    let registry = app.world().resource::<AppTypeRegistry>().clone();
+    let settings = registry.read();
+    let known = settings.get(std::any::TypeId::of::<GeometryCamera>());
+    assert!(known.is_some_and(|known| known.contains::<ReflectComponent>()));
     assert_eq!(
         *app.world().resource::<GeometryStats>(),
         GeometryStats::default()
