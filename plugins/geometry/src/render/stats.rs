@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use super::extract::ExtractedGeometryCamera;
 use super::producer::Producers;
+use crate::GeometryCamera;
 use crate::layout::PREVIOUS_BYTES;
 
 /// What producers made and hold, two or three frames ago; all producers and views together.
@@ -108,6 +109,10 @@ impl GeometryShared {
         self.with(|shared| shared.newest.faults.push(GeometryFault { kind, reason }));
     }
 
+    fn has_faults(&self) -> bool {
+        self.with(|shared| !shared.newest.faults.is_empty())
+    }
+
     /// Forgets the faults of a producer.
     pub fn clear(&self, kind: &str) {
         self.with(|shared| shared.newest.faults.retain(|fault| fault.kind != kind));
@@ -137,6 +142,17 @@ fn pool_path(pool: &PoolStats) -> DiagnosticPath {
         .camera
         .map_or_else(|| "shared".to_owned(), |camera| camera.to_string());
     DiagnosticPath::new(format!("dolomite/geometry/allocated/{kind}/{whose}"))
+}
+
+/// Main world: whether there are counters, or were some until now, which have to become 0.
+pub(super) fn are_counted(
+    cameras: Query<(), With<GeometryCamera>>,
+    stats: Res<GeometryStats>,
+    shared: Res<GeometryShared>,
+) -> bool {
+    let rests = stats.pools.is_empty() && stats.faults.is_empty();
+    let idle = stats.dispatches == 0 && stats.uploaded == 0;
+    !cameras.is_empty() || !rests || !idle || shared.has_faults()
 }
 
 /// Main world: takes the newest counters over and publishes them.

@@ -11,7 +11,7 @@ use dolomite_geometry::render::{Producers, camera_number};
 
 use super::kind::PatchKind;
 use super::layers::{LAYERS, layer_bits};
-use super::prepare::StageKinds;
+use super::prepare::{StageKinds, has_entities};
 use super::variants::evaluated;
 use crate::Patches;
 use crate::tables::Instance;
@@ -30,6 +30,14 @@ type Placed<'a, K> = (
     &'a InheritedVisibility,
     Option<&'a RenderLayers>,
 );
+
+/// Whether a kind has entities, or had some until now, which have to be let go of.
+pub fn is_in_use<K: PatchKind>(
+    kinds: Res<StageKinds>,
+    patches: Extract<Query<(), With<Patches<K>>>>,
+) -> bool {
+    has_entities::<K>(kinds) || !patches.is_empty()
+}
 
 /// The entities of a kind, when any of them changed.
 pub fn kind<K: PatchKind>(

@@ -110,10 +110,14 @@ fn add_kind<K: PatchKind>(app: &mut App) {
         .0
         .insert(TypeId::of::<K>(), kind);
     render_app
-        .add_systems(ExtractSchedule, (extract::kind::<K>, extract_settings::<K>))
+        .add_systems(
+            ExtractSchedule,
+            (extract::kind::<K>, extract_settings::<K>).run_if(extract::is_in_use::<K>),
+        )
         .add_systems(
             Render,
             prepare::data::<K>
+                .run_if(prepare::has_entities::<K>)
                 .in_set(GeometrySystems::Want)
                 .before(prepare::buffers),
         );

@@ -66,6 +66,12 @@ pub struct KindBuffers {
     greatest: [u64; 2],
 }
 
+/// Whether any entity of a kind is drawn.
+pub fn has_entities<K: PatchKind>(kinds: Res<StageKinds>) -> bool {
+    let kind = kinds.0.get(&TypeId::of::<K>());
+    kind.is_some_and(|kind| !kind.instances.is_empty())
+}
+
 /// The bind group of the user's data.
 pub fn data<K: PatchKind>(
     mut kinds: ResMut<StageKinds>,
