@@ -60,6 +60,13 @@ impl Sun {
     }
 }
 
+/// The sun that lights the sky: of those whose place is finite, the one of the lowest entity.
+pub(crate) fn the_sun<'a>(suns: impl Iterator<Item = (Entity, &'a Sun)>) -> Option<(Entity, Sun)> {
+    suns.filter(|(_, sun)| sun.towards().is_some())
+        .min_by_key(|(entity, _)| entity.index_u32())
+        .map(|(entity, sun)| (entity, *sun))
+}
+
 /// The sky that a camera sees: by day, at dusk and by night, from the place of the [`Sun`].
 ///
 /// With the `render` feature the camera gets `Exposure`, `Skybox`, `EnvironmentMapLight`,

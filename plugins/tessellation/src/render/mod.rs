@@ -19,6 +19,7 @@ mod pipeline;
 mod plugin;
 mod prepare;
 mod ranges;
+#[doc(hidden)]
 pub mod record;
 mod variants;
 mod view;
