@@ -2,21 +2,17 @@
 
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::prelude::*;
+use bevy::time::Real;
 
 use super::controller::{BudgetController, NextFrame};
+use super::cut::is_cut;
 use super::settings::{Budget, BudgetReport};
-use super::times::{FrameTime, TimeSamples, gather_times};
+use super::times::{FrameTime, TimeSample, TimeSamples, newest_sum};
 use super::work_curve::WorkCurve;
 
 /// Frames that a budget may wait for its first time before it is missed: some seconds, in which pipelines are
 /// compiled and passes do not run yet.
 const PATIENCE: u32 = 240;
-
-/// A camera that moved farther than this in one frame was put elsewhere, metres: an aircraft at the
-/// speed of sound makes 12 m in a frame of a slow display (30 Hz).
-const CUT_METRES: f32 = 25.0;
-/// Cosine of the turn in one frame that counts as a cut: 40 degrees, 1200 degrees a second at 30 Hz.
-const CUT_TURN: f32 = 0.766;
 
 /// Keeps every [`Budget`]: decides the tolerance of each frame in `PostUpdate`, after transforms are
 /// propagated. Without a budget in the world it does nothing.
@@ -82,6 +78,47 @@ struct Controlled {
     pose: GlobalTransform,
     /// The first frame whose tolerance was said: that of earlier ones was somebody else's.
     since: Option<u64>,
+}
+
+/// Turns what [`FrameTime`] names into samples.
+fn gather_times(
+    diagnostics: Option<Res<DiagnosticsStore>>,
+    time: Option<Res<Time<Real>>>,
+    mut cameras: Query<(Entity, &FrameTime, &BudgetReport, &mut TimeSamples)>,
+    mut newest: Local<bevy::platform::collections::HashMap<Entity, bevy::platform::time::Instant>>,
+) {
+    for (camera, source, report, mut samples) in &mut cameras {
+        let (milliseconds, lag) = match source {
+            FrameTime::Given => continue,
+            FrameTime::Wall { lag } => {
+                let Some(time) = &time else { continue };
+                (time.delta_secs_f64() * 1e3, *lag)
+            }
+            FrameTime::Diagnostics { paths, lag } => {
+                let Some(store) = &diagnostics else { continue };
+                let Some((sum, when)) = newest_sum(store, paths) else {
+                    continue;
+                };
+                if newest.insert(camera, when) == Some(when) {
+                    continue;
+                }
+                (sum, *lag)
+            }
+        };
+        samples.sees(milliseconds as f32);
+        // The report is still the last frame's: a lag of 1 is the frame just past.
+        let Some(frame) = (report.frame + 1).checked_sub(u64::from(lag.max(1))) else {
+            continue;
+        };
+        samples.push(TimeSample {
+            milliseconds: milliseconds as f32,
+            // The frame's own is remembered.
+            tau: f32::NAN,
+            triangles: None,
+            frame,
+        });
+    }
+    newest.retain(|camera, _| cameras.contains(*camera));
 }
 
 /// Decides this frame's tolerance of every camera with a budget.
@@ -169,16 +206,8 @@ fn miss(camera: Entity, source: &FrameTime, diagnostics: Option<&DiagnosticsStor
     let _ = (camera, missing);
 }
 
-/// Whether a camera was put elsewhere between two frames. Poses that are not finite are no cut.
-fn is_cut(before: &GlobalTransform, now: &GlobalTransform) -> bool {
-    let moved = before.translation().distance(now.translation());
-    let turned = before.forward().dot(*now.forward());
-    moved > CUT_METRES || turned < CUT_TURN
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::TimeSample;
     use super::*;
     use bevy::MinimalPlugins;
     use bevy::diagnostic::{Diagnostic, DiagnosticMeasurement, DiagnosticPath};
@@ -345,18 +374,5 @@ mod tests {
         // A camera that goes takes everything along.
         app.world_mut().despawn(camera);
         app.update();
-    }
-
-    #[test]
-    fn a_camera_that_is_put_elsewhere_is_cut() {
-        let at = |x: f32, yaw: f32| {
-            GlobalTransform::from(
-                Transform::from_xyz(x, 0.0, 0.0).with_rotation(Quat::from_rotation_y(yaw)),
-            )
-        };
-        assert!(!is_cut(&at(0.0, 0.0), &at(12.0, 0.3)));
-        assert!(is_cut(&at(0.0, 0.0), &at(500.0, 0.0)));
-        assert!(is_cut(&at(0.0, 0.0), &at(0.0, 1.5)));
-        assert!(!is_cut(&at(f32::NAN, 0.0), &at(0.0, 0.0)));
     }
 }

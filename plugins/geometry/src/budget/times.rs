@@ -2,10 +2,21 @@
 
 use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore};
 use bevy::prelude::*;
-use bevy::time::Real;
 
-use super::controller::TimeSample;
-use super::settings::BudgetReport;
+/// A measured frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeSample {
+    /// What it took. One that is not finite and above 0 is passed over.
+    pub milliseconds: f32,
+    /// The tolerance that it was drawn with, pixels.
+    pub tau: f32,
+    /// Triangles (or vertices, as long as it is always the same) that were counted in it, if they were:
+    /// they correct what the work curve predicts.
+    pub triangles: Option<u32>,
+    /// Which frame, as [`NextFrame::number`](super::NextFrame::number) had it. A frame that is no longer
+    /// remembered is passed over.
+    pub frame: u64,
+}
 
 /// Where a camera's time is measured.
 ///
@@ -86,8 +97,8 @@ impl TimeSamples {
     /// Most that wait.
     const MOST: usize = 64;
 
-    /// Adds a measured frame; its number is [`BudgetReport::frame`] as it stood when it was drawn. What
-    /// is over 64 in a frame is dropped.
+    /// Adds a measured frame; its number is [`BudgetReport::frame`](super::BudgetReport::frame) as it stood
+    /// when it was drawn. What is over 64 in a frame is dropped.
     pub fn push(&mut self, sample: TimeSample) {
         self.sees(sample.milliseconds);
         if self.waiting.len() < Self::MOST {
@@ -96,7 +107,7 @@ impl TimeSamples {
     }
 
     /// Takes notice of a time that may be of no frame that is known.
-    fn sees(&mut self, milliseconds: f32) {
+    pub(super) fn sees(&mut self, milliseconds: f32) {
         self.come |= milliseconds.is_finite() && milliseconds > 0.0;
     }
 
@@ -111,49 +122,8 @@ impl TimeSamples {
     }
 }
 
-/// Turns what [`FrameTime`] names into samples.
-pub(super) fn gather_times(
-    diagnostics: Option<Res<DiagnosticsStore>>,
-    time: Option<Res<Time<Real>>>,
-    mut cameras: Query<(Entity, &FrameTime, &BudgetReport, &mut TimeSamples)>,
-    mut newest: Local<bevy::platform::collections::HashMap<Entity, bevy::platform::time::Instant>>,
-) {
-    for (camera, source, report, mut samples) in &mut cameras {
-        let (milliseconds, lag) = match source {
-            FrameTime::Given => continue,
-            FrameTime::Wall { lag } => {
-                let Some(time) = &time else { continue };
-                (time.delta_secs_f64() * 1e3, *lag)
-            }
-            FrameTime::Diagnostics { paths, lag } => {
-                let Some(store) = &diagnostics else { continue };
-                let Some((sum, when)) = newest_sum(store, paths) else {
-                    continue;
-                };
-                if newest.insert(camera, when) == Some(when) {
-                    continue;
-                }
-                (sum, *lag)
-            }
-        };
-        samples.sees(milliseconds as f32);
-        // The report is still the last frame's: a lag of 1 is the frame just past.
-        let Some(frame) = (report.frame + 1).checked_sub(u64::from(lag.max(1))) else {
-            continue;
-        };
-        samples.push(TimeSample {
-            milliseconds: milliseconds as f32,
-            // The frame's own is remembered.
-            tau: f32::NAN,
-            triangles: None,
-            frame,
-        });
-    }
-    newest.retain(|camera, _| cameras.contains(*camera));
-}
-
 /// Sum of the newest values, and when the newest of them came; `None` if one is missing.
-fn newest_sum(
+pub(super) fn newest_sum(
     store: &DiagnosticsStore,
     paths: &[DiagnosticPath],
 ) -> Option<(f64, bevy::platform::time::Instant)> {
