@@ -3,9 +3,10 @@
 #[expect(dead_code, reason = "each test file uses a part of what they share")]
 mod support;
 
+use dolomite_tessellation::render::record::record_shadow_ranges;
 use dolomite_tessellation::tables::Instance;
 use dolomite_tessellation::{PatchLayout, PatchMesh, Tessellator, shapes};
-use dolomite_testkit::gpu::{Binding, for_test};
+use dolomite_testkit::gpu::{Binding, Recorder, for_test};
 use dolomite_testkit::stage::{StagePasses, StageRun};
 use std::sync::Arc;
 use support::by_points;
@@ -86,7 +87,11 @@ fn bounds(input: Patch, view: StageView) -> vec4<f32> {
     planes[..4].copy_from_slice(&views);
     let [params, tables, data, work] = run.inputs().expect("what a pass reads");
     let mut ranges = vec![0xAB_u8; 16 * 64 * 20];
-    gpu.run(
+    // As in an app.
+    let record: &Recorder<'_> = &|pass, pipeline, groups| {
+        record_shadow_ranges(pass, pipeline, (&groups[0], None), views.len() as u32);
+    };
+    gpu.run_recorded(
         &kernel,
         &mut [vec![
             Binding::Uniform(&params),
@@ -96,7 +101,7 @@ fn bounds(input: Patch, view: StageView) -> vec4<f32> {
             Binding::Write(&mut ranges),
             Binding::Read(bytemuck::cast_slice(&planes)),
         ]],
-        [4, 1, 1],
+        record,
     )
     .expect("the pass runs");
     let ranges: Vec<[u32; 5]> = bytemuck::pod_collect_to_vec(&ranges);

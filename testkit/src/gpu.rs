@@ -53,6 +53,10 @@ pub struct Gpu {
 /// A compiled compute shader.
 pub struct Kernel(wgpu::ComputePipeline);
 
+/// What records a dispatch, from a pipeline and its bind groups.
+pub type Recorder<'a> =
+    dyn Fn(&mut wgpu::ComputePass<'_>, &wgpu::ComputePipeline, &[wgpu::BindGroup]) + 'a;
+
 /// A buffer of a run; its place in the list of its group is its binding number.
 pub enum Binding<'a> {
     /// `var<uniform>`.
@@ -196,6 +200,20 @@ impl Gpu {
         self.run_timed(kernel, groups, workgroups, 1).map(|_| ())
     }
 
+    /// As [`Self::run`], with the dispatch recorded by `record`, from the pipeline and its bind groups: by what records
+    /// it in an app.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_recorded(
+        &self,
+        kernel: &Kernel,
+        groups: &mut [Vec<Binding<'_>>],
+        record: &Recorder<'_>,
+    ) -> Result<(), GpuError> {
+        self.run_repeated(kernel, groups, record, 1).map(|_| ())
+    }
+
     /// As [`Self::run`], `repeats` times; the median of the wall times of one dispatch, from
     /// submit to done.
     ///
@@ -203,9 +221,26 @@ impl Gpu {
     /// As [`Self::run`].
     pub fn run_timed(
         &self,
+        kernel: &Kernel,
+        groups: &mut [Vec<Binding<'_>>],
+        [x, y, z]: [u32; 3],
+        repeats: usize,
+    ) -> Result<Duration, GpuError> {
+        let record: &Recorder<'_> = &|pass, pipeline, groups| {
+            pass.set_pipeline(pipeline);
+            for (index, group) in (0_u32..).zip(groups) {
+                pass.set_bind_group(index, group, &[]);
+            }
+            pass.dispatch_workgroups(x, y, z);
+        };
+        self.run_repeated(kernel, groups, record, repeats)
+    }
+
+    fn run_repeated(
+        &self,
         Kernel(pipeline): &Kernel,
         groups: &mut [Vec<Binding<'_>>],
-        workgroups: [u32; 3],
+        record: &Recorder<'_>,
         repeats: usize,
     ) -> Result<Duration, GpuError> {
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -239,11 +274,7 @@ impl Gpu {
                 .device
                 .create_command_encoder(&CommandEncoderDescriptor::default());
             let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
-            pass.set_pipeline(pipeline);
-            for (index, group) in (0_u32..).zip(&bind_groups) {
-                pass.set_bind_group(index, group, &[]);
-            }
-            pass.dispatch_workgroups(workgroups[0], workgroups[1], workgroups[2]);
+            record(&mut pass, pipeline, &bind_groups);
             drop(pass);
             let start = Instant::now();
             self.queue.submit([encoder.finish()]);

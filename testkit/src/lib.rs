@@ -7,6 +7,7 @@
 //! | [`random`] | | inputs that are the same everywhere |
 //! | [`cores`] | | work on all cores, results in order |
 //! | [`mesh`] | | is a mesh closed: edges without a counterpart |
+//! | [`logs`] | | warnings and errors of an app, to be counted |
 //! | `stage` | `stage` | the passes of the tessellation stage, without Bevy's renderer |
 //! | `draw` | `stage` | what they emitted, drawn, stored or evaluated by the draw |
 //! | `raster` | `stage` | pixels that triangles leave uncovered |
@@ -24,6 +25,7 @@ pub mod draw;
 #[cfg(feature = "flip")]
 pub mod flip;
 pub mod gpu;
+pub mod logs;
 pub mod mesh;
 pub mod metrics;
 pub mod random;

@@ -40,6 +40,7 @@ macro_rules! tell {
 
 pub mod cover;
 pub mod detail;
+mod idle_budget;
 pub mod material;
 mod plugin;
 mod range;

@@ -4,8 +4,9 @@ use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
 use crate::cover::{PatchBounds, PatchDetail, TerrainCoverSystems, TerrainView, update_covers};
-use crate::detail::budget::DetailBudgetPlugin;
+use crate::detail::budget::{Budget, DetailBudgetPlugin};
 use crate::detail::{DrawnProbes, TerrainLod};
+use crate::idle_budget;
 use crate::material::{GroundMaterial, MaterialBands, Sea};
 use crate::sets::GroundSystems;
 use crate::shown::{ShownTerrains, follow_terrains};
@@ -62,6 +63,12 @@ impl Plugin for GroundPlugin {
                 (follow_terrains, update_covers)
                     .chain()
                     .in_set(TerrainCoverSystems),
+            )
+            .add_systems(
+                PostUpdate,
+                idle_budget::tell
+                    .in_set(GroundSystems::Budget)
+                    .run_if(any_with_component::<Budget>),
             );
         app.add_plugins((TerrainPlugin, DetailBudgetPlugin));
         #[cfg(feature = "render")]

@@ -60,13 +60,21 @@ impl Sun {
     }
 }
 
+/// The sun that lights the sky: of those whose place is finite, the one of the lowest entity.
+pub(crate) fn the_sun<'a>(suns: impl Iterator<Item = (Entity, &'a Sun)>) -> Option<(Entity, Sun)> {
+    suns.filter(|(_, sun)| sun.towards().is_some())
+        .min_by_key(|(entity, _)| entity.index_u32())
+        .map(|(entity, sun)| (entity, *sun))
+}
+
 /// The sky that a camera sees: by day, at dusk and by night, from the place of the [`Sun`].
 ///
 /// With the `render` feature the camera gets `Exposure`, `Skybox`, `EnvironmentMapLight`,
 /// `AmbientLight` (none: all light comes from sun and sky) and `DistanceFog`, and is `Hdr`; at night
 /// also a `GeometryCamera`, which draws stars and moon. Those are
 /// drawn with one sample a pixel: give the camera `Msaa::Off`, else there are none, and a warning.
-/// Taken away, the component takes with it what it brought, but for the exposure; and Bevy 0.19 draws
+/// Taken away, the component takes with it what it brought, but for the exposure, and but for the
+/// `GeometryCamera` where another component of the camera requires it by then; and Bevy 0.19 draws
 /// without ambient light until the camera has an `AmbientLight` again.
 ///
 /// Numbers that are not finite count as the defaults, others as the nearest in their range.

@@ -43,10 +43,12 @@ mod plugin;
 pub mod render;
 pub mod scattering;
 mod seen;
+mod sets;
 pub mod star_catalogue;
 pub mod twilight;
 
 pub use components::{Sky, Sun};
 pub use heavens::{Heavens, KeyLight};
-pub use plugin::{SkyPlugin, SkySystems};
+pub use plugin::SkyPlugin;
 pub use seen::SeenSky;
+pub use sets::SkySystems;

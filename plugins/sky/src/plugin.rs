@@ -1,29 +1,17 @@
-//! The plugin, its system sets, and the system that needs no renderer.
+//! The plugin, and the system that needs no renderer.
 
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
-use crate::components::{Sky, Sun};
+use crate::components::{Sky, Sun, the_sun};
 use crate::seen::SeenSky;
+use crate::sets::SkySystems;
 
 /// Sun, moon, stars, sky and haze for cameras with a [`Sky`], where there is a [`Sun`].
 ///
 /// It may be added before Bevy's plugins or after them, with a renderer or without; added again it does
 /// nothing. It has no settings of its own: those are fields of [`Sky`].
 pub struct SkyPlugin;
-
-/// What runs when, in the schedule `PostUpdate` before `TransformSystems::Propagate`, in this order.
-/// Where there is neither a [`Sun`] nor a [`Sky`] nothing runs.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum SkySystems {
-    /// Writes [`SeenSky`]. Move [`Sun`]s before.
-    See,
-    /// Brings lights and cameras up to date.
-    Light,
-    /// Spawns stars and moon or takes them away, and has them follow their cameras. Move cameras
-    /// before.
-    Night,
-}
 
 /// Says that the plugin was added.
 #[derive(Resource)]
@@ -56,13 +44,6 @@ impl Plugin for SkyPlugin {
     fn is_unique(&self) -> bool {
         false
     }
-}
-
-/// The sun that lights the sky: of those whose place is finite, the one of the lowest entity.
-pub(crate) fn the_sun<'a>(suns: impl Iterator<Item = (Entity, &'a Sun)>) -> Option<(Entity, Sun)> {
-    suns.filter(|(_, sun)| sun.towards().is_some())
-        .min_by_key(|(entity, _)| entity.index_u32())
-        .map(|(entity, sun)| (entity, *sun))
 }
 
 /// Writes [`SeenSky`] where sun or sky have changed. Without a sun all stays as it was.

@@ -212,6 +212,32 @@ fn night_is_drawn_without_a_g_buffer_and_rests_with_the_camera() {
 }
 
 #[test]
+fn the_plugin_may_come_before_bevys_and_again_behind_them_gpu() {
+    let app = renders::app_of(|app| {
+        app.insert_resource(GlobalAmbientLight::NONE)
+            .add_plugins(SkyPlugin);
+        renders::bevys(app);
+        app.add_plugins(SkyPlugin);
+    });
+    let Some(mut app) = app else { return };
+    let camera = camera(
+        &mut app,
+        25.0,
+        Sky {
+            moon_size: 20.0,
+            ..Sky::default()
+        },
+    );
+    sun(&mut app, -25.0);
+    let (_, _, stage) = after_frames(&mut app);
+    assert_eq!((stage.kinds, stage.views), (2, 2), "stars and moon, once");
+    let night = picture(&mut app, camera);
+    let side = SIDE as usize;
+    let moon = night[side / 2 * side + side / 2];
+    assert!(moon > 0.3 && moon > 5.0 * night[0], "{moon} {}", night[0]);
+}
+
+#[test]
 fn far_from_the_origin_the_night_is_the_same() {
     let Some(mut app) = app(true) else { return };
     let camera = camera(

@@ -4,7 +4,6 @@
 mod support;
 
 use bevy::camera::Exposure;
-use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::light::{DirectionalLight, EnvironmentMapLight, Skybox};
 use bevy::pbr::DistanceFog;
 use bevy::prelude::*;
@@ -220,39 +219,6 @@ fn stars_are_not_drawn_with_several_samples() {
     assert!(app.world().get::<GeometryCamera>(camera).is_none());
     app.world_mut().entity_mut(camera).insert(Msaa::Off);
     assert_eq!(found(&mut app), (3, 2));
-}
-
-#[test]
-fn the_stage_of_a_camera_that_had_none_does_not_ask_for_a_g_buffer() {
-    let mut app = app();
-    let plain = camera(&mut app, small());
-    let deferred = camera(&mut app, (small(), DepthPrepass, DeferredPrepass));
-    let own = GeometryCamera {
-        pixels_per_edge: 3.0,
-        ..default()
-    };
-    let staged = camera(&mut app, (small(), own.clone()));
-    sun(&mut app, -30.0);
-    found(&mut app);
-    let world = app.world();
-    for (camera, expected) in [(plain, false), (deferred, true), (staged, true)] {
-        let has = world.get::<DepthPrepass>(camera).is_some();
-        assert_eq!(
-            (has, world.get::<DeferredPrepass>(camera).is_some()),
-            (expected, expected)
-        );
-    }
-    assert!(world.get::<GeometryCamera>(plain).is_some());
-    assert_eq!(world.get::<GeometryCamera>(staged), Some(&own));
-    for camera in [plain, staged] {
-        app.world_mut().entity_mut(camera).remove::<Sky>();
-    }
-    app.update();
-    assert!(
-        app.world().get::<GeometryCamera>(plain).is_none(),
-        "it goes with the sky"
-    );
-    assert_eq!(app.world().get::<GeometryCamera>(staged), Some(&own));
 }
 
 #[test]

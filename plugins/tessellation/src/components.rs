@@ -8,6 +8,8 @@ use bevy::prelude::*;
 use super::PatchMesh;
 
 /// Patches of kind `K`, placed by the entity's transform. Entities may share one mesh.
+///
+/// Not reflected: a mesh is made by code, and shared.
 #[derive(Component)]
 #[require(Transform)]
 #[cfg_attr(feature = "render", require(Visibility))]

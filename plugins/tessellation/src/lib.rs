@@ -25,8 +25,8 @@
 //! | [`shape`] | counts; which vertices a primitive joins |
 //! | [`coordinate`] | where an inner vertex lies |
 //! | [`patches`] | patches with control points; which corners and edges they share |
-//! | [`tables`], [`layout`] | what the passes on the GPU read and write |
-//! | [`passes`] | which these are |
+//! | `tables`, `layout` | what the passes on the GPU read and write |
+//! | `passes` | which these are |
 //! | [`HostFunctions`] | functions of a kind in Rust: the stage without dispatches |
 //! | [`half_edge`] | whether triangles form a manifold with the border that they should have |
 
@@ -34,10 +34,13 @@ mod components;
 pub mod coordinate;
 pub mod half_edge;
 mod host;
+#[doc(hidden)]
 pub mod layout;
 pub mod level;
 mod mesh;
+#[doc(hidden)]
 pub mod passes;
+mod patch_layout;
 pub mod patches;
 pub mod place;
 #[cfg(feature = "render")]
@@ -45,6 +48,7 @@ pub mod render;
 pub mod ruler;
 pub mod shape;
 pub mod shapes;
+#[doc(hidden)]
 pub mod tables;
 mod tessellate;
 mod topology;

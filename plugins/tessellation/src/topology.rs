@@ -4,7 +4,7 @@ use std::hash::Hash;
 
 use bevy::platform::collections::HashMap;
 
-use super::patches::{PatchLayout, PatchMeshError};
+use super::patch_layout::{PatchLayout, PatchMeshError};
 
 /// Corners and edges of a mesh: each is owned by the first patch that has it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,5 +1,5 @@
 //! The stage in an app with nothing else of Dolomite: the README's example, parts of a target, what is
-//! hidden, many lights, and the order of plugins.
+//! hidden, and the order of plugins.
 
 #[path = "../../geometry/tests/app/mod.rs"]
 mod app;
@@ -16,7 +16,7 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite_geometry::render::{GeometryCensus, GeometryMaterial, Producers, census};
+use dolomite_geometry::render::{GeometryCensus, GeometryMaterial, census};
 use dolomite_geometry::{GeometryCamera, GeometryPlugin, GeometryStats};
 use dolomite_tessellation::render::{PatchKind, PatchPlugin, PatchShader};
 use dolomite_tessellation::{PatchLayout, PatchMesh, Patches};
@@ -206,34 +206,37 @@ fn what_is_hidden_costs_nothing_gpu() {
     assert_eq!(drawn(&mut app), size);
 }
 
-/// Five suns of four cascades: every one of the twenty shadow views is drawn into.
+/// A camera that can see no patch of a kind has no pools for it: by its layers, or by the camera that patches name.
 #[test]
-fn there_is_no_last_shadow_view_gpu() {
+fn a_camera_that_sees_none_of_a_kind_has_no_pool_gpu() {
     let Some(mut app) = white_app() else { return };
     let target = app::target(&mut app, [32, 32]);
-    quad(&mut app, AHEAD);
-    camera(&mut app, &target, ());
-    for k in 0..5_u8 {
-        let sun = DirectionalLight {
-            shadow_maps_enabled: true,
-            ..default()
-        };
-        let towards = Vec3::new(f32::from(k) - 2.0, -2.0, -1.0);
-        app.world_mut()
-            .spawn((sun, Transform::default().looking_to(towards, Vec3::Y)));
-    }
-    app::frames(&mut app, 12);
-    let producers = app.sub_app(RenderApp).world().resource::<Producers>();
-    let shadows: Vec<_> = producers
-        .iter()
-        .flat_map(|producer| producer.views.values())
-        .map(|state| state.shadows.clone())
-        .collect();
-    assert_eq!(shadows.len(), 1);
-    assert_eq!(shadows[0].len(), 20);
-    let mut numbers: Vec<u32> = shadows[0].iter().map(|slot| slot.number()).collect();
-    numbers.dedup();
-    assert_eq!(numbers, (0..20).collect::<Vec<_>>());
+    let patches = quad(&mut app, AHEAD);
+    let blind = camera(&mut app, &target, RenderLayers::none());
+    app::frames(&mut app, 6);
+    assert_eq!(held(&app), GeometryCensus::default());
+    // Another that sees: one view alone.
+    let seeing = camera(&mut app, &target, ());
+    app::frames(&mut app, 6);
+    assert_eq!(held(&app).views, 1);
+    app.world_mut().entity_mut(blind).remove::<RenderLayers>();
+    app::frames(&mut app, 6);
+    assert_eq!(held(&app).views, 2);
+    let only = |app: &mut App, camera: Option<Entity>| {
+        let mut entity = app.world_mut().entity_mut(patches);
+        entity.get_mut::<Patches<White>>().expect("spawned").camera = camera;
+        app::frames(app, 6);
+        held(app).views
+    };
+    assert_eq!(only(&mut app, Some(seeing)), 1);
+    assert_eq!(only(&mut app, Some(nobody())), 0);
+    assert_eq!(held(&app).bytes, 0, "of nobody's patches nothing is kept");
+    assert_eq!(only(&mut app, None), 2);
+}
+
+/// An entity that is no camera.
+fn nobody() -> Entity {
+    Entity::from_raw_u32(1 << 20).expect("a number that can be one")
 }
 
 /// Plugins may come before Bevy's, and more than once; without a renderer they do nothing.
@@ -260,11 +263,17 @@ fn the_order_of_plugins_does_not_matter_gpu() {
 #[test]
 fn an_app_without_a_renderer_keeps_the_resource_alone() {
     let mut app = App::new();
+    // Nothing that Bevy registers by itself, where it was built so.
+    app.insert_resource(AppTypeRegistry::default());
     app.add_plugins((MinimalPlugins, PatchPlugin(White {}), GeometryPlugin));
     app.finish();
     app.cleanup();
     app.update();
     assert!(app.world().contains_resource::<White>());
+    let registry = app.world().resource::<AppTypeRegistry>().clone();
+    let settings = registry.read();
+    let known = settings.get(std::any::TypeId::of::<GeometryCamera>());
+    assert!(known.is_some_and(|known| known.contains::<ReflectComponent>()));
     assert_eq!(
         *app.world().resource::<GeometryStats>(),
         GeometryStats::default()

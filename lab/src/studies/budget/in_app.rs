@@ -49,7 +49,13 @@ impl InApp {
             .spawn((
                 budget,
                 source,
-                TerrainLod::default(),
+                // Before the first time the tolerance is the camera's own: the coarsest, as for other controllers.
+                TerrainLod {
+                    metric: Metric::ErrorBound {
+                        pixels: budget.greatest,
+                    },
+                    ..TerrainLod::default()
+                },
                 GlobalTransform::IDENTITY,
             ))
             .id();

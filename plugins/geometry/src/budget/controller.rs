@@ -4,6 +4,7 @@ use bevy::math::ops;
 
 use super::estimate::{CostModel, Learnt, Work};
 use super::settings::{Budget, BudgetError, BudgetLimit, BudgetReport};
+use super::times::TimeSample;
 use super::work_curve::WorkCurve;
 
 /// Standard deviations above the mean that 99 % of a normal distribution keep below.
@@ -22,20 +23,6 @@ const SETTLED: u32 = 8;
 const BELIEVED: [f64; 2] = [1.0 / 16.0, 16.0];
 /// Frames whose work is remembered; measurements come back two or three frames late.
 const REMEMBERED: usize = 16;
-
-/// A measured frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TimeSample {
-    /// What it took. One that is not finite and above 0 is passed over.
-    pub milliseconds: f32,
-    /// The tolerance that it was drawn with, pixels.
-    pub tau: f32,
-    /// Triangles (or vertices, as long as it is always the same) that were counted in it, if they were:
-    /// they correct what the work curve predicts.
-    pub triangles: Option<u32>,
-    /// Which frame, as [`NextFrame::number`] had it. A frame that is no longer remembered is passed over.
-    pub frame: u64,
-}
 
 /// The frame about to be drawn.
 #[derive(Clone, Copy, Debug)]

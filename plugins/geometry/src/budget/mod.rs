@@ -48,15 +48,20 @@
 //! }
 //! ```
 //!
+//! As long as nothing is measured there is no τ, and whoever owns a tolerance keeps it.
+//!
 //! The lab's study `budget` measures it beside other controllers.
 
 mod controller;
+mod cut;
 mod estimate;
 mod settings;
 mod systems;
+mod times;
 mod work_curve;
 
-pub use controller::{BudgetController, NextFrame, TimeSample};
+pub use controller::{BudgetController, NextFrame};
 pub use settings::{Budget, BudgetError, BudgetLimit, BudgetReport};
-pub use systems::{BudgetPlugin, BudgetSystems, FrameTime, TimeSamples, ViewWork};
+pub use systems::{BudgetPlugin, BudgetSystems, ViewWork};
+pub use times::{FrameTime, TimeSample, TimeSamples};
 pub use work_curve::{WorkCurve, WorkCurveError};

@@ -5,8 +5,9 @@ use thiserror::Error;
 
 /// Holds the camera's measured time at so many milliseconds, by a producer's error tolerance.
 ///
-/// Where the time comes from is said by the [`FrameTime`](super::FrameTime) beside it; the tolerance
-/// reached stands in its [`BudgetReport`]. Numbers that make no sense are refused by a
+/// Where the time comes from is said by the [`FrameTime`](super::FrameTime) beside it, without which nothing is
+/// measured unless the app does; the tolerance reached stands in its [`BudgetReport`], and moves what somebody
+/// takes it over for. Until a time has come the tolerance stays what it was. Numbers that make no sense are refused by a
 /// [`BudgetError`], which the report carries; nothing is clamped silently, and the tolerance stays
 /// where it was.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -91,7 +92,8 @@ pub enum BudgetLimit {
 pub struct BudgetReport {
     /// Number of the frame that this is said of; a time measured of it carries the number back.
     pub frame: u64,
-    /// The tolerance to draw this frame with, pixels; 0 before the first.
+    /// The tolerance to draw this frame with, pixels; 0 as long as no time has come: then there is nothing to
+    /// take over.
     pub tau: f32,
     /// Whether this frame is expected within the budget; false before the first measurement.
     pub held: bool,

@@ -1,24 +1,27 @@
-//! Budgets of cameras: where times arrive, and the system that decides.
+//! Budgets of cameras: the system that decides.
 
-use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore};
+use bevy::diagnostic::DiagnosticsStore;
 use bevy::prelude::*;
 use bevy::time::Real;
 
-use super::controller::{BudgetController, NextFrame, TimeSample};
+use super::controller::{BudgetController, NextFrame};
+use super::cut::is_cut;
 use super::settings::{Budget, BudgetReport};
+use super::times::{FrameTime, TimeSample, TimeSamples, newest_sum};
 use super::work_curve::WorkCurve;
 
-/// A camera that moved farther than this in one frame was put elsewhere, metres: an aircraft at the
-/// speed of sound makes 12 m in a frame of a slow display (30 Hz).
-const CUT_METRES: f32 = 25.0;
-/// Cosine of the turn in one frame that counts as a cut: 40 degrees, 1200 degrees a second at 30 Hz.
-const CUT_TURN: f32 = 0.766;
+/// Frames that a budget may wait for its first time before it is missed: some seconds, in which pipelines are
+/// compiled and passes do not run yet.
+const PATIENCE: u32 = 240;
 
 /// Keeps every [`Budget`]: decides the tolerance of each frame in `PostUpdate`, after transforms are
 /// propagated. Without a budget in the world it does nothing.
 ///
-/// A frame goes: who selects detail puts the view's [`ViewWork`] on the camera; [`BudgetSystems`] decide; who
-/// owns the tolerance takes [`BudgetReport::tau`] over after them. May be added any number of times.
+/// A frame goes: [`BudgetSystems`] decide by the times that [`FrameTime`] names; who owns the tolerance takes
+/// [`BudgetReport::tau`] over after them, where it is above 0. It is 0 until a time has come, so that a tolerance
+/// that somebody set stays as long as nothing is measured; after some seconds a warning says what is missing.
+/// [`ViewWork`] is for producers that can count their work on the CPU before they draw; none of Dolomite's writes
+/// it, for the ground is selected on the GPU. May be added any number of times.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BudgetPlugin;
 
@@ -38,6 +41,7 @@ impl Plugin for BudgetPlugin {
         app.insert_resource(Added)
             .register_type::<Budget>()
             .register_type::<BudgetReport>()
+            .register_type::<FrameTime>()
             .add_systems(
                 PostUpdate,
                 (gather_times, decide)
@@ -61,62 +65,7 @@ fn forget(removed: On<Remove, Budget>, mut commands: Commands) {
         .try_remove::<(Controlled, BudgetReport, TimeSamples)>();
 }
 
-/// Where a camera's time is measured.
-#[derive(Component, Clone, Debug, Default, PartialEq)]
-pub enum FrameTime {
-    /// By whoever pushes it into the camera's [`TimeSamples`], with the frame that it is of.
-    #[default]
-    Given,
-    /// The sum of the newest values of diagnostics in milliseconds, as Bevy's render diagnostics publish
-    /// the spans of GPU passes (`render/<span>/elapsed_gpu`). Counts when one of them is new and none
-    /// is missing.
-    Diagnostics {
-        /// Which are added up.
-        paths: Vec<DiagnosticPath>,
-        /// Frames between a frame's decision and the moment when its time is known. Diagnostics carry no number;
-        /// 3 is the most that Bevy's take. Rather one too many: a time taken for one of an older view is
-        /// passed over, one taken for one of a newer view misleads.
-        lag: u32,
-    },
-    /// Wall time from frame to frame. With a display that waits for its refresh it is never below the
-    /// refresh, whatever is drawn.
-    Wall {
-        /// As above; 1 where the CPU is the slower one.
-        lag: u32,
-    },
-}
-
-impl FrameTime {
-    /// The sum of the GPU's times of render passes, by the names of their spans. Needs Bevy's
-    /// `RenderDiagnosticsPlugin`.
-    #[must_use]
-    pub fn of_passes(spans: &[&str]) -> Self {
-        let path = |span: &&str| DiagnosticPath::new(format!("render/{span}/elapsed_gpu"));
-        Self::Diagnostics {
-            paths: spans.iter().map(path).collect(),
-            lag: 3,
-        }
-    }
-}
-
-/// Measured frames that have not been taken in. In the order of frames; emptied every frame.
-#[derive(Component, Clone, Debug, Default, PartialEq)]
-pub struct TimeSamples(Vec<TimeSample>);
-
-impl TimeSamples {
-    /// Most that wait.
-    const MOST: usize = 64;
-
-    /// Adds a measured frame; its number is [`BudgetReport::frame`] as it stood when it was drawn. What
-    /// is over 64 in a frame is dropped.
-    pub fn push(&mut self, sample: TimeSample) {
-        if self.0.len() < Self::MOST {
-            self.0.push(sample);
-        }
-    }
-}
-
-/// What the camera's view of this frame asks for; who selects detail writes it. Without it, work is
+/// What the camera's view of this frame asks for, by who can count it before [`BudgetSystems`]. Without it, work is
 /// taken as 1/τ.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct ViewWork(pub Option<WorkCurve>);
@@ -127,6 +76,8 @@ struct Controlled {
     controller: BudgetController,
     frame: u64,
     pose: GlobalTransform,
+    /// The first frame whose tolerance was said: that of earlier ones was somebody else's.
+    since: Option<u64>,
 }
 
 /// Turns what [`FrameTime`] names into samples.
@@ -154,6 +105,7 @@ fn gather_times(
                 (sum, *lag)
             }
         };
+        samples.sees(milliseconds as f32);
         // The report is still the last frame's: a lag of 1 is the frame just past.
         let Some(frame) = (report.frame + 1).checked_sub(u64::from(lag.max(1))) else {
             continue;
@@ -169,26 +121,14 @@ fn gather_times(
     newest.retain(|camera, _| cameras.contains(*camera));
 }
 
-/// Sum of the newest values, and when the newest of them came; `None` if one is missing.
-fn newest_sum(
-    store: &DiagnosticsStore,
-    paths: &[DiagnosticPath],
-) -> Option<(f64, bevy::platform::time::Instant)> {
-    let mut found: Option<(f64, bevy::platform::time::Instant)> = None;
-    for path in paths {
-        let next = store.get_measurement(path)?;
-        let (sum, when) = found.unwrap_or((0.0, next.time));
-        found = Some((sum + next.value, when.max(next.time)));
-    }
-    found
-}
-
 /// Decides this frame's tolerance of every camera with a budget.
 fn decide(
     mut commands: Commands,
+    diagnostics: Option<Res<DiagnosticsStore>>,
     mut cameras: Query<(
         Entity,
         &Budget,
+        &FrameTime,
         &GlobalTransform,
         Option<&ViewWork>,
         Option<&mut Controlled>,
@@ -196,7 +136,7 @@ fn decide(
         &mut BudgetReport,
     )>,
 ) {
-    for (camera, budget, pose, curve, controlled, mut samples, mut report) in &mut cameras {
+    for (camera, budget, source, pose, curve, controlled, mut samples, mut report) in &mut cameras {
         let curve = curve.and_then(|curve| curve.0.as_ref());
         let mut new = None;
         let state = match controlled {
@@ -206,6 +146,7 @@ fn decide(
                     controller,
                     frame: 0,
                     pose: *pose,
+                    since: None,
                 }),
                 Err(fault) => {
                     report.fault = Some(fault);
@@ -214,10 +155,17 @@ fn decide(
             },
         };
         let fault = state.controller.set_budget(*budget).err();
-        for sample in samples.0.drain(..) {
-            state.controller.observe(&sample);
-        }
         state.frame += 1;
+        if samples.has_come() {
+            state.since = state.since.or(Some(state.frame));
+        } else if state.frame == u64::from(PATIENCE) {
+            miss(camera, source, diagnostics.as_deref());
+        }
+        for sample in samples.take() {
+            if state.since.is_some_and(|since| sample.frame >= since) {
+                state.controller.observe(&sample);
+            }
+        }
         let next = NextFrame {
             number: state.frame,
             curve,
@@ -228,9 +176,16 @@ fn decide(
         if fault.is_none() {
             state.controller.decide(&next);
         }
-        let said = BudgetReport {
-            fault,
-            ..state.controller.report()
+        let reached = state.controller.report();
+        let said = if state.since.is_some() {
+            BudgetReport { fault, ..reached }
+        } else {
+            // The frame is counted, so that a time can be given with its number.
+            BudgetReport {
+                frame: reached.frame,
+                fault,
+                ..default()
+            }
         };
         report.set_if_neq(said);
         if let Some(new) = new {
@@ -239,18 +194,23 @@ fn decide(
     }
 }
 
-/// Whether a camera was put elsewhere between two frames. Poses that are not finite are no cut.
-fn is_cut(before: &GlobalTransform, now: &GlobalTransform) -> bool {
-    let moved = before.translation().distance(now.translation());
-    let turned = before.forward().dot(*now.forward());
-    moved > CUT_METRES || turned < CUT_TURN
+/// Says, once a budget, that no time came, and what of it is missing.
+fn miss(camera: Entity, source: &FrameTime, diagnostics: Option<&DiagnosticsStore>) {
+    let missing = source.missing(diagnostics);
+    #[cfg(feature = "render")]
+    bevy::log::warn!(
+        "the Budget of {camera} has moved nothing in {PATIENCE} frames, for no time was measured: {missing}"
+    );
+    // Without a renderer there is no log; the report says it by a tolerance of 0.
+    #[cfg(not(feature = "render"))]
+    let _ = (camera, missing);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use bevy::MinimalPlugins;
-    use bevy::diagnostic::{Diagnostic, DiagnosticMeasurement};
+    use bevy::diagnostic::{Diagnostic, DiagnosticMeasurement, DiagnosticPath};
 
     const SPAN: DiagnosticPath = DiagnosticPath::const_new("render/ground/elapsed_gpu");
 
@@ -274,6 +234,15 @@ mod tests {
         *app.world().get::<BudgetReport>(camera).unwrap()
     }
 
+    fn sample(frame: u64, milliseconds: f32) -> TimeSample {
+        TimeSample {
+            milliseconds,
+            tau: f32::NAN,
+            triangles: None,
+            frame,
+        }
+    }
+
     /// What a frame of the tests takes: 1 ms and 4 ms a pixel's inverse.
     fn time(tau: f32) -> f32 {
         1.0 + 4.0 / tau
@@ -285,7 +254,12 @@ mod tests {
         let mut drawn: Vec<BudgetReport> = Vec::new();
         for _ in 0..200 {
             app.update();
-            drawn.push(report(&app, camera));
+            let mut frame = report(&app, camera);
+            if frame.tau == 0.0 {
+                // Its own, which means nothing for the budget.
+                frame.tau = 0.7;
+            }
+            drawn.push(frame);
             if let Some(past) = drawn.len().checked_sub(3).map(|i| drawn[i]) {
                 let mut samples = app.world_mut().get_mut::<TimeSamples>(camera).unwrap();
                 samples.push(TimeSample {
@@ -311,11 +285,12 @@ mod tests {
         };
         let (mut app, camera) = app(Budget::default(), source);
         app.update();
-        assert!(!report(&app, camera).held, "nothing was measured yet");
+        let first = report(&app, camera);
+        assert!(!first.held && first.tau == 0.0, "nothing was measured yet");
         app.world_mut()
             .resource_mut::<DiagnosticsStore>()
             .add(Diagnostic::new(SPAN));
-        let mut taus = vec![report(&app, camera).tau];
+        let mut taus = vec![3.0];
         for _ in 0..200 {
             let tau = taus[taus.len().saturating_sub(3)];
             app.world_mut()
@@ -344,6 +319,10 @@ mod tests {
         assert!(report(&app, camera).fault.is_some());
         assert_eq!(report(&app, camera).tau, 0.0);
         app.world_mut().entity_mut(camera).insert(Budget::default());
+        app.world_mut()
+            .get_mut::<TimeSamples>(camera)
+            .unwrap()
+            .push(sample(0, 1.0));
         app.update();
         let good = report(&app, camera);
         assert_eq!((good.fault, good.tau), (None, Budget::default().greatest));
@@ -352,6 +331,30 @@ mod tests {
         let after = report(&app, camera);
         assert!(after.fault.is_some());
         assert_eq!(after.tau, good.tau);
+    }
+
+    #[test]
+    fn nothing_is_said_while_nothing_is_measured_and_nothing_learnt_of_those_frames() {
+        for source in [FrameTime::Given, FrameTime::of_passes(&["nobody"])] {
+            let (mut app, camera) = app(Budget::default(), source);
+            for _ in 0..=PATIENCE {
+                app.update();
+            }
+            let waiting = report(&app, camera);
+            let frame = u64::from(PATIENCE) + 1;
+            assert_eq!(waiting, BudgetReport { frame, ..default() });
+            // A time of a frame that was drawn with somebody else's tolerance, far over the budget: it is a sign
+            // that times come, and of no use beside.
+            let mut samples = app.world_mut().get_mut::<TimeSamples>(camera).unwrap();
+            samples.push(sample(frame, f32::NAN));
+            samples.push(sample(frame, 400.0));
+            app.update();
+            let begun = report(&app, camera);
+            assert_eq!(
+                (begun.tau, begun.expected),
+                (Budget::default().greatest, 0.0)
+            );
+        }
     }
 
     #[test]
@@ -371,18 +374,5 @@ mod tests {
         // A camera that goes takes everything along.
         app.world_mut().despawn(camera);
         app.update();
-    }
-
-    #[test]
-    fn a_camera_that_is_put_elsewhere_is_cut() {
-        let at = |x: f32, yaw: f32| {
-            GlobalTransform::from(
-                Transform::from_xyz(x, 0.0, 0.0).with_rotation(Quat::from_rotation_y(yaw)),
-            )
-        };
-        assert!(!is_cut(&at(0.0, 0.0), &at(12.0, 0.3)));
-        assert!(is_cut(&at(0.0, 0.0), &at(500.0, 0.0)));
-        assert!(is_cut(&at(0.0, 0.0), &at(0.0, 1.5)));
-        assert!(!is_cut(&at(f32::NAN, 0.0), &at(0.0, 0.0)));
     }
 }

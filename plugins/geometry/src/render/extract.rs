@@ -31,24 +31,49 @@ pub fn camera_number(camera: Entity) -> f32 {
 pub struct GeometryScene {
     /// Seconds, wrapped at an hour, of this frame and the last.
     pub time: [f32; 2],
-    /// Direction that the sunlight travels, where it casts shadows.
+    /// Direction that the sunlight travels, where it casts shadows: of several such lights that of the lowest entity.
     pub sun: Option<Vec3>,
 }
+
+type LightItem<'a> = (
+    Entity,
+    &'a DirectionalLight,
+    &'a GlobalTransform,
+    Option<&'a InheritedVisibility>,
+);
 
 pub(super) fn scene(
     mut scene: ResMut<GeometryScene>,
     time: Extract<Option<Res<Time>>>,
-    lights: Extract<Query<(&DirectionalLight, &GlobalTransform)>>,
+    lights: Extract<Query<LightItem>>,
+    cameras: Extract<Query<(), With<GeometryCamera>>>,
+    mut told: Local<bool>,
 ) {
     let now = time
         .as_ref()
         .map_or(0.0, |time| time.elapsed_secs_wrapped());
     scene.time = [now, scene.time[0]];
-    scene.sun = lights
+    let mut casting: Vec<_> = lights
         .iter()
-        .filter(|(light, _)| light.shadow_maps_enabled)
-        .map(|(_, transform)| *transform.forward())
-        .next();
+        .filter(|(_, light, _, visibility)| {
+            light.shadow_maps_enabled && visibility.is_none_or(|seen| seen.get())
+        })
+        .map(|(entity, _, transform, _)| (entity, *transform.forward()))
+        .collect();
+    // Queries have no order of their own.
+    casting.sort_by_key(|(entity, _)| entity.index_u32());
+    scene.sun = casting.first().map(|(_, travels)| *travels);
+    if let [(first, _), others @ ..] = casting.as_slice()
+        && !others.is_empty()
+        && !cameras.is_empty()
+        && !std::mem::replace(&mut *told, true)
+    {
+        let others: Vec<Entity> = others.iter().map(|(entity, _)| *entity).collect();
+        warn!(
+            "of several lights with shadows {first} decides what beside a camera's picture is kept for its shadows; \
+             those of {others:?} may lack what stands there"
+        );
+    }
 }
 
 pub(super) fn cameras(

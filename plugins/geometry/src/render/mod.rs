@@ -20,8 +20,10 @@ mod ranges;
 mod readback;
 mod record;
 mod shader;
+mod shared;
 mod space;
 mod stats;
+mod traits;
 mod variants;
 mod view;
 
@@ -35,16 +37,18 @@ use bevy::render::{ExtractSchedule, Render, RenderApp, RenderSystems};
 pub use camera::Matrices;
 pub use extract::{ExtractedGeometryCamera, GeometryScene, camera_number};
 pub use material::GeometryMaterial;
+#[doc(hidden)]
 pub use pipeline::pipeline_fault;
-pub use producer::{
-    DrawShader, DrawTraits, GeometryPool, Producer, ProducerKey, Producers, ViewNumbers,
-};
-pub use ranges::{PLANES, RANGE_ARGUMENTS, RANGES, ShadowRanges, half_spaces};
+pub use producer::{Producer, ProducerKey, Producers, ViewNumbers};
+pub use ranges::ShadowRanges;
+#[doc(hidden)]
+pub use ranges::{PLANES, RANGE_ARGUMENTS, RANGES, half_spaces};
 pub use readback::{Counters, Mapped};
 pub use record::{DrawCall, DrawSource, Pools, record_draw};
 pub use shader::{ModuleShaders, shader_asset};
+pub use shared::{GeometryFault, GeometryShared, GeometryStats, PoolStats};
 pub use space::{ViewFrame, Viewpoint};
-pub use stats::{GeometryFault, GeometryShared, GeometryStats, PoolStats};
+pub use traits::{DrawShader, DrawTraits, GeometryPool};
 #[doc(hidden)]
 pub use variants::{DRAW_FILE, ShaderVariant, draw_variants};
 pub use view::{GeometryView, ShadowSlot};
@@ -83,7 +87,7 @@ impl Plugin for GeometryPlugin {
         app.init_resource::<GeometryStats>()
             .init_resource::<GeometryShared>()
             .register_type::<GeometryCamera>()
-            .add_systems(PreUpdate, stats::publish);
+            .add_systems(PreUpdate, stats::publish.run_if(stats::are_counted));
         stats::register(app);
     }
 

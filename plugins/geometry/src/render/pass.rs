@@ -16,9 +16,10 @@ use bevy::render::view::{ViewDepthTexture, ViewTarget};
 
 use super::extract::ExtractedGeometryCamera;
 use super::pipeline::{DrawKey, DrawPipelines, Drawn};
-use super::producer::{DrawTraits, Producer, Producers};
+use super::producer::{Producer, Producers};
 use super::record::{DrawCall, DrawSource, record_draw};
-use super::stats::GeometryShared;
+use super::shared::GeometryShared;
+use super::traits::DrawTraits;
 use super::view::{DrawGroups, GeometryView};
 use crate::layout::{GeometryDraw, OTHERS_ARGUMENTS};
 

@@ -22,7 +22,7 @@ use bevy::render::render_resource::{
 use bevy::render::view::ViewTarget;
 use bevy::shader::{ShaderCacheError, ShaderDefVal};
 
-use super::producer::{DrawShader, DrawTraits};
+use super::traits::{DrawShader, DrawTraits};
 use super::variants::{Look, Target, shadow_defs};
 use crate::layout::{
     EVALUATED_BYTES, GeometryDraw, MATERIAL_ROWS, MaterialRow, PREVIOUS_BYTES, VERTEX_BYTES,

@@ -27,7 +27,7 @@ pub struct ViewFrame {
     pub position: DVec3,
     /// Inward half-spaces of the frustum, without the jitter of temporal anti-aliasing.
     pub planes: [[f32; 4]; 6],
-    /// How far shadows reach along the light; 0 without shadows.
+    /// How far shadows reach along the light ([`GeometryScene::sun`]); 0 without shadows.
     pub sweep: Vec3,
     /// The point that detail follows.
     pub eye: Vec3,

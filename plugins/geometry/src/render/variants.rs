@@ -4,7 +4,7 @@
 use bevy::mesh::PrimitiveTopology::LineList;
 use bevy::shader::ShaderDefVal;
 
-use super::producer::DrawTraits;
+use super::traits::DrawTraits;
 
 /// A shader that a pipeline asks for.
 #[derive(Clone, Debug)]

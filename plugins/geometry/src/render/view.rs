@@ -5,12 +5,12 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{BindGroup, Buffer, BufferDescriptor, BufferUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 
-use super::producer::{DrawTraits, GeometryPool};
 use super::ranges::ShadowRanges;
 use super::readback::Counters;
 use super::record::Pools;
+use super::shared::GeometryShared;
 use super::space::ViewFrame;
-use super::stats::GeometryShared;
+use super::traits::{DrawTraits, GeometryPool};
 use crate::layout::{DRAW_SLOT, GeometryHead, HEAD_WORDS, PREVIOUS_BYTES};
 
 /// Slots that a view's uniform of draws begins with: its own and those of a sun of four cascades.

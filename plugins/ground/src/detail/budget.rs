@@ -1,5 +1,8 @@
 //! The ground's tolerance under a time budget: [`dolomite_geometry::budget`] decides, the metric follows.
 //!
+//! The GPU's times come from Bevy's `RenderDiagnosticsPlugin`, which the app adds. Until there is one, the tolerance
+//! that the metric has stays.
+//!
 //! ```
 //! # use bevy::prelude::*;
 //! # use dolomite_ground::detail::TerrainLod;
@@ -27,7 +30,7 @@ pub fn frame_time() -> FrameTime {
 /// it is.
 fn follow(mut cameras: Query<(&BudgetReport, &mut TerrainLod), With<Budget>>) {
     for (report, mut detail) in &mut cameras {
-        // Before the first decision there is none.
+        // Before anything was measured there is none.
         if report.tau <= 0.0 {
             continue;
         }
@@ -61,7 +64,10 @@ impl Plugin for DetailBudgetPlugin {
             .add_plugins(BudgetPlugin)
             .add_systems(
                 PostUpdate,
-                follow.in_set(GroundSystems::Budget).after(BudgetSystems),
+                follow
+                    .in_set(GroundSystems::Budget)
+                    .after(BudgetSystems)
+                    .run_if(any_with_component::<Budget>),
             );
     }
 
@@ -79,6 +85,28 @@ mod tests {
     /// What a frame of the tests takes: 1 ms and 4 ms a pixel's inverse.
     fn time(tau: f32) -> f32 {
         1.0 + 4.0 / tau
+    }
+
+    #[test]
+    fn a_tolerance_stays_while_nothing_is_measured() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, DetailBudgetPlugin));
+        let detail = TerrainLod {
+            metric: Metric::ErrorBound { pixels: 1.5 },
+            ..default()
+        };
+        let bundle = (Budget::default(), detail, GlobalTransform::default());
+        // By the budget alone, and with times that nobody publishes.
+        let cameras = [
+            app.world_mut().spawn(bundle).id(),
+            app.world_mut().spawn((bundle, frame_time())).id(),
+        ];
+        for _ in 0..20 {
+            app.update();
+        }
+        for camera in cameras {
+            assert_eq!(app.world().get::<TerrainLod>(camera), Some(&detail));
+        }
     }
 
     #[test]

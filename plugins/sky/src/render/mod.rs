@@ -20,14 +20,17 @@ mod tell;
 use bevy::prelude::*;
 use dolomite_tessellation::render::PatchPlugin;
 
+#[doc(hidden)]
 pub use dome::Dome;
 pub use dress::DrawnSky;
+#[doc(hidden)]
 pub use moon::Moon;
+#[doc(hidden)]
 pub use stars::Star;
 
 use crate::components::{Sky, Sun};
-use crate::plugin::SkySystems;
 use crate::seen::SeenSky;
+use crate::sets::SkySystems;
 use store::MapStore;
 
 /// Something of a camera's sky that stars and moon depend on has changed.

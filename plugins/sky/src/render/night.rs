@@ -174,15 +174,45 @@ pub(super) fn show<K: NightKind>(
     }
 }
 
-/// Takes the stage away that was there for the sky's sake.
+/// Takes the stage away that was there for the sky's sake, once all is gone that goes with the sky.
 pub(super) fn unstage(
     removed: On<Remove, Sky>,
     mut commands: Commands,
     staged: Query<(), With<StageForSky>>,
 ) {
-    if staged.contains(removed.entity)
-        && let Ok(mut camera) = commands.get_entity(removed.entity)
-    {
-        camera.try_remove::<(GeometryCamera, StageForSky)>();
+    let camera = removed.entity;
+    if staged.contains(camera) {
+        commands.queue(move |world: &mut World| take_stage(world, camera));
     }
+}
+
+fn take_stage(world: &mut World, camera: Entity) {
+    // It may have been despawned with its sky.
+    let Ok(entity) = world.get_entity(camera) else {
+        return;
+    };
+    let needed = is_needed(world, entity);
+    let mut camera = world.entity_mut(camera);
+    camera.remove::<StageForSky>();
+    if !needed {
+        camera.remove::<GeometryCamera>();
+    }
+}
+
+/// Whether the camera's stage is somebody else's too: it has settings of its own by now, or another component of the
+/// camera requires it, as the view of a terrain does.
+fn is_needed(world: &World, camera: EntityRef) -> bool {
+    let own = camera.get::<GeometryCamera>();
+    if own.is_some_and(|own| *own != GeometryCamera::default()) {
+        return true;
+    }
+    let components = world.components();
+    let Some(stage) = components.component_id::<GeometryCamera>() else {
+        return false;
+    };
+    camera.archetype().iter_components().any(|id| {
+        components
+            .get_info(id)
+            .is_some_and(|info| info.required_components().iter_ids().any(|id| id == stage))
+    })
 }

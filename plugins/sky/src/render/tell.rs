@@ -2,8 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::components::{Sky, Sun};
-use crate::plugin::the_sun;
+use crate::components::{Sky, Sun, the_sun};
 
 /// Frames that a sky may wait for its sun before it is missed.
 const PATIENCE: u32 = 30;

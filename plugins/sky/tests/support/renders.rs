@@ -13,13 +13,29 @@ use bevy::time::TimeUpdateStrategy;
 use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
 
-/// Bevy's plugins without a window, pipelines compiled in the frame that first needs them; and what
-/// `add` adds. `None`, after a line that says so, without Vulkan; in CI that fails.
+/// Bevy's plugins without a window, and then what `add` adds. `None`, after a line that says so, without
+/// Vulkan; in CI that fails.
 pub fn app(add: impl FnOnce(&mut App)) -> Option<App> {
+    app_of(|app| {
+        bevys(app);
+        add(app);
+    })
+}
+
+/// The same, where `add` adds all plugins, [`bevys`] among them.
+pub fn app_of(add: impl FnOnce(&mut App)) -> Option<App> {
     if !adapter_is_there() {
         return None;
     }
     let mut app = App::new();
+    add(&mut app);
+    app.finish();
+    app.cleanup();
+    Some(app)
+}
+
+/// Adds Bevy's plugins without a window; pipelines are compiled in the frame that first needs them.
+pub fn bevys(app: &mut App) {
     let settings = WgpuSettings {
         backends: Some(Backends::VULKAN),
         ..default()
@@ -45,10 +61,6 @@ pub fn app(add: impl FnOnce(&mut App)) -> Option<App> {
     .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
         16,
     )));
-    add(&mut app);
-    app.finish();
-    app.cleanup();
-    Some(app)
 }
 
 fn adapter_is_there() -> bool {

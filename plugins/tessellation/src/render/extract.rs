@@ -2,7 +2,6 @@
 
 use std::any::TypeId;
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
@@ -11,9 +10,11 @@ use bevy::shader::Shader;
 use dolomite_geometry::render::{Producers, camera_number};
 
 use super::kind::PatchKind;
-use super::prepare::StageKinds;
+use super::layers::{LAYERS, layer_bits};
+use super::prepare::{StageKinds, has_entities};
+use super::variants::evaluated;
+use crate::Patches;
 use crate::tables::Instance;
-use crate::{PatchMesh, Patches};
 
 type AnyChange<K> = Or<(
     Changed<Patches<K>>,
@@ -30,18 +31,12 @@ type Placed<'a, K> = (
     Option<&'a RenderLayers>,
 );
 
-/// Layers that the stage tells apart.
-const LAYERS: usize = 32;
-
-/// The layers of an entity or a camera, one a bit; and whether it is in others too.
-pub fn layer_bits(layers: &RenderLayers) -> (u32, bool) {
-    layers.iter().fold((0, false), |(bits, more), layer| {
-        if layer < LAYERS {
-            (bits | 1 << layer, more)
-        } else {
-            (bits, true)
-        }
-    })
+/// Whether a kind has entities, or had some until now, which have to be let go of.
+pub fn is_in_use<K: PatchKind>(
+    kinds: Res<StageKinds>,
+    patches: Extract<Query<(), With<Patches<K>>>>,
+) -> bool {
+    has_entities::<K>(kinds) || !patches.is_empty()
 }
 
 /// The entities of a kind, when any of them changed.
@@ -69,7 +64,7 @@ pub fn kind<K: PatchKind>(
     {
         kind.pool = settings.pool();
         producer.still = settings.still();
-        let stored = !K::MOVES && !super::evaluated::<K>() && K::AMPLIFIED == 0;
+        let stored = !K::MOVES && !evaluated::<K>() && K::AMPLIFIED == 0;
         kind.host = settings.host().filter(|_| stored);
         producer.materials = settings.materials();
         producer.materials_changed = true;
@@ -90,6 +85,7 @@ pub fn kind<K: PatchKind>(
     *moved = false;
     let mut now = HashMap::with_capacity(before.len());
     kind.instances.clear();
+    kind.seen_by.clear();
     let mut skipped = 0;
     for (entity, patches, transform, visibility, layers) in &entities {
         if !visibility.get() || patches.mesh.patches() == 0 {
@@ -113,13 +109,15 @@ pub fn kind<K: PatchKind>(
         let rows = rows(transform);
         let previous = before.get(&entity).copied().unwrap_or(rows);
         // Others do not read where they were.
-        *moved |= (K::MOVES || super::evaluated::<K>()) && previous != rows;
+        *moved |= (K::MOVES || evaluated::<K>()) && previous != rows;
         now.insert(entity, rows);
+        let only = patches.camera.map_or(0.0, camera_number);
+        kind.seen_by.add(only, bits);
         let instance = Instance {
             rows,
             previous,
             params: patches.params.map(|param| param.to_array()),
-            camera: [patches.camera.map_or(0.0, camera_number), 0.0, 0.0, 0.0],
+            camera: [only, 0.0, 0.0, 0.0],
         };
         kind.instances
             .push((patches.mesh.clone(), instance.in_layers(bits)));
@@ -148,26 +146,4 @@ fn rows(transform: &GlobalTransform) -> [[f32; 4]; 3] {
         [m.x_axis.y, m.y_axis.y, m.z_axis.y, t.y],
         [m.x_axis.z, m.y_axis.z, m.z_axis.z, t.z],
     ]
-}
-
-/// Meshes are told apart by their place in memory.
-pub fn same_meshes(a: &[Arc<PatchMesh>], b: &[(Arc<PatchMesh>, Instance)]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, (b, _))| Arc::ptr_eq(a, b))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn layers_are_bits() {
-        assert_eq!(layer_bits(&RenderLayers::default()), (1, false));
-        assert_eq!(layer_bits(&RenderLayers::none()), (0, false));
-        let many = RenderLayers::from_layers(&[1, 17, 31, 40]);
-        let (bits, more) = layer_bits(&many);
-        assert_eq!((bits, more), (1 << 1 | 1 << 17 | 1 << 31, true));
-        let instance = Instance::IDENTITY.in_layers(bits);
-        assert!(instance.is_in(1 << 31) && instance.is_in(1 << 17) && !instance.is_in(1));
-        assert!(Instance::IDENTITY.is_in(0), "without layers: in all");
-    }
 }

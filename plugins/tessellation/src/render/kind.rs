@@ -1,14 +1,11 @@
-//! What a user implements to tessellate a kind of patches, and the plugin that takes it.
+//! What a user implements to tessellate a kind of patches.
 
-use std::marker::PhantomData;
 use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
-use dolomite_geometry::render::{GeometryPool, Viewpoint};
+use dolomite_geometry::render::{GeometryMaterial, GeometryPool, Viewpoint};
 
-use super::GeometryMaterial;
-use super::variants::{KindVariants, stage_variants};
 use crate::{Drawing, HostFunctions, Mode, PatchLayout, Spacing, Winding};
 
 /// Where the functions of a kind stand.
@@ -148,34 +145,5 @@ impl From<PatchPool> for GeometryPool {
             vertices: pool.vertices,
             primitives: pool.primitives,
         }
-    }
-}
-
-/// Adds a kind of patches to an app: `app.add_plugins(PatchPlugin(kind))`.
-///
-/// Brings the stage itself along, once. May be added before or after Bevy's plugins, and more than once: the
-/// resource of the last time counts. Does nothing but keep the resource in an app that does not render.
-pub struct PatchPlugin<K>(pub K);
-
-impl<K: PatchKind> Plugin for PatchPlugin<K> {
-    fn build(&self, app: &mut App) {
-        super::add_geometry(app);
-        app.insert_resource(self.0.clone());
-        let list = (
-            core::any::type_name::<K>(),
-            stage_variants::<K> as fn() -> _,
-        );
-        let mut known = app.world_mut().get_resource_or_init::<KindVariants>();
-        if !known.0.iter().any(|(name, _)| *name == list.0) {
-            known.0.push(list);
-        }
-    }
-
-    fn finish(&self, app: &mut App) {
-        super::add_kind::<K>(app, PhantomData);
-    }
-
-    fn is_unique(&self) -> bool {
-        false
     }
 }

@@ -11,7 +11,7 @@ use dolomite_geometry::render::{ExtractedGeometryCamera, GeometryShared, Geometr
 
 use super::pipeline::{KindPipelines, given_layout};
 use super::prepare::{Kind, KindBuffers, StageKinds};
-use super::record::{StageBound, clear_work, dispatch, record_stage};
+use super::record::{StageBound, clear_work, record_shadow_ranges, record_stage};
 use super::view::{StageGroups, StageViewState};
 
 /// Pipelines and bind groups that are missing.
@@ -31,7 +31,9 @@ pub fn bind_groups(
             continue;
         };
         if kind.pipelines.is_none() {
-            kind.pipelines = Some(KindPipelines::new(kind, layout, &cache));
+            let (shaders, traits) = (&kind.shaders, &kind.traits);
+            let pipelines = KindPipelines::new(kind.name, shaders, traits, layout, &cache);
+            kind.pipelines = Some(pipelines);
         }
         let Kind {
             pipelines: Some(pipelines),
@@ -167,10 +169,8 @@ pub fn tessellate(
                     label: Some("stage_shadow_ranges"),
                     ..default()
                 });
-            pass.set_bind_group(0, &**group, &[]);
-            pass.set_bind_group(1, &**data, &[]);
-            pass.set_pipeline(pipeline);
-            dispatch(&mut pass, ranges.count());
+            let groups = (&**group, Some(&**data));
+            record_shadow_ranges(&mut pass, pipeline, groups, ranges.count());
             drop(pass);
             shared.count_dispatches(1);
             ranges.due = false;

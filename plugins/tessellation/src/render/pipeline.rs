@@ -12,11 +12,10 @@ use bevy::render::render_resource::{
 };
 use bevy::shader::{Shader, ShaderDefVal};
 use dolomite_geometry::render::{
-    DRAW_FILE, DrawShader, ModuleShaders, pipeline_fault, shader_asset,
+    DRAW_FILE, DrawShader, DrawTraits, ModuleShaders, pipeline_fault, shader_asset,
 };
 
 use super::kind::{PatchKind, PatchShader};
-use super::prepare::Kind;
 use super::variants::{draw_source, kind_defs, pass_defs, pass_source};
 use crate::layout::StageParams;
 use crate::passes::{PASSES, SHADOW_RANGES, StagePass, pass_count};
@@ -91,9 +90,11 @@ pub struct KindPipelines {
 }
 
 impl KindPipelines {
-    /// Queues what every view needs.
+    /// Queues what every view of the kind of this name needs.
     pub fn new(
-        kind: &Kind,
+        name: &str,
+        shaders: &KindShaders,
+        traits: &DrawTraits,
         data_layout: &BindGroupLayoutDescriptor,
         cache: &PipelineCache,
     ) -> Self {
@@ -104,7 +105,7 @@ impl KindPipelines {
             "stage_work",
             &BindGroupLayoutEntries::sequential(compute, (params(), read(), read(), write())),
         );
-        let emit_layout = if kind.traits.moves {
+        let emit_layout = if traits.moves {
             BindGroupLayoutDescriptor::new(
                 "stage_emit",
                 &BindGroupLayoutEntries::sequential(
@@ -121,10 +122,9 @@ impl KindPipelines {
                 ),
             )
         };
-        let shaders = &kind.shaders;
         let queue = |pass: &StagePass, shader: &Handle<Shader>, layout| {
             cache.queue_compute_pipeline(ComputePipelineDescriptor {
-                label: Some(format!("stage_{} {}", pass.entry, kind.name).into()),
+                label: Some(format!("stage_{} {name}", pass.entry).into()),
                 layout: vec![layout, data_layout.clone()],
                 shader: shader.clone(),
                 shader_defs: pass_defs(&shaders.defs, pass),
@@ -147,7 +147,7 @@ impl KindPipelines {
         let ranges = shaders
             .ranges
             .as_ref()
-            .filter(|_| kind.traits.bounded)
+            .filter(|_| traits.bounded)
             .map(|shader| {
                 let layout = super::ranges::layout();
                 let id = queue(&SHADOW_RANGES, shader, layout.clone());

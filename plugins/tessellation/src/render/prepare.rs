@@ -15,8 +15,8 @@ use dolomite_geometry::render::{
     DrawTraits, ExtractedGeometryCamera, GeometryPool, ProducerKey, Producers,
 };
 
-use super::extract::{layer_bits, same_meshes};
 use super::kind::{PatchKind, PatchPool};
+use super::layers::{SeenBy, layer_bits};
 use super::pipeline::{KindPipelines, KindShaders};
 use super::view::{StageViewState, StageViews, stage_view};
 use crate::layout::StageParams;
@@ -42,6 +42,8 @@ pub struct Kind {
     pub host: Option<Arc<dyn HostFunctions>>,
     pub instances: Vec<(Arc<PatchMesh>, Instance)>,
     pub instances_changed: bool,
+    /// Which cameras see any of them.
+    pub seen_by: SeenBy,
     /// Entities whose mesh has another layout.
     pub other_layout: usize,
     /// Counts the changes that tessellation depends on.
@@ -62,6 +64,12 @@ pub struct KindBuffers {
     params: StageParams,
     /// Most vertices and primitives that the patches can have.
     greatest: [u64; 2],
+}
+
+/// Whether any entity of a kind is drawn.
+pub fn has_entities<K: PatchKind>(kinds: Res<StageKinds>) -> bool {
+    let kind = kinds.0.get(&TypeId::of::<K>());
+    kind.is_some_and(|kind| !kind.instances.is_empty())
 }
 
 /// The bind group of the user's data.
@@ -110,11 +118,17 @@ pub fn data<K: PatchKind>(
 #[derive(Resource)]
 pub struct ExtractedKind<K>(pub K);
 
-/// Uploads tables and entities that changed, and says where the kinds are drawn.
+/// Meshes are told apart by their place in memory.
+fn same_meshes(a: &[Arc<PatchMesh>], b: &[(Arc<PatchMesh>, Instance)]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, (b, _))| Arc::ptr_eq(a, b))
+}
+
+/// Uploads tables and entities that changed, and says where the kinds are drawn: for cameras that see any of their
+/// entities.
 pub fn buffers(
     mut kinds: ResMut<StageKinds>,
     mut producers: ResMut<Producers>,
-    cameras: Query<Entity, With<ExtractedGeometryCamera>>,
+    cameras: Query<(Entity, &ExtractedGeometryCamera)>,
     device: Res<RenderDevice>,
     queue: Res<RenderQueue>,
 ) {
@@ -123,7 +137,13 @@ pub fn buffers(
             continue;
         };
         producer.wanted.clear();
-        if kind.instances.is_empty() || cameras.is_empty() {
+        let seen_by = &kind.seen_by;
+        let seeing: Vec<Entity> = cameras
+            .iter()
+            .filter(|(_, camera)| seen_by.is_seen(camera.number, &camera.layers))
+            .map(|(view, _)| view)
+            .collect();
+        if kind.instances.is_empty() || seeing.is_empty() {
             kind.buffers = None;
             producer.shared_bytes = 0;
             continue;
@@ -160,7 +180,7 @@ pub fn buffers(
         let pool = pool.bounded(buffers.greatest, kind.traits.vertex_bytes());
         producer
             .wanted
-            .extend(cameras.iter().map(|camera| (camera, pool)));
+            .extend(seeing.into_iter().map(|view| (view, pool)));
     }
 }
 

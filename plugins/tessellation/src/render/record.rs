@@ -58,7 +58,25 @@ pub fn record_stage(
     pipelines.len() as u32
 }
 
+/// Records [`SHADOW_RANGES`](crate::passes::SHADOW_RANGES), which chooses what so many shadow views draw of a kind with
+/// bounds: `groups` are its own and the data of the kind's functions, if they read any. One dispatch, a workgroup a
+/// view.
+pub fn record_shadow_ranges(
+    pass: &mut wgpu::ComputePass<'_>,
+    pipeline: &wgpu::ComputePipeline,
+    groups: (&wgpu::BindGroup, Option<&wgpu::BindGroup>),
+    views: u32,
+) {
+    let (own, data) = groups;
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, own, &[]);
+    if let Some(data) = data {
+        pass.set_bind_group(1, data, &[]);
+    }
+    dispatch(pass, views);
+}
+
 /// So many groups, in rows of [`COLUMNS`].
-pub fn dispatch(pass: &mut wgpu::ComputePass<'_>, groups: u32) {
+fn dispatch(pass: &mut wgpu::ComputePass<'_>, groups: u32) {
     pass.dispatch_workgroups(groups.min(COLUMNS), groups.div_ceil(COLUMNS), 1);
 }

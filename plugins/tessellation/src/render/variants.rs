@@ -4,14 +4,13 @@
 use bevy::prelude::*;
 use bevy::shader::ShaderDefVal;
 pub use dolomite_geometry::render::ShaderVariant as StageVariant;
-use dolomite_geometry::render::{DrawShader, draw_variants};
+use dolomite_geometry::render::{DrawShader, DrawTraits, draw_variants};
 
 use super::kind::{PatchKind, PatchShader};
-use super::{draw_traits, evaluated};
-use crate::Tessellator;
 use crate::passes::{
     PASSES, PassRules, SHADOW_RANGES, StagePass, defs, evaluated_source, pass_count,
 };
+use crate::{Domain, Drawing, Tessellator};
 
 /// The kinds of an app, for whoever checks their shaders: name, and [`stage_variants`].
 #[derive(Resource, Clone, Debug, Default)]
@@ -33,6 +32,31 @@ pub fn stage_variants<K: PatchKind>() -> Vec<StageVariant> {
         .collect();
     all.extend(draw_variants(&draw_source::<K>(), &own, &traits));
     all
+}
+
+/// How the triangles and segments of a kind are drawn.
+pub(super) fn draw_traits<K: PatchKind>() -> DrawTraits {
+    use bevy::mesh::PrimitiveTopology::{LineList, TriangleList};
+    DrawTraits {
+        topology: match K::LAYOUT.domain {
+            Domain::Isolines => LineList,
+            _ => TriangleList,
+        },
+        evaluated: evaluated::<K>(),
+        moves: K::MOVES && !evaluated::<K>(),
+        vertex_shaded: K::VERTEX_SHADED,
+        amplified: K::AMPLIFIED,
+        double_sided: K::DOUBLE_SIDED,
+        shadows: K::SHADOWS,
+        others: false,
+        bounded: K::BOUNDED && K::SHADOWS && K::AMPLIFIED == 0,
+        uv_range: K::UV_RANGE,
+    }
+}
+
+/// Whether the draws evaluate the kind's vertices.
+pub(super) const fn evaluated<K: PatchKind>() -> bool {
+    matches!(K::DRAWING, Drawing::Evaluated) && K::AMPLIFIED == 0
 }
 
 /// How other files import the kind's functions.
