@@ -136,7 +136,10 @@ mod gpu {
             let shown = game.until(SHOWN, "text in the window", || has_text(&display.picture()));
             eprintln!("text after {shown:?}");
             std::thread::sleep(Duration::from_secs(seconds));
-            display.hand(&["key", "Escape"]);
+            assert!(
+                display.hand(&["key", "Escape"]).is_some(),
+                "xdotool has not pressed Escape"
+            );
             game.leaves(&format!("Escape {seconds} s after the text"));
         }
     }
@@ -153,7 +156,10 @@ mod gpu {
         let window = game.window(&display);
         game.until(SHOWN, "text in the window", || has_text(&display.picture()));
         std::thread::sleep(Duration::from_secs(3));
-        display.hand(&["windowquit", &window]);
+        assert!(
+            display.hand(&["windowquit", &window]).is_some(),
+            "xdotool has not closed the window"
+        );
         game.leaves("closed");
     }
 
