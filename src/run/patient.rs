@@ -140,13 +140,14 @@ fn receive(world: &mut World, most: Option<Duration>) -> Received {
                 Some(most) => future::or(received, Alarm::after(most)).await,
             }
         };
-        // The renderer may have work meanwhile that only this thread can do: that is all this thread helps
-        // with. A system of the renderer that any thread may run can wait for the device, as the one does that
-        // acquires the window's next picture; taken up here it would keep the event loop from its turn for as
-        // long as a pass is compiled. For the same reason `wait` is polled here and not by a worker, who may be
-        // the one that waits for the device.
+        // The renderer may have work meanwhile that only this thread can do. Where the event loop is to have its
+        // turn, that is all this thread helps with: a system of the renderer that any thread may run can wait for
+        // the device, as the one does that acquires the window's next picture, and taken up here it would keep the
+        // event loop waiting for as long as a pass is compiled. For the same reason `wait` is polled here and not
+        // by a worker, who may be the one that waits for the device.
+        let helps = most.is_none();
         ComputeTaskPool::get()
-            .scope_with_executor(false, Some(&*executor.0), |scope| {
+            .scope_with_executor(helps, Some(&*executor.0), |scope| {
                 scope.spawn_on_scope(wait)
             })
             .pop()

@@ -6,6 +6,8 @@ use bevy::app::App;
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::ecs::prelude::*;
 use bevy::math::{DVec2, Quat, Vec3};
+use bevy::reflect::TypeData;
+use bevy::reflect::std_traits::ReflectDefault;
 use bevy::time::TimeUpdateStrategy;
 use bevy::transform::components::Transform;
 use dolomite_character::feet::Footing;
@@ -15,6 +17,7 @@ use dolomite_character::{
     CharacterMotion, CharacterPlugin, CharacterPose, MotionFromTransform, Sampling,
 };
 use dolomite_terrain::{Ground, GroundRect, Hill, Layer, Source, Terrain, TerrainData};
+use std::any::TypeId;
 use std::sync::Arc;
 use std::time::Duration;
 use support::person;
@@ -319,6 +322,53 @@ fn motion_may_be_measured() {
         app.world().get::<CharacterMotion>(entity).unwrap().0.speed,
         0.0
     );
+}
+
+/// Whether a type is known to the app, can be made without arguments, and is what `kind` says.
+fn is_registered<T: 'static, Kind: TypeData>(app: &App) -> bool {
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let id = TypeId::of::<T>();
+    registry.get_type_data::<ReflectDefault>(id).is_some()
+        && registry.get_type_data::<Kind>(id).is_some()
+}
+
+#[test]
+fn settings_and_answers_are_in_the_registry() {
+    let app = app();
+    for (name, is) in [
+        ("eye", is_registered::<CharacterEye, ReflectComponent>(&app)),
+        (
+            "joints",
+            is_registered::<CharacterJoints, ReflectComponent>(&app),
+        ),
+        (
+            "level",
+            is_registered::<CharacterLod, ReflectComponent>(&app),
+        ),
+        (
+            "motion",
+            is_registered::<CharacterMotion, ReflectComponent>(&app),
+        ),
+        (
+            "measured",
+            is_registered::<MotionFromTransform, ReflectComponent>(&app),
+        ),
+        (
+            "counters",
+            is_registered::<CharacterCounters, ReflectResource>(&app),
+        ),
+    ] {
+        assert!(is, "{name}");
+    }
+}
+
+#[cfg(feature = "render")]
+#[test]
+fn crowds_are_in_the_registry() {
+    use dolomite_character::render::{Crowd, CrowdPlugin};
+    let mut app = App::new();
+    app.add_plugins((bevy::MinimalPlugins, CrowdPlugin));
+    assert!(is_registered::<Crowd, ReflectComponent>(&app));
 }
 
 #[test]

@@ -117,7 +117,9 @@ impl Plugin for CharacterPlugin {
             return;
         }
         diagnostics::build(app);
-        app.register_type::<CharacterEye>()
+        app.register_type::<CharacterCounters>()
+            .register_type::<CharacterEye>()
+            .register_type::<CharacterJoints>()
             .register_type::<CharacterLod>()
             .register_type::<CharacterMotion>()
             .register_type::<MotionFromTransform>();
