@@ -148,7 +148,7 @@ mod gpu {
             );
             figure(&mut app);
             let drawn = red(&mut app, &target);
-            // Seventeen boxes of 12 cm: four pixels of a side each.
+            // Seventeen boxes of 12 cm, some before others: three pixels of a side each.
             assert!(drawn > 60, "{name}: {drawn} pixels of a figure");
             assert_eq!(*first.get_or_insert(drawn), drawn, "{name}");
         }
