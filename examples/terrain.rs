@@ -1,5 +1,6 @@
-//! An island of noise as patches of the tessellation stage, beside a displaced sphere of your own: both
-//! share the G-buffer and the shadows. `cargo run --release --example terrain`.
+//! An island of noise, its triangles chosen by the terrain LOD, beside a displaced sphere of your own, whose patches
+//! the tessellation stage divides: both share the G-buffer and the shadows.
+//! `cargo run --release --example terrain`.
 
 mod support;
 

@@ -492,6 +492,59 @@ fn a_map_that_is_missing_is_waited_for() {
 }
 
 #[test]
+fn a_map_that_has_another_name_now_is_taken_over() {
+    let folder = std::env::temp_dir().join(format!("dolomite-renamed-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("the temporary folder can be written");
+    let file = folder.join("scene.ron");
+    let save = |map: &str, offset: f32| {
+        let text = format!(
+            "(extent: ((-99.0, -99.0), (99.0, 99.0)), layers: [(source: Map(path: \"{map}\", \
+             format: Raw(format: F32, width: 2, height: 2), scale: 1.0, offset: {offset:.1}, \
+             spacing: (200.0, 200.0)))])"
+        );
+        std::fs::write(&file, text).expect("the scene can be written");
+    };
+    let wait = || std::thread::sleep(Duration::from_millis(30));
+    let (old, new) = (folder.join("old.f32"), folder.join("new.f32"));
+    let samples: Vec<u8> = [7.0_f32; 4].iter().flat_map(|s| s.to_le_bytes()).collect();
+    std::fs::write(&old, samples).expect("the map can be written");
+    save("old.f32", 0.0);
+    let mut app = game(&file.to_string_lossy());
+    let reload = |app: &mut App| {
+        app.world_mut()
+            .run_system_cached(reload_changed)
+            .expect("the system runs");
+        app.update();
+        app.world().resource::<SceneFault>().0.clone()
+    };
+    assert_eq!(terrain(&mut app).height(DVec2::ZERO), 7.0);
+
+    // Alone it could be a map that is being written.
+    std::fs::rename(&old, &new).expect("it is there");
+    assert_eq!(reload(&mut app), None);
+    assert_eq!(terrain(&mut app).height(DVec2::ZERO), 7.0);
+
+    // The scene changes and names what is gone: that is a fault, and it is told.
+    wait();
+    save("old.f32", 2.0);
+    let fault = reload(&mut app).expect("the map is missing");
+    assert!(fault.contains("old.f32"), "{fault}");
+
+    wait();
+    save("new.f32", 1.0);
+    assert_eq!(reload(&mut app), None);
+    assert_eq!(terrain(&mut app).height(DVec2::ZERO), 8.0);
+
+    // At once, between two looks at the files.
+    wait();
+    std::fs::rename(&new, &old).expect("it is there");
+    save("old.f32", 3.0);
+    assert_eq!(reload(&mut app), None);
+    assert_eq!(terrain(&mut app).height(DVec2::ZERO), 10.0);
+    std::fs::remove_dir_all(&folder).expect("the temporary folder can be removed");
+}
+
+#[test]
 fn settings_shape_the_speed() {
     let mut app = game("jacksboro");
     let distance = |app: &mut App| {

@@ -1,4 +1,5 @@
-//! The pictures of both scenes, as `dolomite shot` makes them, against golden ones.
+//! The pictures of both scenes, as `dolomite shot` makes them, against golden ones; and one of a shape that is hard
+//! to draw.
 //!
 //! The pictures are made by the built binary on Mesa's software Vulkan (`llvmpipe`), whatever other
 //! adapter the machine has, and compared with `tests/golden/<scene>.png`. Without that driver the
@@ -60,23 +61,23 @@ fn software_driver() -> Option<PathBuf> {
         })
 }
 
-/// The picture that `dolomite shot` makes of `scene`; `None`, after a line that says so, without the
-/// pinned adapter.
-fn shoot(scene: &str) -> Option<RgbImage> {
+/// The picture of `size` that `dolomite shot` makes of `scene`, in a file of that name; `None`, after a line that
+/// says so, without the pinned adapter.
+fn shoot(scene: &str, size: (u32, u32), name: &str) -> Option<RgbImage> {
     let Some(driver) = software_driver() else {
         let line = "no lvp_icd*.json (package mesa-vulkan-drivers): the picture of a scene was not compared";
         assert!(std::env::var_os("CI").is_none(), "{line}, and CI is set");
         eprintln!("skipped: {line}");
         return None;
     };
-    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{scene}.png"));
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
     if out.exists() {
         std::fs::remove_file(&out).unwrap_or_else(|e| panic!("{}: {e}", out.display()));
     }
     let made = Command::new(env!("CARGO_BIN_EXE_dolomite"))
         .args(["shot", "--scene", scene, "--frames", "8", "--out"])
         .arg(&out)
-        .args(["--size", &format!("{}x{}", SIZE.0, SIZE.1)])
+        .args(["--size", &format!("{}x{}", size.0, size.1)])
         .env("VK_DRIVER_FILES", &driver)
         .env("VK_ICD_FILENAMES", &driver)
         .env("WGPU_BACKEND", "vulkan")
@@ -100,6 +101,15 @@ fn shoot(scene: &str) -> Option<RgbImage> {
     Some(load(&out))
 }
 
+/// Standard deviation of all samples, levels.
+fn deviation(picture: &RgbImage) -> f64 {
+    let mean = picture.iter().map(|s| f64::from(*s)).sum::<f64>() / picture.len() as f64;
+    let squares = picture
+        .iter()
+        .map(|s| (f64::from(*s) - mean) * (f64::from(*s) - mean));
+    (squares.sum::<f64>() / picture.len() as f64).sqrt()
+}
+
 /// The one comparison that all tests of this file go through.
 fn compare_with_golden(picture: &RgbImage, golden: &RgbImage) -> Result<Difference, String> {
     let difference = flip::compare(picture, golden)?;
@@ -110,7 +120,9 @@ fn compare_with_golden(picture: &RgbImage, golden: &RgbImage) -> Result<Differen
 }
 
 fn check_scene(scene: &str) {
-    let Some(picture) = shoot(scene) else { return };
+    let Some(picture) = shoot(scene, SIZE, scene) else {
+        return;
+    };
     assert_eq!(picture.dimensions(), SIZE);
     let golden_path = golden_path(scene);
     if blessing() {
@@ -148,6 +160,21 @@ mod gpu {
     fn jacksboro_is_as_it_was() {
         super::check_scene("jacksboro");
     }
+
+    /// 33:1 is wider than Bevy's bloom can be on this device.
+    #[test]
+    fn a_very_wide_picture_is_drawn() {
+        let size = (330, 10);
+        let Some(picture) = super::shoot("mountain", size, "wide") else {
+            return;
+        };
+        assert_eq!(picture.dimensions(), size);
+        let deviation = super::deviation(&picture);
+        assert!(
+            deviation > 10.0,
+            "the samples deviate by {deviation:.1} levels"
+        );
+    }
 }
 
 /// Whether the golden pictures are being written, so that there may be none to look at yet.
@@ -163,11 +190,7 @@ fn golden_pictures_are_of_the_right_size_and_not_empty() {
     for scene in SCENES {
         let golden = load(&golden_path(scene));
         assert_eq!(golden.dimensions(), SIZE, "{scene}");
-        let mean = golden.iter().map(|s| f64::from(*s)).sum::<f64>() / golden.len() as f64;
-        let squares = golden
-            .iter()
-            .map(|s| (f64::from(*s) - mean) * (f64::from(*s) - mean));
-        let deviation = (squares.sum::<f64>() / golden.len() as f64).sqrt();
+        let deviation = deviation(&golden);
         // A black, white or one-coloured picture has a deviation of 0; sky above ground has dozens
         // of levels between them.
         assert!(

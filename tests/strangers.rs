@@ -8,16 +8,24 @@ mod app;
 mod camera;
 #[path = "support/hills.rs"]
 mod hills;
+#[expect(dead_code, reason = "only its body is drawn here")]
+#[path = "../plugins/character/tests/support/person.rs"]
+mod person;
+#[path = "support/picture.rs"]
+mod picture;
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
+use bevy::render::storage::ShaderBuffer;
 use dolomite::DolomitePlugins;
-use dolomite::character::render::{CrowdMaterial, CrowdPlugin};
+use dolomite::character::crowd::{CrowdFigure, Palette};
+use dolomite::character::render::{Crowd, CrowdLook, CrowdMaterial, CrowdPlugin};
 use dolomite::ground::TerrainView;
 use dolomite::ground::detail::TerrainLod;
 use dolomite::terrain::Fractal;
@@ -115,10 +123,11 @@ mod gpu {
     }
 
     #[test]
-    fn crowds_join_in_any_order_and_more_than_once() {
+    fn crowds_are_drawn_in_any_order_and_more_than_once() {
+        let mut first = None;
         for (name, before, after) in [
-            ("before", true, false),
             ("after", false, true),
+            ("before", true, false),
             ("twice", true, true),
         ] {
             let add = |is: bool| {
@@ -131,15 +140,69 @@ mod gpu {
             let Some(mut app) = app(add(before), add(after)) else {
                 return;
             };
-            camera::camera(&mut app, UVec2::splat(32), ());
-            for _ in 0..3 {
-                app.update();
-                assert_eq!(app.should_exit(), None, "{name}: rendering stopped");
-            }
-            let there = app.world().contains_resource::<Assets<CrowdMaterial>>();
-            assert!(there, "{name}");
+            let (_, target) = camera::camera(&mut app, UVec2::splat(SIDE), Tonemapping::None);
+            assert_eq!(
+                red(&mut app, &target),
+                0,
+                "{name}: an empty world has a figure"
+            );
+            figure(&mut app);
+            let drawn = red(&mut app, &target);
+            // Seventeen boxes of 12 cm, some before others: three pixels of a side each.
+            assert!(drawn > 60, "{name}: {drawn} pixels of a figure");
+            assert_eq!(*first.get_or_insert(drawn), drawn, "{name}");
         }
     }
+}
+
+/// Pixels of a side of the crowd's picture.
+const SIDE: u32 = 64;
+
+/// A crowd of one, red in any light, three metres ahead.
+fn figure(app: &mut App) {
+    let rig = person::rig_with_mesh();
+    let clips: Vec<usize> = (0..rig.clips.len()).collect();
+    let palette = Palette::bake(&rig, 0, &clips, 30.0).expect("clips of the rig");
+    let red = StandardMaterial {
+        base_color: Color::srgb(1.0, 0.0, 0.0),
+        unlit: true,
+        ..default()
+    };
+    let look = app
+        .world_mut()
+        .resource_scope(|world, mut meshes: Mut<Assets<Mesh>>| {
+            world.resource_scope(|world, mut materials: Mut<Assets<CrowdMaterial>>| {
+                let mut buffers = world.resource_mut::<Assets<ShaderBuffer>>();
+                let parts = [(&rig.meshes[0], red)];
+                CrowdLook::new(
+                    &palette,
+                    &parts,
+                    1,
+                    &mut meshes,
+                    &mut materials,
+                    &mut buffers,
+                )
+            })
+        });
+    let frame = palette.frame(1, 0.0, true);
+    let crowd = Crowd {
+        anchor: Vec3::new(0.0, -1.0, -3.0),
+        figures: vec![CrowdFigure::new(Vec3::ZERO, 0.0, frame, 0)],
+    };
+    app.world_mut().spawn((crowd, look));
+}
+
+/// Red pixels that the camera sees.
+fn red(app: &mut App, target: &Handle<Image>) -> usize {
+    let image = picture::picture(app, target, 10);
+    let is_red = |index: &u32| {
+        let pixel = image
+            .get_color_at(index % SIDE, index / SIDE)
+            .expect("a pixel")
+            .to_srgba();
+        pixel.red > 0.9 && pixel.green.max(pixel.blue) < 0.1
+    };
+    (0..SIDE * SIDE).filter(is_red).count()
 }
 
 #[test]

@@ -8,7 +8,6 @@ use bevy::prelude::*;
 use dolomite::terrain::GroundRect;
 
 use super::Switches;
-use super::figure::Figure;
 use crate::input::PlayerInput;
 use crate::scene::{CurrentScene, PITCH_LIMIT, Pose};
 use crate::settings::{FOV_RANGE, Settings};
@@ -45,6 +44,11 @@ pub struct FreeCamera {
     pub followed: Option<f64>,
 }
 
+/// Whom cameras that follow look at: the first one's `Transform` is at its feet.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[require(Transform)]
+pub struct CameraTarget;
+
 /// The set in which cameras move (schedule `Update`).
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct CameraSystems;
@@ -65,10 +69,10 @@ pub fn steer(
     settings: Res<Settings>,
     switches: Res<Switches>,
     scene: Res<CurrentScene>,
-    figures: Query<&Transform, With<Figure>>,
+    targets: Query<&Transform, With<CameraTarget>>,
     mut cameras: Query<&mut FreeCamera>,
 ) {
-    let followed = figures.iter().next().filter(|_| switches.follow);
+    let followed = targets.iter().next().filter(|_| switches.follow);
     let input = match followed {
         // What else flies the camera walks the figure.
         Some(_) => PlayerInput {
@@ -80,7 +84,7 @@ pub fn steer(
     for mut camera in &mut cameras {
         let mut next = steered(*camera, &input, &settings, time.delta_secs());
         match followed {
-            Some(figure) => follow(&mut next, figure.translation, time.delta_secs()),
+            Some(target) => follow(&mut next, target.translation, time.delta_secs()),
             None => next.followed = None,
         }
         let pose = scene.lifted(contained(next.pose, scene.terrain.extent()));

@@ -15,7 +15,7 @@ use dolomite::character::gait::Motion;
 use dolomite::terrain::{Ground, GroundProbe, GroundSample, ProbeBatch, Terrain};
 
 use super::Switches;
-use super::camera::FreeCamera;
+use super::camera::{CameraTarget, FreeCamera};
 use super::jump::Jump;
 use crate::input::PlayerInput;
 use crate::scene::CurrentScene;
@@ -40,7 +40,7 @@ const OLDEST_DRAWN: u32 = 3;
 /// The figure. Its `Transform` is at its feet, upright, and looks along its +z, as models of people do;
 /// its [`CharacterMotion`] says what it does.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[require(Transform, Visibility, GroundProbe, CharacterMotion)]
+#[require(Transform, Visibility, GroundProbe, CharacterMotion, CameraTarget)]
 pub struct Figure {
     /// State after the last fixed step.
     pub now: Stance,

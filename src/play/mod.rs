@@ -21,7 +21,7 @@ use camera::{CameraPlugin, FreeCamera};
 use figure::{Figure, FigurePlugin};
 
 /// Which point the detail of the ground follows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DetailFocus {
     /// The camera.
     #[default]
@@ -31,7 +31,8 @@ pub enum DetailFocus {
 }
 
 /// What the player has switched on.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Resource, Default, PartialEq)]
 pub struct Switches {
     /// Triangle edges are drawn.
     pub lines: bool,
@@ -74,6 +75,8 @@ impl Plugin for SimulationPlugin {
         app.init_resource::<PlayerInput>()
             .init_resource::<Settings>()
             .init_resource::<Switches>()
+            .register_type::<Settings>()
+            .register_type::<Switches>()
             .add_plugins((CameraPlugin, FigurePlugin, ReloadPlugin))
             .add_systems(PreStartup, spawn)
             .add_systems(

@@ -3,7 +3,7 @@
 //! | file | concern |
 //! |---|---|
 //! | [`device`] | is there a device that can draw this |
-//! | [`window`], [`patient`] | play in a window, which answers from the first second on |
+//! | [`window`], [`patient`] | play in a window, which answers from its first frame on |
 //! | [`offscreen`], [`mod@shot`] | an app without a window; one picture from it |
 
 pub mod device;

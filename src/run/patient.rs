@@ -13,7 +13,7 @@ use std::task::{Context, Poll};
 use std::time::{Duration, Instant};
 
 use bevy::app::{Main, SubApp};
-use bevy::ecs::schedule::{MainThreadExecutor, ScheduleLabel};
+use bevy::ecs::schedule::{MainThreadExecutor, ScheduleLabel, SingleThreadedExecutor};
 use bevy::input::ButtonState;
 use bevy::input::keyboard::KeyboardInput;
 use bevy::prelude::*;
@@ -63,7 +63,11 @@ impl Plugin for PatientRenderingPlugin {
         };
         extraction.set_extract(|world, _| extract(world));
         app.init_resource::<Returned>()
-            .add_systems(PatientMain, frame);
+            .add_systems(PatientMain, frame)
+            // As Bevy's `Main`: what waits for the renderer here is then in no scope of an executor's.
+            .edit_schedule(PatientMain, |schedule| {
+                schedule.set_executor(SingleThreadedExecutor::new());
+            });
         if self.always {
             app.insert_resource(Always);
         }
@@ -136,9 +140,16 @@ fn receive(world: &mut World, most: Option<Duration>) -> Received {
                 Some(most) => future::or(received, Alarm::after(most)).await,
             }
         };
-        // The renderer may have work for this thread meanwhile.
+        // The renderer may have work meanwhile that only this thread can do. Where the event loop is to have its
+        // turn, that is all this thread helps with: a system of the renderer that any thread may run can wait for
+        // the device, as the one does that acquires the window's next picture, and taken up here it would keep the
+        // event loop waiting for as long as a pass is compiled. For the same reason `wait` is polled here and not
+        // by a worker, who may be the one that waits for the device.
+        let helps = most.is_none();
         ComputeTaskPool::get()
-            .scope_with_executor(true, Some(&*executor.0), |scope| scope.spawn(wait))
+            .scope_with_executor(helps, Some(&*executor.0), |scope| {
+                scope.spawn_on_scope(wait)
+            })
             .pop()
             .unwrap_or(Received::Gone)
     })

@@ -47,10 +47,13 @@ pub fn reload_changed(
         .iter()
         .map(|(path, _)| (path.clone(), changed(path)))
         .collect();
-    // A file that is away for a moment is one being written; one that never was there is waited for.
-    let away =
-        |(before, now): (&(_, Option<_>), &(_, Option<_>))| before.1.is_some() && now.1.is_none();
-    if now == *watched || watched.iter().zip(&now).any(away) {
+    // A file that is away for a moment is one being written: where nothing else has changed it is waited for.
+    // A file that has another name now stays away; the scene's own change then says so.
+    let mut changes = watched
+        .iter()
+        .zip(&now)
+        .filter(|((_, before), (_, now))| before != now);
+    if changes.all(|((_, before), (_, now))| before.is_some() && now.is_none()) {
         return;
     }
     let mut files = Files::new();

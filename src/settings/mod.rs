@@ -20,7 +20,8 @@ pub const MAX_SIDE: u32 = 16_384;
 pub const FOV_RANGE: (f32, f32) = (4.0, 100.0);
 
 /// The settings of the player. Every field may be left out of the file.
-#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Resource, Reflect, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[reflect(Resource, Default, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// Window width and height, pixels, 1 to [`MAX_SIDE`].

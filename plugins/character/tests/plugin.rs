@@ -6,6 +6,8 @@ use bevy::app::App;
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::ecs::prelude::*;
 use bevy::math::{DVec2, Quat, Vec3};
+use bevy::reflect::TypeData;
+use bevy::reflect::std_traits::ReflectDefault;
 use bevy::time::TimeUpdateStrategy;
 use bevy::transform::components::Transform;
 use dolomite_character::feet::Footing;
@@ -14,6 +16,8 @@ use dolomite_character::{
     Character, CharacterCounters, CharacterEye, CharacterGround, CharacterJoints, CharacterLod,
     CharacterMotion, CharacterPlugin, CharacterPose, MotionFromTransform, Sampling,
 };
+use dolomite_terrain::{Ground, GroundRect, Hill, Layer, Source, Terrain, TerrainData};
+use std::any::TypeId;
 use std::sync::Arc;
 use std::time::Duration;
 use support::person;
@@ -91,6 +95,54 @@ fn feet_stand_on_a_ground_of_ones_own() {
         for point in figure.sole(side, &pose.model).unwrap() {
             let world = pose.place.transform_point3(point);
             assert!((world.y - 5.0 - 0.3 * world.x).abs() < 1e-3, "{world}");
+        }
+    }
+}
+
+#[test]
+fn every_figure_stands_on_the_terrain_at_its_place() {
+    let mut app = app();
+    // From x = -50 to 50, level; from 150 to 250, a slope that the first one's ground lies far below.
+    let flat = TerrainData {
+        extent: GroundRect::square(DVec2::ZERO, 100.0),
+        layers: Vec::new(),
+        base: 1.0,
+        sea_level: None,
+    };
+    let hilly = TerrainData {
+        extent: GroundRect::square(DVec2::new(200.0, 0.0), 100.0),
+        layers: vec![Layer {
+            source: Source::Hill(Hill {
+                centre: DVec2::new(180.0, 0.0),
+                radius: 60.0,
+                height: 10.0,
+            }),
+            mask: None,
+        }],
+        base: 4.0,
+        sea_level: None,
+    };
+    let terrains = [flat, hilly].map(|data| Terrain::new(data).expect("valid"));
+    for terrain in &terrains {
+        app.world_mut().spawn(terrain.clone());
+    }
+    for (x, terrain) in [0.0, 200.0].into_iter().zip(&terrains) {
+        let ground = |x: f32, z: f32| terrain.height(DVec2::new(f64::from(x), f64::from(z))) as f32;
+        let character = person();
+        let figure = character.figure.clone();
+        let place = Transform::from_xyz(x, ground(x, 0.0), 0.0);
+        let entity = app.world_mut().spawn((character, place)).id();
+        for _ in 0..60 {
+            app.update();
+        }
+        let pose = pose(&app, entity);
+        for side in 0..2 {
+            // A sole lies on the plane under its ankle; the hill bends away from it by less than a centimetre.
+            for point in figure.sole(side, &pose.model).unwrap() {
+                let world = pose.place.transform_point3(point);
+                let above = world.y - ground(world.x, world.z);
+                assert!(above.abs() < 0.01, "x = {x} m: {above} m above the ground");
+            }
         }
     }
 }
@@ -270,6 +322,53 @@ fn motion_may_be_measured() {
         app.world().get::<CharacterMotion>(entity).unwrap().0.speed,
         0.0
     );
+}
+
+/// Whether a type is known to the app, can be made without arguments, and is what `kind` says.
+fn is_registered<T: 'static, Kind: TypeData>(app: &App) -> bool {
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let id = TypeId::of::<T>();
+    registry.get_type_data::<ReflectDefault>(id).is_some()
+        && registry.get_type_data::<Kind>(id).is_some()
+}
+
+#[test]
+fn settings_and_answers_are_in_the_registry() {
+    let app = app();
+    for (name, is) in [
+        ("eye", is_registered::<CharacterEye, ReflectComponent>(&app)),
+        (
+            "joints",
+            is_registered::<CharacterJoints, ReflectComponent>(&app),
+        ),
+        (
+            "level",
+            is_registered::<CharacterLod, ReflectComponent>(&app),
+        ),
+        (
+            "motion",
+            is_registered::<CharacterMotion, ReflectComponent>(&app),
+        ),
+        (
+            "measured",
+            is_registered::<MotionFromTransform, ReflectComponent>(&app),
+        ),
+        (
+            "counters",
+            is_registered::<CharacterCounters, ReflectResource>(&app),
+        ),
+    ] {
+        assert!(is, "{name}");
+    }
+}
+
+#[cfg(feature = "render")]
+#[test]
+fn crowds_are_in_the_registry() {
+    use dolomite_character::render::{Crowd, CrowdPlugin};
+    let mut app = App::new();
+    app.add_plugins((bevy::MinimalPlugins, CrowdPlugin));
+    assert!(is_registered::<Crowd, ReflectComponent>(&app));
 }
 
 #[test]

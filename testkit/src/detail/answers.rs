@@ -6,7 +6,8 @@ use crate::gpu::Gpu;
 use bytemuck::{bytes_of, cast_slice, pod_collect_to_vec, pod_read_unaligned};
 use dolomite_geometry::ring::{Ring, Staging};
 use dolomite_ground::detail::layout::DetailParams;
-use dolomite_ground::detail::probe::{ANSWER_GROUP, ANSWER_PASS, AnswerHead, Asked};
+use dolomite_ground::detail::probe::{ANSWER_PASS, AnswerHead, Asked};
+use dolomite_ground::render::detail::record::record_answers;
 use dolomite_terrain::{GroundPoint, ProbeAnswer};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
@@ -189,10 +190,10 @@ impl DetailStage<'_> {
             (4, &answers),
         ];
         let mut recorded = encoder.begin_compute_pass(&Default::default());
-        recorded.set_pipeline(&pass.pipeline);
-        recorded.set_bind_group(0, &group(self.gpu, &pass.shared, &shared), &[]);
-        recorded.set_bind_group(1, &group(self.gpu, &pass.own, &own), &[]);
-        recorded.dispatch_workgroups((places.len() as u32).div_ceil(ANSWER_GROUP), 1, 1);
+        let shared = group(self.gpu, &pass.shared, &shared);
+        let own = group(self.gpu, &pass.own, &own);
+        let count = places.len() as u32;
+        record_answers(&mut recorded, &pass.pipeline, [&shared, &own], count);
         drop(recorded);
         answers
     }

@@ -2,11 +2,12 @@
 
 use super::palette::PaletteFrame;
 use bevy::math::Vec3;
+use bevy::reflect::Reflect;
 use bytemuck::{Pod, Zeroable};
 use std::f32::consts::TAU;
 
 /// A figure: all that is uploaded for it in a frame. `Figure` in `character/types.wgsl`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct CrowdFigure {
     /// Metres from the crowd's anchor.

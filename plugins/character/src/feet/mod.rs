@@ -5,5 +5,5 @@ mod plant;
 mod two_bone;
 
 pub use foot::Sole;
-pub use plant::{Body, Feet, FeetSettings, Footing, Place, Step};
+pub use plant::{Body, Feet, FeetSettings, Footing, Place};
 pub use two_bone::{Bend, EXACT_REACH, Limb, bend};

@@ -15,7 +15,7 @@
 use super::foot::{Foot, Held, Sole};
 use super::two_bone::{EXACT_REACH, Limb, bend};
 use crate::blend::smooth;
-use crate::gait::{LegJoints, Spring, rotation_of, turned, wrapped, yaw_of};
+use crate::gait::{LegJoints, Spring, Step, rotation_of, turned, wrapped, yaw_of};
 use crate::pose::Pose;
 use crate::skeleton::Skeleton;
 use bevy::math::{Affine3A, DVec2, DVec3, Quat, Vec3};
@@ -262,19 +262,6 @@ pub struct Body<'a> {
     pub legs: [LegJoints; 2],
     /// Left, right.
     pub soles: [Sole; 2],
-}
-
-/// What a frame does with the feet.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
-    /// Seconds.
-    pub dt: f32,
-    /// How firmly each foot stands, in [0, 1].
-    pub firm: [f32; 2],
-    /// How much of the figure is on the ground, in [0, 1]; in the air feet follow their clips.
-    pub ground: f32,
-    /// Whether no clip steps.
-    pub still: bool,
 }
 
 /// Carries a foot over to the ground, as firmly as it stands.

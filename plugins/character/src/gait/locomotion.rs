@@ -5,7 +5,6 @@ use super::phase::firmness;
 use super::spring::Spring;
 use crate::blend::Fade;
 use crate::clip::Clip;
-use crate::feet::Step;
 use bevy::math::Vec2;
 use bevy::reflect::prelude::*;
 
@@ -36,6 +35,19 @@ impl Motion {
             climb: number(self.climb),
         }
     }
+}
+
+/// What a frame does with the feet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Seconds.
+    pub dt: f32,
+    /// How firmly each foot stands, in [0, 1].
+    pub firm: [f32; 2],
+    /// How much of the figure is on the ground, in [0, 1]; in the air feet follow their clips.
+    pub ground: f32,
+    /// Whether no clip steps.
+    pub still: bool,
 }
 
 /// What a figure is about.

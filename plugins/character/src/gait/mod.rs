@@ -13,7 +13,7 @@ mod travel;
 pub use data::{ClipMotion, Gait, GaitData, GaitError, LegData, LegJoints, MoveClip, OneShotData};
 pub(crate) use lean::rotation_of;
 pub use lean::{Lean, LeanSettings};
-pub use locomotion::{Locomotion, LocomotionState, Motion, Overlay, Voice};
+pub use locomotion::{Locomotion, LocomotionState, Motion, Overlay, Step, Voice};
 pub use phase::Warp;
 pub use spring::Spring;
 pub use travel::{RootDelta, root_delta};

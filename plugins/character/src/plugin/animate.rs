@@ -27,7 +27,7 @@ pub(super) struct Memory {
 pub(super) fn animate(
     time: Res<Time>,
     own: Option<Res<CharacterGround>>,
-    terrains: Query<&Terrain>,
+    terrains: Query<(Entity, &Terrain)>,
     batch: Option<Res<ProbeBatch>>,
     places: TransformHelper,
     mut figures: Query<(
@@ -43,9 +43,10 @@ pub(super) fn animate(
     )>,
     memory: Local<Parallel<Memory>>,
 ) {
+    let terrains = in_order(&terrains);
     let ground = Ground {
         own: own.as_deref(),
-        terrain: terrains.iter().next(),
+        terrains: &terrains,
         frame: batch.map_or(0, |batch| batch.frame()),
     };
     let dt = time.delta_secs();
@@ -108,6 +109,14 @@ pub(super) fn animate(
             }
         },
     );
+}
+
+/// All terrains in the order of their entities, which is also that of ground probes: of two that overlap the
+/// same one answers both.
+fn in_order<'a>(terrains: &'a Query<(Entity, &Terrain)>) -> Vec<&'a Terrain> {
+    let mut found: Vec<(Entity, &Terrain)> = terrains.iter().collect();
+    found.sort_unstable_by_key(|(entity, _)| entity.index_u32());
+    found.into_iter().map(|(_, terrain)| terrain).collect()
 }
 
 /// Half-way between the pose of two frames ago and this one's, which the next frame shows.

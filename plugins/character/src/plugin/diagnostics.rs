@@ -4,9 +4,11 @@ use super::{Character, CharacterLod};
 use bevy::app::App;
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy::ecs::prelude::*;
+use bevy::reflect::prelude::*;
 
 /// Figures of the last frame; also under `dolomite/character/…` in Bevy's diagnostics.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, PartialEq)]
 pub struct CharacterCounters {
     /// Sampled and blended: `…/sampled`.
     pub sampled: u32,

@@ -4,7 +4,7 @@ use crate::feet::Footing;
 use bevy::ecs::prelude::*;
 use bevy::math::DVec2;
 use core::fmt;
-use dolomite_terrain::{GroundProbe, GroundSample, Terrain};
+use dolomite_terrain::{GroundProbe, GroundSample, Terrain, terrain_at};
 
 /// A ground of one's own, in place of a terrain: any function of the place (x, z), metres.
 #[derive(Resource)]
@@ -36,7 +36,8 @@ impl From<GroundSample> for Footing {
 #[derive(Clone, Copy)]
 pub(super) struct Ground<'a> {
     pub own: Option<&'a CharacterGround>,
-    pub terrain: Option<&'a Terrain>,
+    /// In the order in which they are asked.
+    pub terrains: &'a [&'a Terrain],
     /// The frame of ground probes.
     pub frame: u32,
 }
@@ -47,15 +48,15 @@ const OLDEST: u32 = 8;
 
 impl Ground<'_> {
     pub fn is_there(&self) -> bool {
-        self.own.is_some() || self.terrain.is_some()
+        self.own.is_some() || !self.terrains.is_empty()
     }
 
-    /// The ground at a place: the drawn one where the figure's probe knows it.
+    /// The ground at a place, of the terrain there: the drawn one where the figure's probe knows it.
     pub fn at(&self, xz: DVec2, probe: Option<&GroundProbe>) -> Option<Footing> {
         if let Some(own) = self.own {
             return (own.0)(xz);
         }
-        let truth = self.terrain.filter(|_| xz.is_finite())?.sample_f64(xz);
+        let truth = terrain_at(self.terrains.iter().copied(), xz)?.sample_f64(xz);
         Some(match probe {
             Some(probe) => probe.answer(xz, truth, self.frame, OLDEST).sample.into(),
             None => truth.into(),

@@ -2,11 +2,13 @@
 
 use super::{Character, CharacterPose};
 use bevy::ecs::prelude::*;
+use bevy::reflect::prelude::*;
 use bevy::transform::components::Transform;
 
 /// The entities below a figure whose transforms follow its joints; found by their names as soon as the
 /// scene is there.
-#[derive(Component, Clone, Debug, Default, PartialEq)]
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Component, Default, PartialEq)]
 pub struct CharacterJoints {
     /// One for each joint; `None` where the scene has no entity of that name.
     pub entities: Vec<Option<Entity>>,

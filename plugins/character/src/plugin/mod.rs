@@ -105,8 +105,8 @@ pub enum CharacterSystems {
 ///
 /// May be added before or after Bevy's plugins, and more than once.
 ///
-/// Feet stand on the world's [`CharacterGround`], or else on its first
-/// [`Terrain`](dolomite_terrain::Terrain); a figure with a
+/// Feet stand on the world's [`CharacterGround`], or else on the [`Terrain`](dolomite_terrain::Terrain) that
+/// [`terrain_at`](dolomite_terrain::terrain_at) chooses for each place; a figure with a
 /// [`GroundProbe`](dolomite_terrain::GroundProbe) stands on the drawn surface where that is known.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CharacterPlugin;
@@ -117,7 +117,9 @@ impl Plugin for CharacterPlugin {
             return;
         }
         diagnostics::build(app);
-        app.register_type::<CharacterEye>()
+        app.register_type::<CharacterCounters>()
+            .register_type::<CharacterEye>()
+            .register_type::<CharacterJoints>()
             .register_type::<CharacterLod>()
             .register_type::<CharacterMotion>()
             .register_type::<MotionFromTransform>();

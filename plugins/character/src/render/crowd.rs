@@ -9,12 +9,14 @@ use bevy::ecs::prelude::*;
 use bevy::math::Vec3;
 use bevy::mesh::{Indices, Mesh, Mesh3d, MeshTag, PrimitiveTopology};
 use bevy::pbr::{MeshMaterial3d, StandardMaterial};
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use bevy::render::storage::ShaderBuffer;
 use bevy::transform::components::Transform;
 
 /// Figures that are drawn from a palette. Write `figures` every frame, or only when they change: a crowd
 /// that rests uploads nothing.
-#[derive(Component, Clone, Debug, Default)]
+#[derive(Component, Reflect, Clone, Debug, Default)]
+#[reflect(Component, Default)]
 #[require(Transform, Visibility)]
 pub struct Crowd {
     /// World coordinates that figures are placed from, metres. Near the camera, so that f32 is enough.

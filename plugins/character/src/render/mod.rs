@@ -41,6 +41,7 @@ struct Settled;
 
 impl Plugin for CrowdPlugin {
     fn build(&self, app: &mut App) {
+        app.register_type::<Crowd>();
         if has_materials(app) && !app.world().contains_resource::<Settled>() {
             add(app);
         }
@@ -88,6 +89,11 @@ fn add(app: &mut App) {
         render
             .init_resource::<CrowdUploads>()
             .add_systems(ExtractSchedule, upload::extract)
-            .add_systems(Render, upload::send.in_set(RenderSystems::PrepareResources));
+            .add_systems(
+                Render,
+                upload::send
+                    .in_set(RenderSystems::PrepareResources)
+                    .run_if(upload::is_due),
+            );
     }
 }

@@ -27,6 +27,11 @@ pub(super) fn extract(
     }
 }
 
+/// Whether figures wait for their buffer.
+pub(super) fn is_due(uploads: Res<CrowdUploads>) -> bool {
+    !uploads.waiting.is_empty()
+}
+
 pub(super) fn send(
     buffers: Res<RenderAssets<GpuShaderBuffer>>,
     queue: Res<RenderQueue>,

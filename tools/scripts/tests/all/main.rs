@@ -1,7 +1,10 @@
-//! The scripts under `scripts/`, each on systems that are made for the test; and what documents and comments say.
+//! The scripts under `scripts/`, each on systems that are made for the test; and what documents,
+//! comments and `use` lines say.
 
+mod circles;
 mod links;
 mod soak;
 mod support;
 mod system;
+mod texts;
 mod words;

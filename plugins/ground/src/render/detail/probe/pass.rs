@@ -7,9 +7,9 @@ use bevy::render::renderer::{RenderContext, ViewQuery};
 
 use super::GroundAnswers;
 use super::prepare::drawn;
-use crate::detail::probe::ANSWER_GROUP;
 use crate::render::GroundKind;
 use crate::render::detail::prepare::DetailViews;
+use crate::render::detail::record::record_answers;
 use dolomite_geometry::render::{ExtractedGeometryCamera, Producers};
 
 /// Answers what was asked, if the view is the one that answers and its triangles are there.
@@ -52,10 +52,7 @@ pub(super) fn answer(
         ..default()
     });
     let span = recorder.pass_span(&mut pass, "height_queries");
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, shared, &[]);
-    pass.set_bind_group(1, own, &[]);
-    pass.dispatch_workgroups(ticket.count.div_ceil(ANSWER_GROUP), 1, 1);
+    record_answers(&mut pass, pipeline, [shared, own], ticket.count);
     span.end(&mut pass);
     drop(pass);
     encoder.copy_buffer_to_buffer(&buffers.answers, 0, staging.buffer(), 0, Some(bytes));
