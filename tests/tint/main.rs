@@ -3,6 +3,10 @@
 //!
 //! The variants come from the code that makes the pipelines: `stage_variants` of each kind of patches, the tables of
 //! the passes of the ground, and, for crowds, what Bevy's mesh pipeline asked for in frames that were drawn.
+#![expect(
+    clippy::duplicate_mod,
+    reason = "each example brings what examples share along"
+)]
 
 #[path = "../support/app.rs"]
 mod app;

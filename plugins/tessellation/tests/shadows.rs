@@ -143,11 +143,13 @@ fn every_sun_has_its_shadow<K: PatchKind>(mut app: App) {
     let (quad, suns) = scene::<K>(&mut app, &target);
     app::frames(&mut app, 12);
     let producers = app.sub_app(RenderApp).world().resource::<Producers>();
-    let mut views = producers
+    let views: Vec<_> = producers
         .iter()
-        .flat_map(|producer| producer.views.values());
-    let view = views.next().expect("one view");
-    assert!(views.next().is_none());
+        .flat_map(|producer| producer.views.values())
+        .collect();
+    let [view] = views[..] else {
+        panic!("{} views, not one", views.len());
+    };
     let numbers: Vec<u32> = view.shadows.iter().map(|slot| slot.number()).collect();
     assert_eq!(numbers, (0..20).collect::<Vec<_>>());
     let ranges = view.ranges.as_ref().map(|ranges| ranges.count());
