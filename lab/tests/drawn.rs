@@ -114,7 +114,7 @@ fn gpu_a_displaced_vertex_and_a_missing_triangle_are_caught() {
     let mut bare = good.clone();
     bare.triangles.retain(|&t| !view.may_see(&good.corners(t)));
     assert!(bare.triangles.len() < good.triangles.len());
-    // Of 2000 / 8 = 250 places that are looked at for holes, those that the picture shows.
+    // Of 2000 / 8 = 250 places that are looked at for holes, those that are in view.
     let (above, holes) = of(&bare, &truth);
     assert!(above >= 25 && holes >= 25, "{above} {holes}");
 

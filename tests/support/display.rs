@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use image::RgbImage;
+use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt, EventMask};
+use x11rb::rust_connection::RustConnection;
 
 /// A display that nobody sees; ends with this value.
 pub struct Display {
@@ -95,6 +97,24 @@ impl Display {
         done.status
             .success()
             .then(|| String::from_utf8_lossy(&done.stdout).trim().to_owned())
+    }
+
+    /// Asks a window to close, as a window manager does whose button is pressed; the xdotool of Debian 12 cannot.
+    pub fn close(&self, window: &str) {
+        let window = window.parse().expect("xdotool names windows by number");
+        let ask = || -> Result<(), Box<dyn std::error::Error>> {
+            let (connection, _) = RustConnection::connect(Some(&self.name))?;
+            let atom = |name| connection.intern_atom(false, name);
+            let protocols = atom(b"WM_PROTOCOLS")?.reply()?.atom;
+            let delete = atom(b"WM_DELETE_WINDOW")?.reply()?.atom;
+            let message = [delete, x11rb::CURRENT_TIME, 0, 0, 0];
+            let event = ClientMessageEvent::new(32, window, protocols, message);
+            connection
+                .send_event(false, window, EventMask::NO_EVENT, event)?
+                .check()?;
+            Ok(())
+        };
+        ask().unwrap_or_else(|error| panic!("window {window}: {error}"));
     }
 }
 

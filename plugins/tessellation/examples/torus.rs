@@ -7,7 +7,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy::render::render_resource::AsBindGroup;
 use dolomite_geometry::GeometryCamera;
-use dolomite_tessellation::render::{PatchKind, PatchPlugin, PatchShader};
+use dolomite_tessellation::render::{GeometryMaterial, PatchKind, PatchPlugin, PatchShader};
 use dolomite_tessellation::{PatchLayout, PatchMesh, Patches};
 
 /// The kind of these patches: their functions, and no data beside the corners.
@@ -19,6 +19,14 @@ impl PatchKind for Torus {
 
     fn shader() -> PatchShader {
         PatchShader::File("torus.wgsl")
+    }
+
+    fn materials(&self) -> Vec<GeometryMaterial> {
+        vec![GeometryMaterial {
+            base_color: LinearRgba::rgb(0.5, 0.22, 0.05),
+            roughness: 0.35,
+            ..default()
+        }]
     }
 }
 
@@ -53,7 +61,7 @@ pub fn setup(mut commands: Commands) -> Result {
         sun,
         Transform::default().looking_to(Vec3::new(-1.0, -2.0, -1.5), Vec3::Y),
     ));
-    let eye = Transform::from_xyz(0.0, 1.8, 2.6).looking_at(Vec3::ZERO, Vec3::Y);
+    let eye = Transform::from_xyz(0.0, 2.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y);
     commands.spawn((
         Camera3d::default(),
         Msaa::Off,
