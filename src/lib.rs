@@ -3,7 +3,7 @@
 //!
 //! | folder | concern | uses |
 //! |---|---|---|
-//! | [`bench`] | flies fixed paths and writes what frames cost; the scene `classic` | all below |
+//! | [`mod@bench`] | flies fixed paths and writes what frames cost; the scene `classic` | all below |
 //! | [`run`] | the ways to run the game: in a window, or without one | all below |
 //! | [`view`] | what is drawn: camera, materials, figure, panels | play, scene, input, settings |
 //! | [`play`] | the half that needs no renderer: camera, figure, switches | scene, input, settings |

@@ -2,11 +2,11 @@
 //!
 //! | file | concern |
 //! |---|---|
-//! | [`request`] | what was asked for |
-//! | [`mod@file`], [`build`] | what a scene file holds, and how it becomes a [`LoadedScene`] |
-//! | [`kind`] | scenes that draw themselves |
-//! | [`pose`] | where a camera stands and looks |
-//! | [`reload`] | taking over changes while the game runs |
+//! | `request` | what was asked for |
+//! | `file`, `build` | what a scene file holds, and how it becomes a [`LoadedScene`] |
+//! | `kind` | scenes that draw themselves |
+//! | `pose` | where a camera stands and looks |
+//! | `reload` | taking over changes while the game runs |
 
 mod build;
 mod error;

@@ -1,4 +1,4 @@
-//! The [classic scene](crate::classic) as a kind of the stage; and, for the rule by error, as ground whose
+//! The [classic scene](crate) as a kind of the stage; and, for the rule by error, as ground whose
 //! triangles come from the [level of detail](dolomite_ground::detail).
 
 mod bounded;

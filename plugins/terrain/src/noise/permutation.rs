@@ -46,7 +46,7 @@ impl Default for PermutationNoise {
     }
 }
 
-/// A validated [`Classic`] with its permutation and octave table.
+/// A validated [`PermutationNoise`] with its permutation and octave table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreparedPermutation {
     pub(crate) octaves: Vec<Octave>,
