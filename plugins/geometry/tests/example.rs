@@ -1,4 +1,5 @@
 //! The example of the README, drawn.
+#![cfg(feature = "render")]
 
 mod app;
 #[expect(dead_code, reason = "its `main` opens a window")]
