@@ -17,9 +17,9 @@ use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::math::DVec2;
 use bevy::prelude::*;
 use dolomite::DolomitePlugins;
-use dolomite::ground::TerrainView;
 use dolomite::ground::detail::budget::{Budget, BudgetError, BudgetReport};
 use dolomite::ground::detail::{Metric, TerrainLod};
+use dolomite::ground::{GroundPlugin, TerrainView};
 use dolomite::terrain::{Fractal, Ground, Terrain};
 use dolomite::tessellation::render::GeometryStats;
 
@@ -69,7 +69,8 @@ struct Scene {
 impl Scene {
     fn new() -> Option<Self> {
         let mut app = app::app(Duration::ZERO, |app| {
-            app.add_plugins(DolomitePlugins);
+            // A relief map would arrive in the middle of the pictures. The group adds the plugin again, which does nothing.
+            app.add_plugins((GroundPlugin { relief_side: 0 }, DolomitePlugins));
         })?;
         let ground = ground(&mut app);
         app.world_mut().spawn((
