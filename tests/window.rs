@@ -172,6 +172,8 @@ mod gpu {
         };
         let mut game = Game::start(&display, "480x270");
         let window = game.window(&display);
+        // A window that nothing was drawn into yet is no scene.
+        game.until(SHOWN, "text in the window", || has_text(&display.picture()));
         let first = game.until(PICTURE, "the scene", || has_scene(&display.picture()));
         eprintln!("the scene after {first:?}");
         // 35:1 is wider than Bevy's bloom can be; 1 × 1 is what a window shrinks to.
