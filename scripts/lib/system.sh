@@ -346,9 +346,9 @@ say_build() {
     say "building $1 in $folder: Bevy is built there already, so only what has changed is compiled"
     return 0
   fi
-  # Measured on two cores (docs/measured): 25 with light work beside it, and 13.
+  # Measured on two cores (docs/measured): 22, and 13.
   case $2 in
-    release) minutes=25 ;;
+    release) minutes=22 ;;
     *) minutes=15 ;;
   esac
   say "building $1 in $folder for the first time, with Bevy and all it needs: some 400 crates and some $minutes"
