@@ -19,6 +19,15 @@
 // The far scale of the textures, in near tiles: not a whole number, so that the two never align.
 const FAR_TILES: f32 = 11.3;
 
+// The first layer from `start` on that is drawn on cliffs from the side; `look.count` where there is none.
+fn next_cliff(start: u32) -> u32 {
+    var i = start;
+    while i < look.count && (look.layers[i].cliff == 0u || look.layers[i].texture == NO_TEXTURE) {
+        i++;
+    }
+    return i;
+}
+
 // Share of each layer: an upper one hides what lies below it, the last one takes what is left.
 fn weigh(weights: ptr<function, array<f32, LAYERS>>, place: Place) {
     var left = 1.0;
@@ -118,6 +127,8 @@ fn ground_surface(view: GroundView, surface: Surface, anchor_height: f32) -> Sha
     // From 3 cm a pixel on the near texture is only an average: the far one takes over.
     let farness = smoothstep(0.012, 0.09, pixel);
 
+    // How much of a cliff is seen from above.
+    let upright = smoothstep(0.55, 0.75, base_normal.y);
     var layers: array<Texel, LAYERS>;
     var bumps: array<vec3<f32>, LAYERS>;
     var highest = 0.0;
@@ -134,31 +145,38 @@ fn ground_surface(view: GroundView, surface: Surface, anchor_height: f32) -> Sha
         let ddy = dy.xz / tile;
         if layer.texture == NO_TEXTURE {
             layers[i] = Texel(layer.colour.rgb, FLAT_HEIGHT, vec2(0.0), layer.colour.a, 1.0);
-        } else if layer.cliff == 1u {
-            // Steep ground: from the side that it faces most, or from above.
-            let facing = base_normal * base_normal;
-            let side_z = facing.z > facing.x;
-            let side = vec2(select(position.z, position.x, side_z), -position.y);
-            let side_dx = vec2(select(dx.z, dx.x, side_z), -dx.y);
-            let side_dy = vec2(select(dy.z, dy.x, side_z), -dy.y);
-            let upright = smoothstep(0.55, 0.75, base_normal.y);
-            let along = select(vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0), side_z);
-            if upright < 1.0 {
-                let s = sample_layer(layer.texture, side / tile, side / (tile * FAR_TILES), side_dx / tile, side_dy / tile, index, farness);
-                layers[i] = s;
-                bumps[i] = along * s.normal.x - vec3(0.0, 1.0, 0.0) * s.normal.y;
-            }
-            if upright > 0.0 {
-                let t = sample_layer(layer.texture, near, far, ddx, ddy, index, farness);
-                let bump = vec3(t.normal.x, 0.0, t.normal.y);
-                layers[i] = mix_texels(layers[i], t, upright);
-                bumps[i] = mix(bumps[i], bump, upright);
-            }
-        } else {
+        } else if layer.cliff == 0u || upright > 0.0 {
             layers[i] = sample_layer(layer.texture, near, far, ddx, ddy, index, farness);
             bumps[i] = vec3(layers[i].normal.x, 0.0, layers[i].normal.y);
         }
-        highest = max(highest, weights[i] + layers[i].height * 0.6);
+    }
+    // Steep ground also from the side that it faces most. A loop of its own that goes round once for each cliff: a
+    // processor without branches for single lanes runs all that stands in a loop's body, for every layer.
+    let facing = base_normal * base_normal;
+    let side_z = facing.z > facing.x;
+    let along = select(vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0), side_z);
+    var cliff = next_cliff(0u);
+    loop {
+        if cliff < look.count && upright < 1.0 && weights[cliff] >= LEAST_WEIGHT {
+            let layer = look.layers[cliff];
+            let tile = look.tiles[layer.tile];
+            let side = vec2(select(position.z, position.x, side_z), -position.y);
+            let side_dx = vec2(select(dx.z, dx.x, side_z), -dx.y);
+            let side_dy = vec2(select(dy.z, dy.x, side_z), -dy.y);
+            let s = sample_layer(layer.texture, side / tile, side / (tile * FAR_TILES), side_dx / tile, side_dy / tile, index, farness);
+            let bump = along * s.normal.x - vec3(0.0, 1.0, 0.0) * s.normal.y;
+            layers[cliff] = mix_texels(s, layers[cliff], upright);
+            bumps[cliff] = mix(bump, bumps[cliff], upright);
+        }
+        continuing {
+            cliff = next_cliff(cliff + 1u);
+            break if cliff >= look.count;
+        }
+    }
+    for (var i = 0u; i < look.count; i++) {
+        if weights[i] >= LEAST_WEIGHT {
+            highest = max(highest, weights[i] + layers[i].height * 0.6);
+        }
     }
     // Height blending: what stands highest shows; 0.25 is the depth of the mixed zone.
     var blend = Blend(vec3(0.0), 0.0, 0.0, vec3(0.0), 0.0);
