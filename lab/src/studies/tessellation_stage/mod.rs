@@ -65,11 +65,11 @@ fn unchanged() -> Section {
         "0 dispatches while patches and view are unchanged",
     );
     section.details = serde_json::json!({
-        "counted_by": "cargo nextest run -p dolomite --test stage what_is_not_there_costs_nothing",
+        "counted_by": "cargo nextest run -p dolomite_game stage::what_is_not_there_costs_nothing",
     });
     section.notes.push(
         "Not measured here: whether anything is dispatched is decided by the plugin's systems in \
-         Bevy's renderer, which the lab is built without. tests/stage.rs \
+         Bevy's renderer, which the lab is built without. tests/all/stage.rs \
          (what_is_not_there_costs_nothing_and_what_rests_is_not_done_again) counts it in an app."
             .into(),
     );
@@ -93,7 +93,7 @@ mod tests {
             report
                 .notes
                 .iter()
-                .any(|note| note.contains("tests/stage.rs"))
+                .any(|note| note.contains("tests/all/stage.rs"))
         );
     }
 

@@ -1,0 +1,11 @@
+//! Tests of the lab, as one program, since each more would link Bevy once more.
+//! `cargo nextest run -p dolomite_lab NAME::` runs one module.
+
+mod detail;
+mod detail_answers;
+mod drawn;
+mod quadtree;
+mod shadow_ranges;
+mod stage;
+mod support;
+mod tessellation;

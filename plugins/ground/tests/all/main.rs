@@ -1,0 +1,11 @@
+//! Tests of the drawn ground, as one program, since each more would link Bevy once more.
+//! `cargo nextest run -p dolomite_ground NAME::` runs one module.
+
+mod adapter;
+mod app;
+mod cover;
+mod plugin;
+#[cfg(feature = "render")]
+mod several;
+mod shaders;
+mod support;

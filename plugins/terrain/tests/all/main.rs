@@ -1,0 +1,13 @@
+//! Tests of heights, as one program, since each more would link Bevy once more.
+//! `cargo nextest run -p dolomite_terrain NAME::` runs one module.
+
+mod accuracy;
+mod adapter;
+mod batch;
+mod bounds;
+mod height_map;
+mod layout;
+mod permutation;
+mod plugin;
+mod support;
+mod terrain;

@@ -1,0 +1,8 @@
+//! What several modules of tests share.
+
+pub mod adapter;
+pub mod app;
+pub mod camera;
+pub mod display;
+pub mod hills;
+pub mod picture;
