@@ -4,11 +4,12 @@ use bevy::app::AppExit;
 use bevy::asset::AssetPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
-use bevy::window::{PresentMode, Window, WindowPlugin, WindowResolution};
+use bevy::window::{PresentMode, PrimaryWindow, Window, WindowPlugin, WindowResolution};
 
 use super::patient::PatientRenderingPlugin;
 use super::{GameError, Setup, device, log_plugin};
 use crate::input::devices::InputPlugin;
+use crate::view::start::Hidden;
 
 /// Opens the window and plays until the player leaves.
 ///
@@ -38,6 +39,7 @@ pub fn play(setup: Setup) -> Result<AppExit, GameError> {
                     name: Some("dolomite".to_owned()),
                     resolution: WindowResolution::new(width, height),
                     present_mode,
+                    visible: false,
                     ..default()
                 }),
                 ..default()
@@ -56,6 +58,14 @@ pub fn play(setup: Setup) -> Result<AppExit, GameError> {
         always: device.software,
     });
     setup.add_behind_start_screen(&mut app);
+    app.add_systems(PreStartup, hide_until_drawn);
     app.add_plugins(InputPlugin);
     Ok(app.run())
+}
+
+/// The window was made unseen; the start screen shows it.
+fn hide_until_drawn(mut commands: Commands, windows: Query<Entity, With<PrimaryWindow>>) {
+    for window in &windows {
+        commands.entity(window).insert(Hidden);
+    }
 }

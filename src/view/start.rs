@@ -4,6 +4,8 @@
 //! background; then the [`Dress`] schedule makes the scene visible, and what its picture needs is compiled
 //! and built below this screen.
 
+use std::time::Duration;
+
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
 
@@ -14,8 +16,8 @@ use super::{Dress, SceneTextures, textures};
 use crate::scene::CurrentScene;
 use crate::settings::paths::AssetsDir;
 
-/// Frames of the finished screen before the scene joins it: the first is on the display when the third is
-/// made.
+/// Frames of the finished screen in a window that is shown before the scene joins it: the first is on the display
+/// when the third is made.
 const ALONE: u32 = 3;
 
 /// Shows what is being done until there is a picture. In place of [`Dress`] at the start.
@@ -26,11 +28,14 @@ impl Plugin for StartPlugin {
         super::init_dress(app);
         app.insert_resource(Starting)
             .init_resource::<Widened>()
+            .init_resource::<Finished>()
             .add_systems(Startup, (spawn, read_textures))
             .add_systems(
                 Update,
                 (
                     take_textures.run_if(resource_exists::<Reading>),
+                    count_finished.run_if(not(resource_exists::<Dressed>)),
+                    show_window.run_if(any_with_component::<Hidden>),
                     dress.run_if(not(resource_exists::<Dressed>)),
                     write.run_if(any_with_component::<Screen>),
                 )
@@ -42,6 +47,17 @@ impl Plugin for StartPlugin {
 /// In the world while the screen is shown.
 #[derive(Resource)]
 pub struct Starting;
+
+/// A window that is made with `visible: false` and shown once the screen was drawn into it: before that Bevy
+/// presents pictures that no pass has written, whose memory may hold anything.
+#[derive(Component)]
+pub struct Hidden;
+
+/// Frames of the finished screen until such a window is shown: the first has been presented when the second is made.
+const UNSEEN: u32 = 2;
+
+/// It is shown after this in any case, so that nobody waits for a window without a word.
+const SHOWN_AFTER: Duration = Duration::from_secs(2);
 
 /// The screen, and its camera.
 #[derive(Component)]
@@ -56,6 +72,10 @@ struct Bar;
 /// The scene has been made visible.
 #[derive(Resource)]
 struct Dressed;
+
+/// Frames of this screen with all its shaders so far.
+#[derive(Resource, Default)]
+struct Finished(u32);
 
 /// The textures are being read.
 #[derive(Resource)]
@@ -154,13 +174,32 @@ fn take_textures(
     }
 }
 
+/// Counts the frames in which all shaders that were asked for are there.
+fn count_finished(progress: Res<Progress>, mut finished: ResMut<Finished>) {
+    let (ready, asked) = progress.made().shaders;
+    finished.0 += u32::from(asked > 0 && ready == asked);
+}
+
+fn show_window(
+    mut commands: Commands,
+    finished: Res<Finished>,
+    time: Res<Time<Real>>,
+    mut windows: Query<(Entity, &mut Window), With<Hidden>>,
+) {
+    if finished.0 < UNSEEN && time.elapsed() < SHOWN_AFTER {
+        return;
+    }
+    for (entity, mut window) in &mut windows {
+        window.visible = true;
+        commands.entity(entity).remove::<Hidden>();
+    }
+}
+
 /// Makes the scene visible once this screen has been seen and the textures are there. What the scene needs
 /// would else be compiled before what the screen needs.
-fn dress(world: &mut World, mut frames: Local<u32>) {
+fn dress(world: &mut World) {
     let made = world.resource::<Progress>().made();
-    let (ready, asked) = made.shaders;
-    *frames += u32::from(asked > 0 && ready == asked);
-    if *frames > ALONE && made.textures {
+    if world.resource::<Finished>().0 > UNSEEN + ALONE && made.textures {
         world.insert_resource(Dressed);
         world.run_schedule(Dress);
     }
