@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 use dolomite::fbx::{
-    Conversion, Effort, FbxError, Options, Origin, Output, Progress, Report, Weights, convert,
+    Compression, Conversion, Effort, FbxError, Options, Origin, Output, Progress, Report, Weights,
+    convert,
 };
 
 /// Convert an FBX file to glTF and say how exact the result is.
@@ -19,7 +20,8 @@ use dolomite::fbx::{
 #[command(after_help = "Examples:\n  \
     dolomite fbx2gltf hero.fbx hero.glb\n  \
     dolomite fbx2gltf hero.fbx hero.gltf --max-error 0.001 --report hero.json\n\n\
-    Textures that are not embedded are looked for below the folder of the FBX file, and nowhere else.")]
+    Pictures that are not embedded are looked for where the file says, beside it, in NAME.fbm, Textures and\n  \
+    Texture there, and below each folder of --textures; in any case of their names, and nowhere else.")]
 pub struct Fbx2gltf {
     /// The FBX file.
     #[arg(value_name = "IN.fbx")]
@@ -41,6 +43,17 @@ pub struct Fbx2gltf {
     /// thirty times that, for up to two fifths less bytes of keys within the same error.
     #[arg(long, value_enum, default_value_t = Search::Thorough)]
     effort: Search,
+    /// Memory that the file may take [default: 48 and 16 times what it unpacks to]; what needs more is
+    /// refused.
+    #[arg(long, value_name = "MIB")]
+    max_memory: Option<usize>,
+    /// A folder to look for pictures in, and in the folders below it; may be given more than once.
+    #[arg(long, value_name = "DIR")]
+    textures: Vec<PathBuf>,
+    /// How bytes are written: plain, or under EXT_meshopt_compression, for a third to three fifths of the bytes of
+    /// clips within the same error. three.js and Babylon.js read that; Bevy's loader does not.
+    #[arg(long, value_enum, default_value_t = Compress::None)]
+    compress: Compress,
     /// Write everything that is known about the result, as JSON.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -55,6 +68,15 @@ enum Joints {
     /// `JOINTS_0` and `JOINTS_1`
     #[value(name = "8")]
     Eight,
+}
+
+/// How bytes are written.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Compress {
+    /// As plain numbers.
+    None,
+    /// By `EXT_meshopt_compression`.
+    Meshopt,
 }
 
 /// How long keys are searched for.
@@ -79,9 +101,17 @@ impl Fbx2gltf {
             path: self.input.clone(),
             source,
         })?;
+        for folder in &self.textures {
+            // A folder that is not there is a slip of the one who named it.
+            std::fs::read_dir(folder).map_err(|source| FbxError::Read {
+                path: folder.clone(),
+                source,
+            })?;
+        }
         let origin = Origin {
             name: self.input.display().to_string(),
             folder: Some(folder_of(&self.input)),
+            textures: self.textures.clone(),
             ..Origin::default()
         };
         let shown = Mutex::new(Shown::new());
@@ -124,6 +154,11 @@ impl Fbx2gltf {
             effort: match self.effort {
                 Search::Quick => Effort::Quick,
                 Search::Thorough => Effort::Thorough,
+            },
+            max_memory: self.max_memory.map(|mib| mib.saturating_mul(1 << 20)),
+            compress: match self.compress {
+                Compress::None => Compression::None,
+                Compress::Meshopt => Compression::Meshopt,
             },
             progress: Some(tell),
             ..defaults
@@ -205,10 +240,7 @@ fn table(made: &Conversion, output: &Output) -> String {
         format!("{} of {} baked", report.keys(), report.baked()),
     );
     row("error", error_row(report));
-    row(
-        "bytes",
-        format!("{} ({} of animation)", output.bytes, report.animation_bytes),
-    );
+    row("bytes", bytes_row(report, output));
     if report.clips.len() > 1 {
         for clip in &report.clips {
             let keys = format!("{} of {} keys", clip.keys, clip.baked);
@@ -243,6 +275,15 @@ fn table(made: &Conversion, output: &Output) -> String {
     text
 }
 
+fn bytes_row(report: &Report, output: &Output) -> String {
+    let how = match report.compression {
+        Compression::None => "",
+        Compression::Meshopt => ", under EXT_meshopt_compression",
+    };
+    let (all, clips) = (output.bytes, report.animation_bytes);
+    format!("{all} ({clips} of animation){how}")
+}
+
 fn error_row(report: &Report) -> String {
     format!(
         "{:.1e} m (keys held to {:.1e} m)",
@@ -275,10 +316,16 @@ mod tests {
         assert_eq!((options.max_error, options.weights), (0.01, Weights::Eight));
         assert_eq!(options.max_relative_error, f64::INFINITY);
         assert_eq!(options.effort, Effort::Thorough);
+        assert_eq!(options.compress, Compression::None);
+        let packed = parse("a.fbx b.glb --compress meshopt").unwrap();
+        assert_eq!(packed.options(&tell).compress, Compression::Meshopt);
         let quick = parse("a.fbx b.glb --effort quick").unwrap();
         assert_eq!(quick.options(&tell).effort, Effort::Quick);
         let parsed = parse("a.fbx b.glb").unwrap();
         assert!(parsed.options(&tell).max_relative_error < 1e-3);
+        assert_eq!(parsed.options(&tell).max_memory, None);
+        let raised = parse("a.fbx b.glb --max-memory 512").unwrap();
+        assert_eq!(raised.options(&tell).max_memory, Some(512 << 20));
         assert!(parse("a.fbx b.glb --weights 5").is_err());
         assert!(parse("a.fbx").is_err());
     }
@@ -291,6 +338,21 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(refusal.contains("no/such.fbx"), "{refusal}");
+    }
+
+    #[test]
+    fn folders_of_pictures_may_be_several_and_have_to_be_there() {
+        let parsed = parse("a.fbx b.glb --textures art --textures ../lib").unwrap();
+        let wanted = [PathBuf::from("art"), PathBuf::from("../lib")];
+        assert_eq!(parsed.textures, wanted);
+        let folder = std::env::temp_dir().join(format!("dolomite_textures_{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let input = folder.join("a.fbx");
+        std::fs::write(&input, "x").unwrap();
+        let words = format!("{} b.glb --textures no/such/folder", input.display());
+        let refusal = parse(&words).unwrap().run().unwrap_err().to_string();
+        assert!(refusal.contains("no/such/folder"), "{refusal}");
+        std::fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]

@@ -1,14 +1,17 @@
 //! What the clips of a folder's FBX files cost as glTF, property by property, and how much of the
 //! error that was allowed is spent.
 //!
-//! `cargo run --release -p dolomite_fbx --example animation_bytes -- FOLDER [METRES] [quick|thorough] [OTHERS]`
+//! `cargo run --release -p dolomite_fbx --example animation_bytes -- FOLDER [METRES] [quick|thorough] [OTHERS] [--compress]`
+//!
+//! With `--compress` all is written once more under `EXT_meshopt_compression`, and its bytes are counted beside
+//! (needs `--features meshopt`).
 //!
 //! OTHERS is a folder of .glb files that another program made of the same files; the file `a/b.fbx` is
 //! `a__b.fbx.glb` there. Their bytes are counted in the same way. Files that are refused are left out.
 
 use dolomite_fbx::check::Played;
 use dolomite_fbx::model::{Channel, Interpolation, Model, Property};
-use dolomite_fbx::{Effort, Options, Origin, convert};
+use dolomite_fbx::{Compression, Effort, Options, Origin, convert};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -79,7 +82,8 @@ fn files_below(folder: &Path, out: &mut Vec<PathBuf>) -> std::io::Result<()> {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut words = std::env::args().skip(1);
+    let compress = std::env::args().any(|word| word == "--compress");
+    let mut words = std::env::args().skip(1).filter(|word| word != "--compress");
     let folder = PathBuf::from(words.next().ok_or("name a folder")?);
     let max_error: f64 = words.next().map_or(Ok(1e-4), |word| word.parse())?;
     let effort = match words.next().as_deref() {
@@ -98,7 +102,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     files_below(&folder, &mut paths)?;
     paths.sort();
     println!(
-        "{:<58} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7} {:>6}/{:<6} {:>7} {:>5} {:>4}/{:<4} {:>5} {:>6} {:>8} {:>6} {:>7} size",
+        "{:<58} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7} {:>6}/{:<6} {:>7} {:>5} {:>4}/{:<4} {:>5} {:>6} {:>8} {:>6} {:>8} {:>6} {:>7} size",
         "file",
         "bytes",
         "times",
@@ -116,9 +120,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "spent",
         "other",
         "ratio",
+        "coded",
+        "ratio",
         "ms"
     );
-    let (mut ours, mut theirs) = (0, 0);
+    let (mut ours, mut theirs, mut coded) = (0, 0, 0);
     for path in paths {
         let name = path
             .strip_prefix(&folder)?
@@ -137,18 +143,33 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let report = &made.report;
         let count = Bytes::of(&made.model);
         let total = count.times + count.values.iter().sum::<usize>();
-        let spent = report.clips.iter().map(|c| c.error).fold(0.0, f64::max) / report.bound;
+        let spent = report
+            .clips
+            .iter()
+            .map(|c| c.keyed_error)
+            .fold(0.0, f64::max)
+            / report.bound;
         let other = others
             .as_ref()
             .and_then(|folder| std::fs::read(folder.join(format!("{name}.glb"))).ok())
             .and_then(|glb| Played::read(&glb).ok())
             .map(|played| played.animation_bytes());
+        let packed = Options {
+            compress: Compression::Meshopt,
+            ..options
+        };
+        let packed = match compress {
+            true => Some(convert(&bytes, &origin, &packed)?.report),
+            false => None,
+        };
+        let packed_bytes = packed.as_ref().map(|report| report.animation_bytes);
         if let Some(other) = other {
             ours += total;
             theirs += other;
+            coded += packed_bytes.unwrap_or(0);
         }
         println!(
-            "{:<58} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7} {:>6}/{:<6} {:>7} {:>5} {:>4}/{:<4} {:>5.1} {:>6.2} {:>8} {:>6.2} {:>7.1} {:.2}m",
+            "{:<58} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7} {:>6}/{:<6} {:>7} {:>5} {:>4}/{:<4} {:>5.1} {:>6.2} {:>8} {:>6.2} {:>8} {:>6.2} {:>7.1} {:.2}m",
             name,
             total,
             count.times,
@@ -166,6 +187,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             spent,
             other.map_or("-".into(), |b| b.to_string()),
             other.map_or(f64::NAN, |b| total as f64 / b as f64),
+            packed_bytes.map_or("-".into(), |b| b.to_string()),
+            packed_bytes
+                .zip(other)
+                .map_or(f64::NAN, |(a, b)| a as f64 / b as f64),
             ms,
             report.size
         );
@@ -173,6 +198,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if theirs > 0 {
         let ratio = ours as f64 / theirs as f64;
         println!("{ours} bytes, {theirs} of the others: {ratio:.3}");
+        if compress {
+            let ratio = coded as f64 / theirs as f64;
+            println!("{coded} bytes compressed, {theirs} of the others: {ratio:.3}");
+        }
     }
     Ok(())
 }

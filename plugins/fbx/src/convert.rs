@@ -1,16 +1,28 @@
 //! The whole way from bytes of FBX to a [`Model`].
 
-use crate::clips::{Reduced, Samples, Shells, Source, leverage, reduce, refine, sample};
+use crate::clips::{Reduced, Samples, Shells, Source, Take, clip};
+use crate::curves::Reading;
 use crate::error::FbxError;
 use crate::load::load;
-use crate::model::{Channel, Interpolation, Mesh, Model, Node, Property, Trs};
-use crate::options::{Budget, Options, Origin};
+use crate::mesh_rounding::{self, order_meshes, round_meshes, stretch};
+use crate::model::{Channel, Clip, Interpolation, Mesh, Model, Node, Property, Trs};
+use crate::options::{Budget, Compression, Options, Origin};
+use crate::position_error::report_position_error;
 use crate::read::devices::{read_camera, read_light};
+use crate::read::keyed::report_keyed;
+use crate::read::names::{Names, make_clips_unique, make_paths_unique};
+use crate::read::place::{is_alone, show_at};
 use crate::read::textures::Textures;
-use crate::read::{Meshes, ShapeKey, Shapes, read_materials, read_nodes, read_skin, report_lost};
-use crate::report::Report;
+use crate::read::user::read_extras;
+use crate::read::visibility::Hidden;
+use crate::read::{
+    Meshes, ShapeKey, Shapes, UvOrder, read_materials, read_nodes, read_skin, report_lost,
+};
+use crate::report::{Lost, Report};
 use crate::skinning::{SkinJob, write_weights};
-use glam::DVec3;
+use crate::verify::doubts;
+use crate::write::document::animation_bytes;
+use glam::{DMat4, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 use ufbx::SceneRoot;
 
@@ -44,32 +56,53 @@ impl Conversion {
 /// [`FbxError`]: no FBX file, a broken one, one beyond the limits, or an option out of range.
 pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conversion, FbxError> {
     options.check()?;
-    let budget = Budget::of(&origin.name, bytes.len(), options);
-    let limits = budget.limits;
+    let budget = Budget::of(&origin.name, bytes, options);
     let scene = load(bytes, &budget, options)?;
     let mut report = Report {
         version: scene.metadata.version,
         creator: scene.metadata.creator.to_string(),
         unit: scene.settings.original_unit_meters,
+        compression: options.compress,
         ..Report::default()
     };
-    let mut textures = Textures::new(origin, limits.memory);
+    let names = Names::of(&scene, bytes, &budget, options, &mut report);
+    let mut textures = Textures::new(origin, &budget, options.limits.is_none());
+    let (mut materials, uv_orders) = read_materials(&scene, &mut textures, &mut report);
+    let images = textures.used(&mut materials);
     let mut model = Model {
-        nodes: read_nodes(&scene),
-        materials: read_materials(&scene, &mut textures, &mut report),
+        nodes: read_nodes(&scene, &names),
+        materials,
+        images,
         ..Model::default()
     };
-    model.images = textures.images;
     options.report("meshes", 0.0);
-    let jobs = hang_in(&scene, &mut model, &budget, &mut report)?;
+    let jobs = hang_in(
+        &scene,
+        bytes,
+        &mut model,
+        &uv_orders,
+        options.max_error,
+        &budget,
+        &mut report,
+    )?;
+    names.give(&scene, &mut model, &jobs);
+    Hidden::of(&scene).mark(&scene, &mut model, &mut report);
+    model.extras = read_extras(&scene, &model, &mut report);
     let shapes = shapes_of(&scene, &model);
     report_lost(&scene, &mut report);
-    let mut clips: Vec<Samples> = (0..scene.anim_stacks.len())
-        .map(|stack| {
-            options.report("clips", stack as f64 / scene.anim_stacks.len() as f64);
-            sample(&scene, stack, &model, &shapes, options, &budget)
-        })
-        .collect::<Result<_, _>>()?;
+    report_keyed(&scene, &names, &mut report);
+    let count = scene.anim_stacks.len();
+    let mut takes = Vec::with_capacity(count);
+    let mut clips: Vec<Samples> = Vec::with_capacity(count);
+    for number in 0..count {
+        options.report("clips", number as f64 / count as f64);
+        let take = Take::of(&scene, number, &shapes, options, &budget)?;
+        clips.push(match take.is_whole() {
+            true => take.sample(&take.plan, 0..take.plan.len(), &model, options, &budget)?,
+            false => take.overview(&model, options, &budget)?,
+        });
+        takes.push(take);
+    }
     write_weights(
         &scene,
         &mut model,
@@ -84,46 +117,76 @@ pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conve
     report.bound = options
         .max_error
         .min(options.max_relative_error * report.size);
-    let mut reduced = Vec::with_capacity(clips.len());
-    let count = clips.len();
-    for (stack, clip) in clips.iter_mut().enumerate() {
-        options.report("keys", stack as f64 / count as f64);
+    if options.compress == Compression::Meshopt {
+        report.rounding_error = round_for_codec(&mut model, &shells, &clips, report.bound);
+    }
+    // What rounded vertices are off by comes on top of what keys are.
+    let bound = report.bound - report.rounding_error;
+    let mut reduced = Vec::with_capacity(count);
+    for (number, (take, samples)) in takes.iter().zip(clips).enumerate() {
+        options.report("keys", number as f64 / count as f64);
         let source = Source {
-            scene: &scene,
-            stack,
+            take,
             model: &model,
-            shapes: &shapes,
             options,
             budget: &budget,
         };
-        let leverage = leverage(clip, &model, &shells);
-        refine(clip, &source, &leverage, report.bound)?;
-        reduced.push(reduce(
-            clip,
-            &model,
-            &shells,
-            leverage,
-            report.bound,
-            options,
-            &budget,
-        )?);
+        let samples = take.is_whole().then_some(samples);
+        let mut made = clip(&source, samples, &shells, bound)?;
+        made.clip.name = names.name(&scene.anim_stacks[number].element);
+        made.report.name.clone_from(&made.clip.name);
+        report_doubts(&source, &shells, &made, &mut report);
+        reduced.push(made);
     }
+    drop(takes);
     take_clips(&mut model, &mut report, reduced);
+    make_clips_unique(&mut model, &mut report);
+    report_position_error(&scene, &model, &mut report);
     finish(&mut model);
+    make_paths_unique(&mut model, &mut report);
     tally(&model, &mut report);
+    names.mend(&scene, &mut report);
     options.report("done", 1.0);
     Ok(Conversion { model, report })
+}
+
+/// Puts meshes into the order and into the bits that the codec likes; answers how far that moves vertices,
+/// metres.
+fn round_for_codec(model: &mut Model, shells: &Shells, clips: &[Samples], bound: f64) -> f64 {
+    let rest: Vec<Trs> = model.nodes.iter().map(|node| node.rest).collect();
+    let mut worlds = [Vec::new()];
+    shells.world(&rest, &mut worlds[0]);
+    let mut stretch = stretch(model, worlds.iter());
+    for clip in clips {
+        for sample in 0..clip.grid.len() {
+            let mut pose = rest.clone();
+            for track in &clip.tracks {
+                pose[track.node] = track.poses[sample];
+            }
+            shells.world(&pose, &mut worlds[0]);
+            let own = mesh_rounding::stretch(model, worlds.iter());
+            for (all, own) in stretch.iter_mut().zip(own) {
+                *all = all.max(own);
+            }
+        }
+    }
+    order_meshes(model);
+    round_meshes(model, &stretch, bound)
 }
 
 /// Hangs meshes, lights and cameras into the tree. A skinned mesh gets a node of its own beside the
 /// tree, since glTF has it there: its joints alone say where it is.
 fn hang_in(
     scene: &SceneRoot,
+    file: &[u8],
     model: &mut Model,
+    uv_orders: &[UvOrder],
+    max_error: f64,
     budget: &Budget,
     report: &mut Report,
 ) -> Result<Vec<SkinJob>, FbxError> {
-    let mut meshes = Meshes::default();
+    let mut meshes = Meshes::new(scene, file, report);
+    let hidden = Hidden::of(scene);
     let mut jobs = Vec::new();
     for (number, node) in scene.nodes.iter().enumerate() {
         if let Some(light) = node
@@ -135,9 +198,8 @@ fn hang_in(
             model.nodes[number].light = Some(model.lights.len() - 1);
         }
         if let Some(camera) = &node.camera {
-            model
-                .cameras
-                .push(read_camera(camera, scene.metadata.geometry_scale));
+            let unit = scene.metadata.geometry_scale;
+            model.cameras.push(read_camera(camera, unit, report));
             model.nodes[number].camera = Some(model.cameras.len() - 1);
         }
         let Some(mesh) = &node.mesh else { continue };
@@ -149,19 +211,28 @@ fn hang_in(
             node,
             mesh,
             skin.is_some(),
-            &model.materials,
+            (&model.materials, uv_orders),
             &mut model.meshes,
+            max_error,
             budget,
         )?;
         let Some(made) = made else { continue };
+        let offset = model.meshes[made].offset;
         let Some(skin) = skin else {
-            model.nodes[number].mesh = Some(made);
+            let alone = offset != DVec3::ZERO && is_alone(scene, node);
+            show_at(&mut model.nodes, number, alone, made, offset);
             continue;
         };
-        let source = read_skin(mesh, skin, node, &mut model.nodes);
+        let mut source = read_skin(mesh, skin, node, &mut model.nodes);
+        for bind in &mut source.skin.inverse_bind {
+            *bind *= DMat4::from_translation(offset);
+        }
         model.skins.push(source.skin.clone());
+        if hidden.node(number) {
+            model.hidden.insert(model.nodes.len());
+        }
         model.nodes.push(Node {
-            name: node.element.name.to_string(),
+            name: model.nodes[number].name.clone(),
             parent: None,
             rest: Trs::IDENTITY,
             mesh: Some(made),
@@ -227,6 +298,27 @@ fn size(model: &Model, shells: &Shells) -> f64 {
     }
 }
 
+/// One line for each layer whose meaning the file leaves open, where that comes to more than the bound.
+fn report_doubts(source: &Source, shells: &Shells, made: &Reduced, report: &mut Report) {
+    for (name, reading, metres) in doubts(source, shells, &made.clip) {
+        if metres <= report.bound {
+            continue;
+        }
+        let detail = match reading {
+            Reading::OverrideFades => {
+                "overrides with a weight of less than 100 %: taken whole, as the format says; programs that lessen it show something else"
+            }
+            _ => "has a blend mode without a name: taken to override",
+        };
+        report.lost.push(Lost {
+            what: "layer",
+            name: format!("{}: {name}", made.clip.name),
+            metres: Some(metres),
+            detail: detail.to_owned(),
+        });
+    }
+}
+
 /// Channels that no clip moves away from rest are left out of all. Where one clip does, the others
 /// keep a key: a player that changes clips would else leave the node where the last one had it.
 fn take_clips(model: &mut Model, report: &mut Report, reduced: Vec<Reduced>) {
@@ -253,9 +345,28 @@ fn take_clips(model: &mut Model, report: &mut Report, reduced: Vec<Reduced>) {
             }
         }
         one.clip.channels.sort_by_key(|c| (c.node, c.property));
+        keep_length(&mut one.clip);
         one.report.keys = one.clip.channels.iter().map(|c| c.times.len()).sum();
         report.clips.push(one.report);
         model.clips.push(one.clip);
+    }
+}
+
+/// Players take a clip to be as long as its last key says: where all stand still before the end, one channel
+/// gets a second key there.
+fn keep_length(clip: &mut Clip) {
+    let last = |channel: &Channel| channel.times.last().copied().unwrap_or(0.0);
+    let end = clip.duration as f32;
+    if clip.channels.iter().map(last).fold(0.0, f32::max) >= end {
+        return;
+    }
+    let is_plain = |channel: &&mut Channel| channel.interpolation != Interpolation::Cubic;
+    let shortest = clip.channels.iter_mut().filter(is_plain);
+    if let Some(channel) = shortest.min_by_key(|channel| channel.values.len()) {
+        let width = channel.values.len() / channel.times.len().max(1);
+        let value = channel.values[channel.values.len() - width..].to_vec();
+        channel.times.push(end);
+        channel.values.extend(value);
     }
 }
 
@@ -346,6 +457,12 @@ fn renumber(model: &mut Model, kept: &[bool]) {
     for node in &mut model.nodes {
         node.parent = node.parent.and_then(|parent| numbers[parent]);
     }
+    model.hidden = model.hidden.iter().filter_map(|&n| numbers[n]).collect();
+    let extras = std::mem::take(&mut model.extras.nodes);
+    let extras = extras
+        .into_iter()
+        .filter_map(|(n, own)| Some((numbers[n]?, own)));
+    model.extras.nodes = extras.collect();
     for skin in &mut model.skins {
         skin.joints.iter_mut().for_each(|joint| *joint = of(*joint));
     }
@@ -366,12 +483,13 @@ fn tally(model: &Model, report: &mut Report) {
     report.joints = joints.len();
     let parts = || model.meshes.iter().flat_map(|mesh| &mesh.parts);
     report.vertices = parts().map(|part| part.positions.len()).sum();
-    let mut animation = BTreeSet::new();
-    report.animation_bytes = model
-        .clips
-        .iter()
-        .flat_map(|clip| &clip.channels)
-        .map(|c| c.bytes(&mut animation))
-        .sum();
+    report.animation_bytes = match report.compression {
+        Compression::None => {
+            let mut known = BTreeSet::new();
+            let channels = model.clips.iter().flat_map(|clip| &clip.channels);
+            channels.map(|channel| channel.bytes(&mut known)).sum()
+        }
+        compression => animation_bytes(model, compression),
+    };
     report.triangles = parts().map(|part| part.indices.len() / 3).sum();
 }

@@ -45,7 +45,7 @@ pub enum FbxError {
     },
     /// The contents need more memory than [`Limits`](crate::Limits) allow.
     #[error(
-        "{file}: {what} need more than {limit} bytes; raise the limit on memory if you trust it"
+        "{file}: {what} need more than {limit} bytes; raise the limit on memory (--max-memory, max_memory) if you trust it"
     )]
     Memory {
         /// Name of the file.

@@ -24,15 +24,17 @@
 //!
 //! **Places.** Everything is computed in f64 and rounded to f32 once. The file's axes become Y up, its unit
 //! the metre, in the geometry and not by a scale on the root. Helper nodes stand in where glTF cannot say
-//! it: `NAME.geometry` for transforms that children do not inherit, `NAME.scale` for the two modes in
-//! which FBX inherits scale otherwise. Skinned meshes stand beside the tree, as glTF wants them.
+//! it: `NAME.geometry` for transforms that children do not inherit and for meshes so far from their origin
+//! that f32 would spoil them, `NAME.scale` for the two modes in which FBX inherits scale otherwise. Skinned meshes stand beside the tree, as glTF wants them.
 //!
 //! **Keys.** Every stack is a clip that begins at 0; the file's own time is kept in its `extras`. Clips are
 //! looked at on every key and wherever they bend between keys, and the fewest keys are taken, as steps, lines
 //! or cubics, that keep the skin within `max_error` of that: in the world, 3 cm around each joint, or out to
 //! the farthest vertex that follows it, with what all joints above do wrong. The error in the report
-//! is measured by playing the keys. Where a file has a key in every frame, what its three angles do within a
-//! frame is not followed, but for nodes that spin, unless asked for ([`Options::within_frames`]). By
+//! is measured afterwards by playing the keys against the file's own curves, at times that were not looked at
+//! before. Where a file has a key in every frame, what its three angles do within a frame is not followed,
+//! but for nodes that spin, unless asked for ([`Options::within_frames`]); [`ClipReport::error`] counts it all
+//! the same, [`ClipReport::keyed_error`] does not and is what is held to the bound. By
 //! default channels are looked at one by one, as fast as the file is read; [`Effort::Thorough`] takes all
 //! of a clip together and its time, for fewer bytes.
 //!
@@ -42,13 +44,29 @@
 //! **Blend shapes.** In-betweens are morph targets of their own, whose weights bend where the file's
 //! channel passes them.
 //!
-//! What is lost (dual quaternions, constraints, caches, ...) is listed in [`Report::lost`], with metres
-//! where it moves vertices.
+//! **Looks.** Opacity is that of the material's own model, emission above one is
+//! `KHR_materials_emissive_strength`, each texture is laid on as the file says (`KHR_texture_transform`), and
+//! UV sets are found by name in each mesh. PNG and JPEG are kept as they are, TGA and BMP become PNG.
+//!
+//! **What users say.** Properties that users gave to nodes, meshes, materials, lights and cameras are
+//! `extras`. Nodes that are hidden have KHR_node_visibility. Names that are not UTF-8 keep their bytes, as
+//! `\xHH`, and the second clip of a name is called `NAME.2`.
+//!
+//! What is lost (dual quaternions, constraints, caches, keyed visibility and other keyed properties, ...)
+//! is listed in [`Report::lost`], with metres where it moves vertices.
+//!
+//! # How few bytes
+//!
+//! With [`Compression::Meshopt`] meshes and clips are written under `EXT_meshopt_compression`, for readers that
+//! know it (three.js and Babylon.js do, Bevy's loader does not). Values are rounded for its codec before the
+//! error is measured, and what is written comes back bit for bit: the stated error is that of the decoded
+//! numbers.
 //!
 //! # How safe
 //!
-//! Nothing in a file makes it panic. Memory and time have [`Limits`]; other files are read only
-//! below the folder that [`Origin`] names, and links do not lead out of it.
+//! Nothing in a file makes it panic. Memory and time have [`Limits`], which follow what a file unpacks to,
+//! not what it claims; other files are read only below the folders that [`Origin`] names, and links do not
+//! lead out of them.
 //!
 //! | module | what |
 //! |---|---|
@@ -57,22 +75,28 @@
 
 pub mod check;
 mod clips;
+mod codec;
 mod convert;
+mod curves;
 mod error;
 mod load;
+mod mesh_rounding;
 pub mod model;
 mod options;
 #[cfg(feature = "bevy")]
 mod plugin;
+mod position_error;
 mod read;
 mod report;
 mod skinning;
+mod syntax;
+mod verify;
 mod weights;
 mod write;
 
 pub use convert::{Conversion, convert};
 pub use error::FbxError;
-pub use options::{Effort, Limits, Options, Origin, Progress, Weights};
+pub use options::{Compression, Effort, Limits, Options, Origin, Progress, Weights};
 #[cfg(feature = "bevy")]
 pub use plugin::{FbxConversion, FbxLoader, FbxLoaderError, FbxLoaderSettings, FbxPlugin};
 pub use report::{ClipReport, Lost, Report};

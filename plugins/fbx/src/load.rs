@@ -66,12 +66,23 @@ pub(crate) fn load_plainly(
     load_with(bytes, budget, options, Space::Plain)
 }
 
+/// Reads the objects of `bytes` with the values that name them in the file, without their contents.
+pub(crate) fn load_names(
+    bytes: &[u8],
+    budget: &Budget,
+    options: &Options,
+) -> Result<SceneRoot, FbxError> {
+    load_with(bytes, budget, options, Space::Names)
+}
+
 /// In whose axes and unit.
 #[derive(Clone, Copy)]
 enum Space {
     Gltf,
     File,
     Plain,
+    /// As [`Space::Gltf`], without geometry and curves.
+    Names,
 }
 
 fn load_with(
@@ -105,6 +116,13 @@ fn load_with(
         ..match space {
             Space::Gltf => conversion_options(),
             Space::Plain => LoadOpts::default(),
+            Space::Names => LoadOpts {
+                retain_dom: true,
+                ignore_geometry: true,
+                ignore_animation: true,
+                ignore_embedded: true,
+                ..conversion_options()
+            },
             Space::File => LoadOpts {
                 evaluate_skinning: true,
                 ..LoadOpts::default()

@@ -4,7 +4,7 @@
 //! lists of [`Model`]; a parent's index is not always less than its child's.
 
 use glam::{DMat4, DQuat, DVec3};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A translation, a rotation and a scale, applied to a point from right to left.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +69,9 @@ pub struct Mesh {
     pub targets: Vec<Target>,
     /// Number of the mesh in the FBX scene, for checks.
     pub source: u32,
+    /// What was taken off all positions, metres, where f32 could not hold them so far out: the node that
+    /// shows the mesh, or the skin's bind matrices, put it back. Each number of it is one that f32 holds.
+    pub offset: DVec3,
 }
 
 /// A morph target.
@@ -120,7 +123,7 @@ pub struct Skin {
     pub inverse_bind: Vec<DMat4>,
 }
 
-/// A picture as it lies in the file: PNG or JPEG.
+/// A picture: a PNG or JPEG as it lies in the file, or the PNG that a TGA or BMP was turned into.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     /// File name or name of the texture.
@@ -140,7 +143,8 @@ pub struct TextureUse {
     pub uv_set: u32,
     /// Repeats along U and V, else its border goes on.
     pub repeat: [bool; 2],
-    /// Offset, rotation in radians and scale of texture coordinates, where they are not 0, 0 and 1.
+    /// Offset, rotation in radians and scale of texture coordinates as KHR_texture_transform has them,
+    /// where they are not 0, 0 and 1.
     pub transform: Option<([f32; 2], f32, [f32; 2])>,
 }
 
@@ -159,8 +163,10 @@ pub struct Material {
     pub roughness: f32,
     /// Roughness in green, metalness in blue.
     pub metallic_roughness_texture: Option<TextureUse>,
-    /// Linear.
+    /// Linear, 0 to 1.
     pub emissive: [f32; 3],
+    /// What [`Material::emissive`] is multiplied by, 1 or more.
+    pub emissive_strength: f32,
     /// Colours it.
     pub emissive_texture: Option<TextureUse>,
     /// Tangent-space normals.
@@ -171,6 +177,31 @@ pub struct Material {
     pub blend: bool,
     /// Both sides are drawn.
     pub double_sided: bool,
+}
+
+impl Material {
+    /// Its textures, those that it has.
+    pub fn textures(&self) -> impl Iterator<Item = &TextureUse> {
+        let all = [
+            &self.base_texture,
+            &self.metallic_roughness_texture,
+            &self.emissive_texture,
+            &self.normal_texture,
+            &self.occlusion_texture,
+        ];
+        all.into_iter().flatten()
+    }
+
+    pub(crate) fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureUse> {
+        let all = [
+            &mut self.base_texture,
+            &mut self.metallic_roughness_texture,
+            &mut self.emissive_texture,
+            &mut self.normal_texture,
+            &mut self.occlusion_texture,
+        ];
+        all.into_iter().flatten()
+    }
 }
 
 /// What kind of light.
@@ -211,7 +242,7 @@ pub struct Camera {
     pub projection: Projection,
     /// Metres, above 0.
     pub near: f32,
-    /// Metres, above `near`.
+    /// Metres, above `near`; infinite where a perspective has no end.
     pub far: f32,
 }
 
@@ -293,6 +324,24 @@ pub struct Clip {
     pub channels: Vec<Channel>,
 }
 
+/// Properties that a user gave to an object, by name.
+pub type Properties = serde_json::Map<String, serde_json::Value>;
+
+/// What becomes glTF's `extras`, by the number of the object.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Extras {
+    /// Of [`Model::nodes`].
+    pub nodes: BTreeMap<usize, Properties>,
+    /// Of [`Model::meshes`].
+    pub meshes: BTreeMap<usize, Properties>,
+    /// Of [`Model::materials`].
+    pub materials: BTreeMap<usize, Properties>,
+    /// Of [`Model::lights`].
+    pub lights: BTreeMap<usize, Properties>,
+    /// Of [`Model::cameras`].
+    pub cameras: BTreeMap<usize, Properties>,
+}
+
 /// Everything that becomes a glTF file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Model {
@@ -312,4 +361,8 @@ pub struct Model {
     pub cameras: Vec<Camera>,
     /// One for each animation stack.
     pub clips: Vec<Clip>,
+    /// Nodes that are hidden with all below them (KHR_node_visibility).
+    pub hidden: BTreeSet<usize>,
+    /// What users gave to objects.
+    pub extras: Extras,
 }

@@ -1,6 +1,8 @@
 //! What a user may ask for, and how much a file may cost.
 
 use crate::error::FbxError;
+use crate::syntax::unpacked;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -40,6 +42,18 @@ pub enum Effort {
     Thorough,
 }
 
+/// How the bytes of meshes and clips are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Compression {
+    /// As plain numbers, which every reader of glTF takes.
+    #[default]
+    None,
+    /// By `EXT_meshopt_compression`, which a reader has to know: three.js, Babylon.js and others do, Bevy's
+    /// loader does not. Needs the feature `meshopt` of this crate.
+    Meshopt,
+}
+
 /// How far along a conversion is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
@@ -71,10 +85,14 @@ pub struct Options<'a> {
     pub within_frames: bool,
     /// How long keys are searched for; default quick.
     pub effort: Effort,
+    /// How bytes are written; default plainly.
+    pub compress: Compression,
     /// Threads that work on clips; 0 (the default) takes as many as the machine has. The result does
     /// not depend on it.
     pub threads: usize,
-    /// What a file may cost; `None` (the default) sets [`Limits::of_file`], and gives a thorough search forty
+    /// Memory that a file may cost, bytes; `None` (the default) leaves it to the limits.
+    pub max_memory: Option<usize>,
+    /// What a file may cost; `None` (the default) sets [`Limits::of_contents`], and gives a thorough search forty
     /// times these seconds for itself.
     pub limits: Option<Limits>,
     /// Is told how far it is.
@@ -90,7 +108,9 @@ impl Default for Options<'_> {
             sample_rate: 30.0,
             within_frames: false,
             effort: Effort::default(),
+            compress: Compression::default(),
             threads: 0,
+            max_memory: None,
             limits: None,
             progress: None,
         }
@@ -126,6 +146,13 @@ impl Options<'_> {
                 "1 to 1000 samples a second",
             );
         }
+        if self.compress == Compression::Meshopt && !cfg!(feature = "meshopt") {
+            return Err(FbxError::Option {
+                option: "compress",
+                value: "meshopt".into(),
+                range: "none, or build dolomite_fbx with its feature `meshopt`",
+            });
+        }
         Ok(())
     }
 
@@ -158,16 +185,31 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Those of a file of so many bytes: 48 MiB and 16 times the file, which leaves the rest of
+    /// Those of a file of so many bytes, unpacked: 48 MiB and 16 times the file, which leaves the rest of
     /// 64 MB + 20 times the file to the allocator and to the file itself; and 1.4 s + 1 s for 2 MB,
     /// some twenty times what a sound file takes.
     pub fn of_file(bytes: usize) -> Self {
         Self {
-            memory: (48 << 20) + 16 * bytes,
+            memory: (48_usize << 20).saturating_add(bytes.saturating_mul(16)),
             seconds: 1.4 + bytes as f64 / 2e6,
         }
     }
+
+    /// Those of a file with these contents. Arrays in binary files are packed, some a hundred times:
+    /// memory follows what they unpack to, up to 128 times the file, and so does time, by a tenth.
+    pub fn of_contents(file: &[u8]) -> Self {
+        let most = file.len().saturating_mul(UNPACKED);
+        let grown = unpacked(file).min(most).saturating_sub(file.len());
+        let packed = Self::of_file(file.len());
+        Self {
+            memory: packed.memory.saturating_add(grown.saturating_mul(16)),
+            seconds: packed.seconds + grown as f64 / 2e7,
+        }
+    }
 }
+
+/// A file that unpacks to more than so many times its size counts as made to: a sound one stays far below.
+const UNPACKED: usize = 128;
 
 /// Where a file comes from.
 #[derive(Debug, Clone, Default)]
@@ -176,8 +218,12 @@ pub struct Origin {
     pub name: String,
     /// Pictures that lie beside it, by the last part of their name; looked in before the folder.
     pub files: BTreeMap<String, Vec<u8>>,
-    /// The folder that textures which are not embedded are looked for in; `None` looks nowhere.
+    /// The folder that it lies in, where pictures which are not embedded are looked for: as the file
+    /// says, beside it, and in `NAME.fbm`, `Textures` and `Texture`, in any case. `None` looks nowhere.
     pub folder: Option<PathBuf>,
+    /// More folders that pictures are looked for in, and in the folders below them. Nothing outside
+    /// of these and of [`Origin::folder`] is opened, and links do not lead out.
+    pub textures: Vec<PathBuf>,
 }
 
 /// Seconds of a thorough search over those of everything else, where nobody sets them.
@@ -192,6 +238,8 @@ pub(crate) struct Budget {
     search: Option<f64>,
     /// Nanoseconds that they took so far.
     searched: AtomicU64,
+    /// Nanoseconds of work that is bounded by bytes and not by this clock.
+    aside: AtomicU64,
 }
 
 impl Budget {
@@ -202,12 +250,14 @@ impl Budget {
             began: Instant::now(),
             search: None,
             searched: AtomicU64::new(0),
+            aside: AtomicU64::new(0),
         }
     }
 
-    /// Of a file of so many bytes, with the limits of `options` or those of its size.
-    pub(crate) fn of(file: &str, bytes: usize, options: &Options) -> Self {
-        let limits = options.limits.unwrap_or_else(|| Limits::of_file(bytes));
+    /// Of a file, with the limits of `options` or those of its contents.
+    pub(crate) fn of(file: &str, bytes: &[u8], options: &Options) -> Self {
+        let mut limits = options.limits.unwrap_or_else(|| Limits::of_contents(bytes));
+        limits.memory = options.max_memory.unwrap_or(limits.memory);
         Self {
             search: options.limits.is_none().then_some(SEARCH * limits.seconds),
             ..Self::new(file, limits)
@@ -232,8 +282,20 @@ impl Budget {
         out
     }
 
+    /// Does `work` that what it reads bounds, while the clock stands; on the clock where somebody set it.
+    pub(crate) fn aside<T>(&self, work: impl FnOnce() -> T) -> T {
+        let began = Instant::now();
+        let out = work();
+        if self.search.is_some() {
+            let took = u64::try_from(began.elapsed().as_nanos()).unwrap_or(u64::MAX);
+            self.aside.fetch_add(took, Ordering::Relaxed);
+        }
+        out
+    }
+
     pub(crate) fn is_late(&self) -> bool {
-        let searched = Duration::from_nanos(self.searched.load(Ordering::Relaxed));
+        let stood = self.searched.load(Ordering::Relaxed) + self.aside.load(Ordering::Relaxed);
+        let searched = Duration::from_nanos(stood);
         self.began.elapsed().saturating_sub(searched)
             > Duration::from_secs_f64(self.limits.seconds.clamp(0.0, 1e9))
     }

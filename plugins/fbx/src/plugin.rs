@@ -3,6 +3,7 @@
 use crate::convert::{Conversion, convert};
 use crate::error::FbxError;
 use crate::options::{Options, Origin, Weights};
+use crate::read::pictures::saved_again;
 use crate::report::Report;
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetApp, AssetLoader, AssetPath, LoadContext};
@@ -122,6 +123,13 @@ pub struct FbxLoaderSettings {
     /// How far the skin may be from where the file has it, metres; `None` is the default of
     /// [`Options`].
     pub max_error: Option<f64>,
+    /// Memory that converting may take, bytes; `None` is the default of [`Options`].
+    pub max_memory: Option<usize>,
+    /// Folders of the asset source to look for pictures in, from its root: `art/skins`. Pictures are
+    /// looked for beside the file too, and in `NAME.fbm`, `Textures` and `Texture` there; names have to be
+    /// in the case that the file says, since asset sources are not listed.
+    #[serde(default)]
+    pub textures: Vec<String>,
     /// Settings of Bevy's glTF loader.
     pub gltf: GltfLoaderSettings,
 }
@@ -159,11 +167,19 @@ impl AssetLoader for FbxLoader {
             ..Origin::default()
         };
         let made = converted(&bytes, &origin, settings)?;
-        origin.files = beside(&made, &path, load_context).await;
-        let made = match origin.files.is_empty() {
+        origin.files = beside(&made, &path, &settings.textures, load_context).await;
+        let mut made = match origin.files.is_empty() {
             true => made,
             false => converted(&bytes, &origin, settings)?,
         };
+        // The conversion was given no folder and knows nothing of those of the asset source.
+        let missed = made.report.lost.iter_mut();
+        for lost in missed.filter(|lost| lost.what == "texture-file") {
+            let given: String = settings.textures.iter().map(|f| format!(", {f}")).collect();
+            lost.detail = format!(
+                "is not embedded and not among the assets beside the file, in NAME.fbm, textures, Textures, texture or Texture there{given}"
+            );
+        }
         for lost in &made.report.lost {
             info!("{path}: {} {:?}: {}", lost.what, lost.name, lost.detail);
         }
@@ -189,6 +205,7 @@ fn converted(
     let defaults = Options::default();
     let options = Options {
         max_error: settings.max_error.unwrap_or(defaults.max_error),
+        max_memory: settings.max_memory,
         // Bevy's skinned meshes follow four joints.
         weights: Weights::Four,
         ..defaults
@@ -196,11 +213,13 @@ fn converted(
     convert(bytes, origin, &options)
 }
 
-/// Pictures that were missed, as far as they lie beside the file or in `textures` there: assets come
-/// through asset sources, which have no folders that a file could be opened in.
+/// Pictures that were missed, as far as they lie beside the file, in the folders there that pictures are
+/// put into, or in `folders`: assets come through asset sources, which have no folders that a file could
+/// be opened in.
 async fn beside(
     made: &Conversion,
     path: &AssetPath<'static>,
+    folders: &[String],
     load_context: &mut LoadContext<'_>,
 ) -> BTreeMap<String, Vec<u8>> {
     let missed = made
@@ -208,15 +227,33 @@ async fn beside(
         .lost
         .iter()
         .filter(|lost| lost.what == "texture-file");
+    let stem = path.path().file_stem();
+    let media = stem.map(|stem| format!("{}.fbm/", stem.to_string_lossy()));
+    let near = [
+        "",
+        media.as_deref().unwrap_or_default(),
+        "textures/",
+        "Textures/",
+        "texture/",
+        "Texture/",
+    ];
+    // From the root of the file's own asset source.
+    let far = folders
+        .iter()
+        .map(|folder| format!("/{}/", folder.trim_matches('/')));
+    let places: Vec<String> = near.into_iter().map(str::to_owned).chain(far).collect();
     let mut found = BTreeMap::new();
     for name in missed.map(|lost| &lost.name) {
-        for place in [name.clone(), format!("textures/{name}")] {
-            let Ok(place) = path.resolve_embed_str(&place) else {
-                continue;
-            };
-            if let Ok(bytes) = load_context.read_asset_bytes(place).await {
-                found.insert(name.clone(), bytes);
-                break;
+        let names = std::iter::once(name.clone()).chain(saved_again(name));
+        'names: for name in names {
+            for place in &places {
+                let Ok(place) = path.resolve_embed_str(&format!("{place}{name}")) else {
+                    continue;
+                };
+                if let Ok(bytes) = load_context.read_asset_bytes(place).await {
+                    found.insert(name, bytes);
+                    break 'names;
+                }
             }
         }
     }

@@ -1,5 +1,6 @@
 //! What a conversion says about itself: what was made, how exact it is, and what is lost.
 
+use crate::options::Compression;
 use serde::Serialize;
 
 /// Something that the glTF file does not hold.
@@ -26,11 +27,21 @@ pub struct ClipReport {
     pub keys: usize,
     /// Keys that a bake of every moving channel at the clip's samples would hold.
     pub baked: usize,
-    /// The largest distance at the skin from the FBX file's own pose, metres, over all samples: the
-    /// file's keys, and others between them.
+    /// The largest distance at the skin between the keys as they are played and the FBX file's own curves,
+    /// metres, at any time of the clip, within frames too. Measured after the keys were chosen, at times
+    /// that were not looked at for that: the file's keys, and pseudo-random times between all keys of the
+    /// file and the result, more where something turns fast; and searched around the largest. At a jump
+    /// neither side counts for two steps of f32 (0.15 microseconds at
+    /// least).
     pub error: f64,
-    /// Samples that it was measured at.
+    /// The same without what lies within frames of files that have a key in every frame, unless
+    /// [`Options::within_frames`](crate::Options::within_frames) asks for that: this is held to the bound.
+    pub keyed_error: f64,
+    /// Times that both were measured at.
     pub samples: usize,
+    /// The share of the clip's time that may be off by more than `error`, with a confidence of 95 %: 3
+    /// over the number of times (the rule of three).
+    pub unseen: f64,
 }
 
 /// What came of a conversion.
@@ -63,10 +74,17 @@ pub struct Report {
     pub weight_error: f64,
     /// The same for the largest weights, renormalised, metres.
     pub largest_weights_error: f64,
+    /// How far vertices at rest are from the file's at most because f32 rounds their positions, their
+    /// nodes and their bind matrices, metres.
+    pub position_error: f64,
+    /// How far vertices are moved by rounding them for [`Compression::Meshopt`] at most, metres; 0 without it.
+    pub rounding_error: f64,
     /// What glTF cannot carry, or what was not found.
     pub lost: Vec<Lost>,
-    /// Bytes of keys and their times in the result.
+    /// Bytes of keys and their times in the result, as they are written.
     pub animation_bytes: usize,
+    /// How bytes are written.
+    pub compression: Compression,
 }
 
 impl Report {
@@ -79,12 +97,11 @@ impl Report {
         });
     }
 
-    /// The largest of the clips' errors and the error of refitted weights, metres.
+    /// The largest of the clips' errors and the error of refitted weights, and what rounding vertices
+    /// adds, metres.
     pub fn error(&self) -> f64 {
-        self.clips
-            .iter()
-            .map(|clip| clip.error)
-            .fold(self.weight_error, f64::max)
+        let clips = self.clips.iter().map(|clip| clip.error);
+        clips.fold(self.weight_error, f64::max) + self.position_error + self.rounding_error
     }
 
     /// Keys in all clips.

@@ -56,6 +56,8 @@ pub(crate) fn write_weights(
         };
         let matrices = joint_matrices(model, job, &moments);
         let mesh: &ufbx::Mesh = &scene.meshes[job.fbx_mesh];
+        // The bind matrices put it back.
+        let offset = model.meshes[job.mesh].offset;
         let mut kept = Vec::with_capacity(job.source.influences.len());
         let mut dual = Fit::default();
         let enough = enough(mesh, options);
@@ -71,7 +73,7 @@ pub(crate) fn write_weights(
                 kept.push(packed(influences, count));
                 continue;
             }
-            let position = vec3(mesh.vertices[vertex]);
+            let position = vec3(mesh.vertices[vertex]) - offset;
             let at = |pose: usize, joint: usize| matrices[pose][joint];
             let targets: Vec<DVec3> = match &bent {
                 Some(bent) => bent.iter().map(|pose| pose[vertex]).collect(),

@@ -72,7 +72,12 @@ fn shared_files_keep_to_the_bound_with_fewer_bytes() {
         let (few, many) = (report.animation_bytes, other.report.animation_bytes);
         assert!(few <= many, "{}: {few} bytes, quick {many}", path.display());
         (quick, thorough) = (quick + many, thorough + few);
-        assert!(report.clips.iter().all(|clip| clip.error <= report.bound));
+        assert!(
+            report
+                .clips
+                .iter()
+                .all(|clip| clip.keyed_error <= report.bound)
+        );
         if report.lost.iter().any(|lost| lost.metres.is_some()) {
             continue;
         }
@@ -97,7 +102,12 @@ fn the_hero_is_a_third_smaller() {
     let of = |effort| {
         let made = convert(&bytes, &Default::default(), &options(effort)).unwrap();
         let report = made.report;
-        assert!(report.clips.iter().all(|clip| clip.error <= report.bound));
+        assert!(
+            report
+                .clips
+                .iter()
+                .all(|clip| clip.keyed_error <= report.bound)
+        );
         report.animation_bytes
     };
     let (quick, thorough) = (of(Effort::Quick), of(Effort::Thorough));

@@ -7,7 +7,7 @@
 mod ascii;
 mod support;
 
-use dolomite_fbx::{Effort, Options, Origin, Weights, convert};
+use dolomite_fbx::{Compression, Effort, Options, Origin, Weights, convert};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use support::{files_below, shared_fbx};
@@ -72,15 +72,29 @@ fn every_result_is_valid() {
         effort: Effort::Thorough,
         ..Options::default()
     };
-    let options = [Options::default(), eight, thorough];
+    let mut options = vec![Options::default(), eight, thorough];
+    if cfg!(feature = "meshopt") {
+        options.push(Options {
+            compress: Compression::Meshopt,
+            ..Options::default()
+        });
+    }
     for options in &options {
         let strip = ascii::strip(90.0);
         assert!(take(strip.as_bytes(), Origin::default(), options));
     }
+    // A hidden node with properties of a user.
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let text = std::fs::read_to_string(cases.join("field/a10_user_properties.fbx")).unwrap();
+    let off = "P: \"Visibility\", \"Visibility\", \"\", \"A\",0\n P: \"mass\"";
+    let text = text.replace("P: \"mass\"", off);
+    assert!(text.contains("Visibility"));
+    assert!(take(text.as_bytes(), Origin::default(), &options[0]));
     let hero = root().join("assets/hero/hero.fbx");
     let shared = shared_fbx().map(|folder| files_below(&folder));
     for path in [hero.clone()]
         .into_iter()
+        .chain(files_below(&cases))
         .chain(shared.into_iter().flatten())
     {
         let origin = Origin {
@@ -100,6 +114,33 @@ fn every_result_is_valid() {
     println!("{said}");
     assert!(valid, "{said}");
     assert_eq!(said.trim(), format!("{} files, 0 not valid", files.len()));
+}
+
+/// Materials of the field's cases: transforms and emission are extensions.
+#[test]
+fn looks_are_valid() {
+    if !is_there() {
+        return;
+    }
+    let data = root().join("plugins/fbx/tests/data/field");
+    let folder = folder("looks");
+    let mut files = Vec::new();
+    for path in files_below(&data) {
+        let origin = Origin {
+            name: path.display().to_string(),
+            folder: Some(data.clone()),
+            ..Origin::default()
+        };
+        let bytes = std::fs::read(&path).unwrap();
+        let made = convert(&bytes, &origin, &Options::default()).unwrap();
+        let to = folder.join(format!("{}.glb", files.len()));
+        std::fs::write(&to, made.to_glb().unwrap()).unwrap();
+        files.push(to);
+    }
+    let (valid, said) = validate(&files);
+    std::fs::remove_dir_all(folder).unwrap();
+    println!("{said}");
+    assert!(valid && files.len() >= 4, "{said}");
 }
 
 #[test]

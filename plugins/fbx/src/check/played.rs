@@ -1,5 +1,6 @@
 //! A .glb, read by the crate `gltf` and played on the CPU.
 
+use super::unpack::{Unpacked, unpack};
 use crate::clips::{Player, order, play};
 use crate::model::{Channel, Clip, Interpolation, Node, Property, Skin, Trs};
 use glam::{DMat4, DVec3, Mat4, Quat, Vec3};
@@ -13,6 +14,14 @@ pub enum PlayedError {
     /// The crate `gltf` refuses it.
     #[error("no sound .glb: {0}")]
     Refused(#[from] gltf::Error),
+    /// A compressed view cannot be decoded.
+    #[error("buffer view {view} of the .glb has {what}")]
+    Compressed {
+        /// Its number.
+        view: usize,
+        /// What is wrong with it.
+        what: &'static str,
+    },
     /// Something that was to be there is not.
     #[error("the .glb has no {0}")]
     Missing(&'static str),
@@ -20,24 +29,24 @@ pub enum PlayedError {
 
 /// A .glb in memory.
 pub struct Played {
-    nodes: Vec<Node>,
-    order: Vec<usize>,
-    meshes: Vec<Mesh>,
-    skins: Vec<Skin>,
-    clips: Vec<Clip>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) order: Vec<usize>,
+    pub(super) meshes: Vec<Mesh>,
+    pub(super) skins: Vec<Skin>,
+    pub(super) clips: Vec<Clip>,
     animation_bytes: usize,
 }
 
-struct Mesh {
+pub(super) struct Mesh {
     weights: Vec<f64>,
-    parts: Vec<Part>,
+    pub(super) parts: Vec<Part>,
 }
 
-struct Part {
-    positions: Vec<DVec3>,
+pub(super) struct Part {
+    pub(super) positions: Vec<DVec3>,
     offsets: Vec<Vec<DVec3>>,
     /// Joints and weights of each vertex, those above 0.
-    joints: Vec<Vec<(usize, f64)>>,
+    pub(super) joints: Vec<Vec<(usize, f64)>>,
 }
 
 /// A mesh where a node shows it.
@@ -55,8 +64,21 @@ impl Played {
     /// # Errors
     /// [`PlayedError`].
     pub fn read(glb: &[u8]) -> Result<Self, PlayedError> {
-        let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(glb)?;
-        let blob = blob.unwrap_or_default();
+        let Unpacked {
+            document,
+            blob,
+            coded,
+        } = match unpack(glb)? {
+            Some(unpacked) => unpacked,
+            None => {
+                let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(glb)?;
+                Unpacked {
+                    document,
+                    blob: blob.unwrap_or_default(),
+                    coded: BTreeMap::new(),
+                }
+            }
+        };
         let mut parents = vec![None; document.nodes().len()];
         for node in document.nodes() {
             for child in node.children() {
@@ -72,7 +94,7 @@ impl Played {
             .map(|mesh| read_mesh(&mesh, &blob))
             .collect::<Result<_, _>>()?;
         Ok(Self {
-            animation_bytes: animation_bytes(&document),
+            animation_bytes: animation_bytes(&document, &coded),
             order: order(&parents),
             nodes,
             meshes,
@@ -95,7 +117,8 @@ impl Played {
             .collect()
     }
 
-    /// Bytes of all keys and times; accessors that several channels share count once.
+    /// Bytes of all keys and times as they lie in the file; accessors and compressed views that several
+    /// channels share count once.
     pub fn animation_bytes(&self) -> usize {
         self.animation_bytes
     }
@@ -103,6 +126,21 @@ impl Played {
     /// Every mesh where a node shows it, and where every node is, at `time` seconds of a clip; `None`
     /// is the pose at rest.
     pub fn at(&self, clip: Option<usize>, time: f64) -> (Vec<Shape>, Vec<(String, DVec3)>) {
+        let (world, weights) = self.world(clip, time);
+        let shapes = (0..self.nodes.len())
+            .filter_map(|node| self.shape(node, weights[node].as_deref(), &world))
+            .collect();
+        let places = self.nodes.iter().zip(&world);
+        let places = places.map(|(node, world)| (node.name.clone(), world.w_axis.truncate()));
+        (shapes, places.collect())
+    }
+
+    /// Matrices of all nodes at `time` seconds of a clip, and weights that it gives to meshes.
+    pub(super) fn world(
+        &self,
+        clip: Option<usize>,
+        time: f64,
+    ) -> (Vec<DMat4>, Vec<Option<Vec<f64>>>) {
         let mut pose: Vec<Trs> = self.nodes.iter().map(|node| node.rest).collect();
         let mut weights: Vec<Option<Vec<f64>>> = vec![None; self.nodes.len()];
         if let Some(clip) = clip.and_then(|clip| self.clips.get(clip)) {
@@ -119,12 +157,7 @@ impl Played {
                 None => own,
             };
         }
-        let shapes = (0..self.nodes.len())
-            .filter_map(|node| self.shape(node, weights[node].as_deref(), &world))
-            .collect();
-        let places = self.nodes.iter().zip(&world);
-        let places = places.map(|(node, world)| (node.name.clone(), world.w_axis.truncate()));
-        (shapes, places.collect())
+        (world, weights)
     }
 
     fn shape(&self, node: usize, weights: Option<&[f64]>, world: &[DMat4]) -> Option<Shape> {
@@ -159,15 +192,25 @@ impl Played {
     }
 }
 
-fn animation_bytes(document: &gltf::Document) -> usize {
+/// `coded` says how many bytes compressed views have; each counts once.
+fn animation_bytes(document: &gltf::Document, coded: &BTreeMap<usize, usize>) -> usize {
     let samplers = document.animations().flat_map(|clip| {
         let samplers: Vec<_> = clip.samplers().collect();
         samplers
             .into_iter()
             .flat_map(|sampler| [sampler.input(), sampler.output()])
     });
-    let sizes: BTreeMap<usize, usize> = samplers
-        .map(|accessor| (accessor.index(), accessor.count() * accessor.size()))
+    let sizes: BTreeMap<(bool, usize), usize> = samplers
+        .map(|accessor| {
+            let view = accessor.view().map(|view| view.index());
+            match view.and_then(|view| Some((view, *coded.get(&view)?))) {
+                Some((view, bytes)) => ((true, view), bytes),
+                None => (
+                    (false, accessor.index()),
+                    accessor.count() * accessor.size(),
+                ),
+            }
+        })
         .collect();
     sizes.values().sum()
 }

@@ -1,12 +1,13 @@
 //! The FBX file as ufbx deforms it.
 
+use crate::curves::{Layers, Meaning, Reading, Value, order_of};
 use crate::error::FbxError;
 use crate::load::{load_plainly, load_unchanged};
 use crate::options::{Budget, Limits, Options, Origin};
 use crate::read::convert::{matrix, vec3};
 use glam::DVec3;
-use std::collections::BTreeMap;
-use ufbx::{CoordinateAxis, EvaluateOpts, SceneRoot};
+use std::collections::{BTreeMap, BTreeSet};
+use ufbx::{CoordinateAxis, ElementType, EvaluateOpts, SceneRoot};
 
 /// An FBX file in its own axes and unit.
 pub struct Truth {
@@ -49,7 +50,7 @@ impl Truth {
     /// # Errors
     /// [`FbxError`], as for a conversion.
     pub fn load(bytes: &[u8], origin: &Origin) -> Result<Self, FbxError> {
-        let budget = Budget::new(&origin.name, Limits::of_file(bytes.len()));
+        let budget = Budget::new(&origin.name, Limits::of_contents(bytes));
         let scene = load_unchanged(bytes, &budget, &Options::default())?;
         Ok(Self { scene })
     }
@@ -59,7 +60,7 @@ impl Truth {
     /// # Errors
     /// [`FbxError`], as for a conversion.
     pub fn load_alone(bytes: &[u8], origin: &Origin) -> Result<Self, FbxError> {
-        let budget = Budget::new(&origin.name, Limits::of_file(bytes.len()));
+        let budget = Budget::new(&origin.name, Limits::of_contents(bytes));
         let scene = load_plainly(bytes, &budget, &Options::default())?;
         Ok(Self { scene })
     }
@@ -110,6 +111,54 @@ impl Truth {
             .collect()
     }
 
+    /// What the layers of a stack come to at `time`, where ufbx does not know: it plays muted ones too.
+    fn layered<'a>(
+        &'a self,
+        stack: &'a ufbx::AnimStack,
+        layers: &Layers<'a>,
+        time: f64,
+    ) -> Result<ufbx::AnimRoot, FbxError> {
+        let mut overrides = Vec::new();
+        let mut known = BTreeSet::new();
+        let props = (&stack.layers)
+            .into_iter()
+            .flat_map(|layer| layer.anim_props.iter());
+        for prop in props {
+            let element: &'a ufbx::Element = prop.element.as_ref();
+            let name: &str = &prop.prop_name;
+            if !known.insert((element.element_id, name)) {
+                continue;
+            }
+            let node = (element.type_ == ElementType::Node)
+                .then(|| self.scene.nodes.get(element.typed_id as usize))
+                .flatten();
+            let (meaning, or) = match (name, node) {
+                ("Lcl Rotation", Some(node)) => (Meaning::Angles(order_of(node)), DVec3::ZERO),
+                ("Lcl Scaling", Some(_)) => (Meaning::Scale, DVec3::ONE),
+                _ => (Meaning::Plain, DVec3::ZERO),
+            };
+            let value = Value::of(layers, element, name, or).at(time, meaning);
+            overrides.push(ufbx::PropOverrideDesc {
+                element_id: element.element_id,
+                // Borrowed: the binding lets go of owned ones before they are read.
+                prop_name: ufbx::StringOpt::Ref(name),
+                value: ufbx::Vec4 {
+                    x: value.x,
+                    y: value.y,
+                    z: value.z,
+                    w: 0.0,
+                },
+                value_str: ufbx::StringOpt::Ref(""),
+                value_int: value.x as i64,
+            });
+        }
+        let options = ufbx::AnimOpts {
+            prop_overrides: ufbx::ListOpt::Ref(&overrides),
+            ..ufbx::AnimOpts::default()
+        };
+        ufbx::create_anim(&self.scene, options).map_err(|error| refused(&error))
+    }
+
     /// Every mesh where every node shows it, at `time` of stack number `stack`; `None` is the
     /// file's rest. Also where each node is whose name no other node has.
     ///
@@ -120,10 +169,6 @@ impl Truth {
         stack: Option<usize>,
         time: f64,
     ) -> Result<(Vec<Body>, BTreeMap<String, DVec3>), FbxError> {
-        let refused = |error: ufbx::Error| FbxError::Broken {
-            file: String::new(),
-            detail: error.description.to_string(),
-        };
         let posed;
         let options = EvaluateOpts {
             evaluate_skinning: true,
@@ -131,8 +176,15 @@ impl Truth {
         };
         let scene: &ufbx::Scene = match stack {
             Some(stack) => {
-                let anim: &ufbx::Anim = &self.scene.anim_stacks[stack].anim;
-                posed = ufbx::evaluate_scene(&self.scene, anim, time, options).map_err(refused)?;
+                let stack: &ufbx::AnimStack = &self.scene.anim_stacks[stack];
+                let layers = Layers::of(&self.scene, stack, Reading::Usual);
+                let own = match layers.is_plain {
+                    true => None,
+                    false => Some(self.layered(stack, &layers, time)?),
+                };
+                let anim: &ufbx::Anim = own.as_deref().unwrap_or(&stack.anim);
+                posed = ufbx::evaluate_scene(&self.scene, anim, time, options)
+                    .map_err(|error| refused(&error))?;
                 &posed
             }
             None => &self.scene,
@@ -166,5 +218,12 @@ impl Truth {
             .into_iter()
             .filter_map(|(name, place)| Some((name, place?)));
         Ok((bodies, places.collect()))
+    }
+}
+
+fn refused(error: &ufbx::Error) -> FbxError {
+    FbxError::Broken {
+        file: String::new(),
+        detail: error.description.to_string(),
     }
 }

@@ -32,6 +32,15 @@ pub(crate) enum Kinds {
     Any,
     Linear,
     Cubic,
+    /// A part of a clip whose other parts have it so too: no steps, and two keys for what stands still.
+    OnlyLinear,
+    OnlyCubic,
+}
+
+impl Kinds {
+    fn is_part(self) -> bool {
+        matches!(self, Self::OnlyLinear | Self::OnlyCubic)
+    }
 }
 
 /// Keys of a channel.
@@ -120,6 +129,10 @@ fn choose<V: Value>(
     };
     if let Some(value) = signal.constant(rest, tolerance) {
         let at_rest = value == *rest;
+        if sampled.kinds.is_part() && values.len() > 1 {
+            let channel = still(sampled, property, values, &value);
+            return Choice { channel, at_rest };
+        }
         let keys = Keys {
             at: vec![0],
             tangents: Vec::new(),
@@ -128,9 +141,13 @@ fn choose<V: Value>(
         return Choice { channel, at_rest };
     }
     let cubic = || make(&signal.cubic(tolerance), Interpolation::Cubic);
-    let channel = match (signal.steps(tolerance), sampled.kinds) {
+    let steps = match sampled.kinds.is_part() {
+        true => None,
+        false => signal.steps(tolerance),
+    };
+    let channel = match (steps, sampled.kinds) {
         (Some(keys), _) => make(&keys, Interpolation::Step),
-        (None, Kinds::Cubic) => cubic(),
+        (None, Kinds::Cubic | Kinds::OnlyCubic) => cubic(),
         (None, kinds) => match lines(&signal, sampled.common, tolerance, &make) {
             Some(lines) => {
                 let ask = kinds == Kinds::Any && lines.times.len() > 2;
@@ -147,6 +164,21 @@ fn choose<V: Value>(
         channel,
         at_rest: false,
     }
+}
+
+/// Two keys of one value.
+fn still<V: Value>(sampled: &Sampled, property: Property, values: &[V], value: &V) -> Channel {
+    let last = values.len() - 1;
+    let (interpolation, tangents) = match sampled.kinds {
+        Kinds::OnlyCubic => (Interpolation::Cubic, vec![(value.zero(), value.zero())]),
+        _ => (Interpolation::Linear, Vec::new()),
+    };
+    let keys = Keys {
+        at: vec![0, last],
+        tangents,
+    };
+    let values = vec![value.clone(); values.len()];
+    channel(sampled, property, &values, &keys, interpolation)
 }
 
 /// The smaller of straight lines between the fewest keys, and between all of the file's own, of which

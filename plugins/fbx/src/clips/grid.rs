@@ -1,21 +1,32 @@
 //! The times at which a clip is looked at.
 
 use super::keys::{Mark, SPIN, keys};
+use crate::curves::Layers;
 use crate::error::FbxError;
 use crate::options::{Budget, Options};
 use std::collections::BTreeSet;
+use std::ops::Range;
 use ufbx::{AnimStack, Scene};
-
-/// Distance of the two sides of a jump on the file's clock, seconds: far less than a frame, far more
-/// than the clock's resolution (1/46186158000 s).
-const BESIDE: f64 = 1e-6;
 
 /// Between two keys a sample is taken for every so many degrees that an angle changes by. FBX turns
 /// three angles apart from each other, on paths that no rotation takes by itself.
 const SWING: f64 = 6.0;
 
-/// The most pieces that the time between two keys is cut into because of angles: two full turns.
-const MOST_PIECES: f64 = 120.0;
+/// Up to so many pieces: two full turns.
+const SWINGS: f64 = 120.0;
+
+/// The same where an angle turns on and on: what bends between two samples is looked for later.
+const LONG_SWING: f64 = 15.0;
+
+/// Keys in every frame are that if so many frames follow each other.
+const FRAMES_ON_END: usize = 3;
+
+/// The share of a frame's time that a key in every frame may come early.
+const SHORTEST_FRAME: f64 = 0.45;
+
+/// Pieces of a time between two keys at first, because of its length alone; halvings come to a thousand
+/// times as many where it bends.
+const MOST_BY_TIME: f64 = 32.0;
 
 /// Times of samples, growing.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -41,6 +52,8 @@ struct Rate {
     samples: f64,
     /// Seconds of a frame; what lies within one does not count.
     frame: f64,
+    /// How many times as many pieces as usual.
+    finer: f64,
 }
 
 impl Rate {
@@ -58,12 +71,31 @@ impl Rate {
             } else {
                 1.0 / frames
             },
+            finer: 1.0,
         }
     }
 
     /// Two keys are no more than a frame apart.
     fn is_within(self, pair: &[Mark]) -> bool {
-        pair[1].time - pair[0].time <= self.frame * 1.001
+        pair[0].baked && pair[1].time - pair[0].time <= self.frame * 1.001
+    }
+
+    /// Says of marks whether a key in every frame goes on from them: at least so many frames on end. Keys
+    /// that are nearer than that, or alone, mean what lies between them.
+    fn find_bakes(self, marks: &mut [Mark]) {
+        let is_frame = |pair: &[Mark]| {
+            let length = pair[1].time - pair[0].time;
+            length >= self.frame * SHORTEST_FRAME && length <= self.frame * 1.001
+        };
+        let frames: Vec<bool> = marks.windows(2).map(is_frame).collect();
+        let mut at = 0;
+        while at < frames.len() {
+            let run = frames[at..].iter().take_while(|&&frame| frame).count();
+            marks[at..at + run]
+                .iter_mut()
+                .for_each(|mark| mark.baked = run >= FRAMES_ON_END);
+            at += run.max(1);
+        }
     }
 
     /// Into how many pieces the time between two keys is cut.
@@ -73,9 +105,10 @@ impl Rate {
             return 1.0;
         }
         // A hair less than whole numbers, which frames of 1/30 s would else miss by rounding.
-        let by_time = (length * self.samples - 1e-6).ceil();
-        let by_angle = (pair[0].swing / SWING).ceil().min(MOST_PIECES);
-        by_time.max(by_angle).max(2.0)
+        let by_time = (length * self.samples - 1e-6).ceil().min(MOST_BY_TIME);
+        let by_angle = (pair[0].swing / SWING).ceil().min(SWINGS);
+        let on_and_on = (pair[0].swing / LONG_SWING).ceil();
+        (by_time.max(by_angle).max(on_and_on).max(2.0) * self.finer).ceil()
     }
 }
 
@@ -84,81 +117,54 @@ impl Grid {
         self.labels.len()
     }
 
-    /// Every key of the stack's curves, both sides of each step, and between keys that are more than a
-    /// frame apart at least the middle and so many samples a second as `asked` says; at most `most`
-    /// samples, for which what lies between keys is left out first. Gives the clip's begin too, and the
-    /// nodes that spin.
-    pub(crate) fn of_stack(
-        scene: &Scene,
-        stack: &AnimStack,
-        asked: &Options,
-        most: usize,
-        budget: &Budget,
-    ) -> Result<(f64, Self, BTreeSet<usize>), FbxError> {
-        let rate = Rate::of(scene, asked);
-        let (keys, spinning) = keys(scene, stack, budget)?;
-        let (begin, end) = range(stack, &keys);
-        let mut marks = vec![Mark::at(begin)];
-        marks.extend(
-            keys.iter()
-                .copied()
-                .filter(|k| k.time > begin && k.time < end),
-        );
-        if end > begin {
-            marks.push(Mark::at(end));
-        }
-        for mark in keys.iter().filter(|k| k.time == begin || k.time == end) {
-            let same = if mark.time == begin {
-                0
-            } else {
-                marks.len() - 1
-            };
-            marks[same].before |= mark.before;
-            marks[same].after |= mark.after;
-            marks[same].swing = marks[same].swing.max(mark.swing);
-            marks[same].spin = marks[same].spin.max(mark.spin);
-        }
-        // A clip that starts between two keys swings as they do.
-        if let Some(last) = keys.iter().rfind(|k| k.time < begin) {
-            marks[0].swing = marks[0].swing.max(last.swing);
-            marks[0].spin = marks[0].spin.max(last.spin);
-        }
-        let dense: f64 = marks.windows(2).map(|pair| rate.pieces(pair)).sum();
-        let rate = match dense <= most as f64 {
-            true => Some(rate),
-            false => None,
-        };
-        if marks.len() > most {
-            return Err(budget.too_much("the keys of a clip"));
-        }
-        Ok((begin, Self::through(&marks, begin, rate), spinning))
+    /// The grid through some of a plan's marks.
+    pub(crate) fn of(plan: &Plan, window: Range<usize>) -> Self {
+        Self::through(&plan.marks[window], plan.begin, plan.rate)
     }
 
-    fn through(marks: &[Mark], begin: f64, rate: Option<Rate>) -> Self {
+    fn through(marks: &[Mark], begin: f64, rate: Rate) -> Self {
         let mut grid = Self::default();
         for (i, mark) in marks.iter().enumerate() {
+            let label = (mark.time - begin) as f32;
+            // Beside a jump glTF's time is on the side that the file's is on.
+            let (floor, ceiling) = match f64::from(label) > mark.time - begin {
+                true => (before(label), label),
+                false if f64::from(label) < mark.time - begin => (label, after(label)),
+                false => (label, label),
+            };
+            let seen = |label: f32| begin + f64::from(label);
             if i > 0 && mark.before {
-                let beside = (mark.time - BESIDE).max((marks[i - 1].time + mark.time) / 2.0);
-                let last = before(((mark.time - begin) as f32).max(0.0));
-                grid.push(beside, last, true, true);
+                let last = before(floor);
+                if seen(last) > marks[i - 1].time {
+                    grid.push(seen(last), last, true, true);
+                }
             }
-            grid.push(mark.time, (mark.time - begin) as f32, mark.after, true);
+            match (mark.before && i > 0, mark.after && i + 1 < marks.len()) {
+                // Where no value jumps, samples are taken at the times that glTF can say.
+                (false, false) => grid.push(seen(label), label, false, true),
+                (true, false) => grid.push(mark.time, floor, false, true),
+                (_, true) => grid.push(mark.time, ceiling, true, true),
+            }
             let Some(next) = marks.get(i + 1) else { break };
             if mark.after {
-                let beside = (mark.time + BESIDE).min((next.time + mark.time) / 2.0);
-                let first = after((mark.time - begin) as f32);
-                grid.push(beside, first, false, true);
+                let first = after(ceiling);
+                if seen(first) < next.time {
+                    grid.push(seen(first), first, false, true);
+                }
             }
-            let count = rate.map_or(1.0, |rate| rate.pieces(&[*mark, *next])) as usize;
+            let count = rate.pieces(&[*mark, *next]) as usize;
             let first = grid.len() - 1;
             if count == 1 && !mark.after {
                 grid.whole[first] = false;
             }
             for piece in 1..count {
                 let time = mark.time + (next.time - mark.time) * (piece as f64 / count as f64);
-                grid.push(time, (time - begin) as f32, false, false);
+                let label = (time - begin) as f32;
+                if seen(label) > mark.time && seen(label) < next.time {
+                    grid.push(seen(label), label, false, false);
+                }
             }
-            if rate.is_some_and(|rate| rate.is_within(&[*mark, *next])) {
+            if rate.is_within(&[*mark, *next]) {
                 grid.within[first..].fill(true);
             }
         }
@@ -231,16 +237,168 @@ impl Grid {
     }
 }
 
-fn before(x: f32) -> f32 {
-    if x > 0.0 {
-        f32::from_bits(x.to_bits() - 1)
-    } else {
-        0.0
+/// The marks of a whole clip, and how finely it is looked at between them.
+#[derive(Clone)]
+pub(crate) struct Plan {
+    marks: Vec<Mark>,
+    rate: Rate,
+    /// On the file's clock, seconds.
+    pub(crate) begin: f64,
+    pub(crate) end: f64,
+    /// Nodes that spin.
+    pub(crate) spinning: BTreeSet<usize>,
+}
+
+impl Plan {
+    /// Every key of the stack's curves, both sides of each step, and between keys that are more than a
+    /// frame apart at least the middle and so many samples a second as `asked` says.
+    pub(crate) fn of(
+        scene: &Scene,
+        stack: &AnimStack,
+        layers: &Layers,
+        asked: &Options,
+        budget: &Budget,
+    ) -> Result<Self, FbxError> {
+        let rate = Rate::of(scene, asked);
+        let keys = keys(layers, (stack.time_begin, stack.time_end), budget)?;
+        let (spinning, keys) = (keys.spinning, keys.all);
+        let (begin, end) = range(stack, &keys);
+        let mut marks = vec![Mark::at(begin)];
+        marks.extend(
+            keys.iter()
+                .copied()
+                .filter(|k| k.time > begin && k.time < end),
+        );
+        if end > begin {
+            marks.push(Mark::at(end));
+        }
+        for mark in keys.iter().filter(|k| k.time == begin || k.time == end) {
+            let same = if mark.time == begin {
+                0
+            } else {
+                marks.len() - 1
+            };
+            marks[same].before |= mark.before;
+            marks[same].after |= mark.after;
+            marks[same].swing = marks[same].swing.max(mark.swing);
+            marks[same].spin = marks[same].spin.max(mark.spin);
+        }
+        // A clip that starts between two keys swings as they do.
+        if let Some(last) = keys.iter().rfind(|k| k.time < begin) {
+            marks[0].swing = marks[0].swing.max(last.swing);
+            marks[0].spin = marks[0].spin.max(last.spin);
+        }
+        rate.find_bakes(&mut marks);
+        Ok(Self {
+            marks,
+            rate,
+            begin,
+            end,
+            spinning,
+        })
+    }
+
+    /// How many marks there are.
+    pub(crate) fn len(&self) -> usize {
+        self.marks.len()
+    }
+
+    /// The same at so many times as many samples a second.
+    pub(crate) fn finer(mut self, times: f64) -> Self {
+        self.rate.finer *= times;
+        self
+    }
+
+    /// Samples of the grid through all marks.
+    pub(crate) fn samples(&self) -> f64 {
+        self.marks
+            .windows(2)
+            .map(|pair| self.rate.pieces(pair))
+            .sum()
+    }
+
+    /// Ranges of marks of which each has up to so many samples, unless it is no longer than two marks.
+    pub(crate) fn windows(&self, samples: f64) -> Vec<Range<usize>> {
+        let mut out = Vec::new();
+        let (mut from, mut sum) = (0, 0.0);
+        for at in 1..self.marks.len() {
+            let pieces = self.rate.pieces(&self.marks[at - 1..=at]);
+            if sum + pieces > samples && at > from + 1 {
+                out.push(from..at);
+                (from, sum) = (at - 1, 0.0);
+            }
+            sum += pieces;
+        }
+        out.push(from..self.marks.len());
+        out
+    }
+
+    /// Cuts times between marks that have more than so many samples.
+    pub(crate) fn cut(&mut self, samples: f64) {
+        let mut out = Vec::with_capacity(self.marks.len());
+        for (i, mark) in self.marks.iter().enumerate() {
+            out.push(*mark);
+            let Some(next) = self.marks.get(i + 1) else {
+                break;
+            };
+            let pieces = self.rate.pieces(&[*mark, *next]);
+            let parts = (pieces / samples).ceil().clamp(1.0, 1e6) as usize;
+            let part = |of: usize| of as f64 / parts as f64;
+            if parts > 1 {
+                let last = out.len() - 1;
+                out[last].swing = mark.swing * part(1);
+            }
+            for at in 1..parts {
+                out.push(Mark {
+                    time: mark.time + (next.time - mark.time) * part(at),
+                    swing: mark.swing * part(1),
+                    spin: mark.spin,
+                    ..Mark::at(0.0)
+                });
+            }
+        }
+        self.marks = out;
+    }
+
+    /// Each gap between two marks: where it begins and ends on the file's clock, the most that an angle
+    /// turns by there, degrees, whether values jump at its begin, and whether it lies within a frame.
+    pub(crate) fn gaps(&self) -> impl Iterator<Item = Stretch> {
+        self.marks.windows(2).map(|pair| Stretch {
+            begin: pair[0].time,
+            end: pair[1].time,
+            swing: pair[0].swing,
+            jumps: pair[0].before || pair[0].after,
+            within: self.rate.is_within(pair),
+        })
     }
 }
 
-fn after(x: f32) -> f32 {
-    f32::from_bits(x.max(0.0).to_bits() + 1)
+/// The time between two marks.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stretch {
+    /// On the file's clock, seconds.
+    pub(crate) begin: f64,
+    pub(crate) end: f64,
+    /// The most that an angle turns by, degrees.
+    pub(crate) swing: f64,
+    /// Values may jump at its begin.
+    pub(crate) jumps: bool,
+    /// No longer than a frame, in a file that has keys in every one.
+    pub(crate) within: bool,
+}
+
+/// Seconds between the two sides of a jump, at least: f32 could say far less near 0, which neither players
+/// nor the file's clock tell apart.
+const SIDES: f32 = 1e-7;
+
+/// The time just before `x`.
+pub(crate) fn before(x: f32) -> f32 {
+    x.next_down().min(x - SIDES).max(0.0)
+}
+
+/// The time just after `x`.
+pub(crate) fn after(x: f32) -> f32 {
+    x.max(0.0).next_up().max(x + SIDES)
 }
 
 /// The stack's own range, or that of its keys where it names none.
@@ -259,6 +417,14 @@ fn range(stack: &AnimStack, keys: &[Mark]) -> (f64, f64) {
 mod tests {
     use super::*;
 
+    fn rate(samples: f64, frame: f64) -> Rate {
+        Rate {
+            samples,
+            frame,
+            finer: 1.0,
+        }
+    }
+
     #[test]
     fn times_grow_and_steps_have_two_sides() {
         let marks = [
@@ -273,14 +439,7 @@ mod tests {
             },
             Mark::at(2.5),
         ];
-        let grid = Grid::through(
-            &marks,
-            1.0,
-            Some(Rate {
-                samples: 2.0,
-                frame: 0.0,
-            }),
-        );
+        let grid = Grid::through(&marks, 1.0, rate(2.0, 0.0));
         assert!(grid.labels.windows(2).all(|w| w[0] < w[1]), "{grid:?}");
         assert!(grid.times.windows(2).all(|w| w[0] < w[1]), "{grid:?}");
         assert_eq!(grid.labels[0], 0.0);
@@ -295,49 +454,83 @@ mod tests {
     }
 
     #[test]
-    fn without_a_rate_there_are_keys_alone() {
-        let grid = Grid::through(&[Mark::at(0.0), Mark::at(1.0)], 0.0, None);
-        assert_eq!(grid.labels, [0.0, 1.0]);
-        assert!(!grid.whole[0], "what lies between them does not count");
-    }
-
-    #[test]
     fn keys_of_one_frame_have_nothing_between_them() {
         let frame = 1.0 / 30.0;
-        let rate = Rate {
-            samples: 60.0,
-            frame,
-        };
-        let marks = [Mark::at(0.0), Mark::at(frame), Mark::at(3.0 * frame)];
-        let grid = Grid::through(&marks, 0.0, Some(rate));
-        assert_eq!(grid.len(), 6, "{grid:?}");
-        assert!(!grid.whole[0] && grid.whole[1..5].iter().all(|&whole| whole));
-        assert_eq!(grid.within[..5], [true, false, false, false, false]);
+        let rate = rate(60.0, frame);
+        let mut marks = [0.0, 1.0, 2.0, 3.0, 5.0].map(|at| Mark::at(at * frame));
+        rate.find_bakes(&mut marks);
+        let grid = Grid::through(&marks, 0.0, rate);
+        assert_eq!(grid.len(), 8, "{grid:?}");
+        assert!(!grid.whole[0] && grid.whole[3..7].iter().all(|&whole| whole));
+        assert_eq!(
+            grid.within[..7],
+            [true, true, true, false, false, false, false]
+        );
     }
 
     #[test]
     fn what_spins_is_looked_at_within_frames_too() {
         let frame = 1.0 / 30.0;
-        let rate = Rate {
-            samples: 60.0,
-            frame,
-        };
+        let rate = rate(60.0, frame);
         let spins = Mark {
             spin: 90.0,
             swing: 90.0,
             ..Mark::at(frame)
         };
-        let marks = [Mark::at(0.0), spins, Mark::at(2.0 * frame)];
-        let grid = Grid::through(&marks, 0.0, Some(rate));
+        let mut marks = [
+            Mark::at(0.0),
+            spins,
+            Mark::at(2.0 * frame),
+            Mark::at(3.0 * frame),
+        ];
+        rate.find_bakes(&mut marks);
+        let grid = Grid::through(&marks, 0.0, rate);
         // 90 degrees in pieces of six, and all of them lie within a frame.
-        assert_eq!(grid.len(), 2 + 15);
-        assert!(grid.within[..16].iter().all(|&within| within));
+        assert_eq!(grid.len(), 3 + 15);
+        assert!(grid.within[..17].iter().all(|&within| within));
+    }
+
+    #[test]
+    fn keys_nearer_than_frames_or_alone_mean_what_lies_between() {
+        let frame = 1.0 / 30.0;
+        let rate = rate(30.0, frame);
+        for gaps in [[0.2, 0.2, 0.2, 0.2], [1.0, 1.0, 3.0, 1.0]] {
+            let mut time = 0.0;
+            let mut marks = vec![Mark::at(0.0)];
+            marks.extend(gaps.map(|gap| {
+                time += gap * frame;
+                Mark::at(time)
+            }));
+            rate.find_bakes(&mut marks);
+            assert!(marks.iter().all(|mark| !mark.baked), "{gaps:?}");
+        }
+    }
+
+    #[test]
+    fn windows_hold_so_many_samples_and_meet() {
+        let marks: Vec<Mark> = (0..100).map(|i| Mark::at(f64::from(i))).collect();
+        let mut plan = Plan {
+            marks,
+            rate: rate(10.0, 0.0),
+            begin: 0.0,
+            end: 99.0,
+            spinning: BTreeSet::new(),
+        };
+        let windows = plan.windows(95.0);
+        assert_eq!((windows[0].start, windows[windows.len() - 1].end), (0, 100));
+        for pair in windows.windows(2) {
+            assert_eq!(pair[0].end, pair[1].start + 1, "both have the mark between");
+        }
+        assert!(windows.iter().all(|window| window.len() <= 10));
+        plan.cut(5.0);
+        assert_eq!(plan.len(), 199);
+        assert!(plan.windows(5.0).iter().all(|window| window.len() == 2));
     }
 
     #[test]
     fn times_that_f32_cannot_tell_apart_are_one() {
         let marks = [Mark::at(1000.0), Mark::at(1000.0 + 1e-9), Mark::at(1001.0)];
-        let grid = Grid::through(&marks, 0.0, None);
-        assert_eq!(grid.labels, [1000.0, 1001.0]);
+        let grid = Grid::through(&marks, 0.0, rate(1.0, 2.0));
+        assert_eq!(grid.labels, [1000.0, 1000.5, 1001.0]);
     }
 }

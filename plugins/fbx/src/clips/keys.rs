@@ -1,9 +1,12 @@
 //! The keys of a clip's curves, all together.
 
+use crate::curves::{Layers, repeats};
 use crate::error::FbxError;
 use crate::options::Budget;
 use std::collections::BTreeSet;
-use ufbx::{AnimStack, ElementType, Interpolation, Scene};
+use ufbx::{
+    AnimCurve, AnimValue, ElementType, Extrapolation, ExtrapolationMode, Interpolation, Keyframe,
+};
 
 /// Names of properties that move a node.
 pub(crate) const MOVES: &[&str] = &[
@@ -21,6 +24,9 @@ pub(crate) const MOVES: &[&str] = &[
     "RotationSpaceForLimitOnly",
 ];
 
+/// Of these, those that are angles.
+const ANGLES: &[&str] = &["Lcl Rotation", "PreRotation", "PostRotation"];
+
 /// Name of the property that is the weight of a blend channel.
 pub(crate) const BLENDS: &str = "DeformPercent";
 
@@ -37,6 +43,8 @@ pub(super) struct Mark {
     /// The same where one angle alone changes much: a wheel turns, and no path of angles is told
     /// again in others.
     pub(super) spin: f64,
+    /// From here on there is a key in every frame.
+    pub(super) baked: bool,
 }
 
 /// An angle that changes by so many degrees within a frame changes much. Bakers that tell the same
@@ -51,104 +59,189 @@ impl Mark {
             after: false,
             swing: 0.0,
             spin: 0.0,
+            baked: false,
         }
     }
 }
 
 /// Keys of everything that moves nodes or morph targets, each time once, growing; and the nodes of
 /// which an angle changes much from one key to the next.
-pub(super) fn keys(
-    scene: &Scene,
-    stack: &AnimStack,
-    budget: &Budget,
-) -> Result<(Vec<Mark>, BTreeSet<usize>), FbxError> {
-    let mut all: Vec<Mark> = Vec::new();
-    let mut spinning = BTreeSet::new();
-    for layer in &stack.layers {
+pub(super) struct Marks {
+    pub(super) all: Vec<Mark>,
+    pub(super) spinning: BTreeSet<usize>,
+    /// Keys that curves have beyond their own by repeating them.
+    repeated: usize,
+}
+
+/// Keys beyond a curve's own that one clip may have.
+const MOST_REPEATED: usize = 1 << 20;
+
+/// The marks of a stack's `layers` that play; `span` is the stack's own, for curves that repeat.
+pub(super) fn keys(layers: &Layers, span: (f64, f64), budget: &Budget) -> Result<Marks, FbxError> {
+    let mut marks = Marks {
+        all: Vec::new(),
+        spinning: BTreeSet::new(),
+        repeated: 0,
+    };
+    for layer in &layers.playing {
         budget.in_time("clips")?;
-        for prop in layer.anim_props.iter() {
+        for prop in layer.source.anim_props.iter() {
             let name: &str = &prop.prop_name;
             let moves = match prop.element.type_ {
                 ElementType::Node => MOVES.contains(&name),
                 ElementType::BlendChannel => name == BLENDS,
-                ElementType::AnimLayer => true,
                 _ => false,
             };
             if !moves {
                 continue;
             }
-            let turns = name == "Lcl Rotation";
-            let curves: Vec<&[ufbx::Keyframe]> = prop
-                .anim_value
-                .curves
-                .iter()
-                .flatten()
-                .map(|curve| &*curve.keyframes)
-                .collect();
-            for (number, keys) in curves.iter().enumerate() {
-                let others = curves
-                    .iter()
-                    .enumerate()
-                    .filter(|(other, _)| *other != number);
-                let others: Vec<&[ufbx::Keyframe]> = others.map(|(_, keys)| *keys).collect();
-                if merge(&mut all, keys, turns.then_some(&others)) >= SPIN {
-                    spinning.insert(prop.element.typed_id as usize);
-                }
+            let most = marks.value(&prop.anim_value, ANGLES.contains(&name), span, budget)?;
+            if most >= SPIN {
+                marks.spinning.insert(prop.element.typed_id as usize);
             }
         }
-    }
-    // Weights of layers are curves of the layer, in whichever layer they lie.
-    for value in &scene.anim_values {
-        let of_layer = value
-            .element
-            .connections_src
-            .iter()
-            .any(|c| c.dst.type_ == ElementType::AnimLayer && c.dst_prop.length > 0);
-        if of_layer {
-            for curve in value.curves.iter().flatten() {
-                merge(&mut all, &curve.keyframes, None);
-            }
+        // Weights of layers are curves of the layer, in whichever layer they lie.
+        if let Some(value) = layer.weight_value {
+            marks.value(value, false, span, budget)?;
         }
     }
-    Ok((all, spinning))
+    Ok(marks)
 }
 
-/// Curves of a bake have the same times: then this is one walk along both. `others` are the two other
-/// angles of a rotation. Gives the largest [`Mark::spin`].
-fn merge(
-    all: &mut Vec<Mark>,
-    keys: &[ufbx::Keyframe],
-    others: Option<&Vec<&[ufbx::Keyframe]>>,
-) -> f64 {
-    let mut most = 0.0_f64;
-    let change = |keys: &[ufbx::Keyframe], i: usize| match (keys.get(i), keys.get(i + 1)) {
+impl Marks {
+    /// Adds the keys of a property's curves; gives the largest [`Mark::spin`].
+    fn value(
+        &mut self,
+        value: &AnimValue,
+        turns: bool,
+        span: (f64, f64),
+        budget: &Budget,
+    ) -> Result<f64, FbxError> {
+        let curves: Vec<&AnimCurve> = value.curves.iter().flatten().map(AsRef::as_ref).collect();
+        let mut most = 0.0_f64;
+        for (number, curve) in curves.iter().enumerate() {
+            let others: Vec<&[Keyframe]> = curves
+                .iter()
+                .enumerate()
+                .filter(|(other, _)| *other != number)
+                .map(|(_, curve)| &*curve.keyframes)
+                .collect();
+            let own = marks(&curve.keyframes, turns.then_some(&others));
+            most = own.iter().fold(most, |most, mark| most.max(mark.spin));
+            let (before, after) = repeats(curve, span.0, span.1);
+            self.repeat(curve, &own, (before, after), budget)?;
+            merge(&mut self.all, own.into_iter());
+        }
+        Ok(most)
+    }
+
+    /// The marks of a curve's repetitions.
+    fn repeat(
+        &mut self,
+        curve: &AnimCurve,
+        own: &[Mark],
+        (before, after): (f64, f64),
+        budget: &Budget,
+    ) -> Result<(), FbxError> {
+        let count = (before + after) as usize;
+        self.repeated = self
+            .repeated
+            .saturating_add(count.saturating_mul(own.len()));
+        if self.repeated > MOST_REPEATED {
+            return Err(budget.too_much("the repetitions of a clip's curves"));
+        }
+        let length = curve.max_time - curve.min_time;
+        let mut all: Vec<Mark> = Vec::new();
+        let mut once = |how: &Extrapolation, number: f64| {
+            let backwards = how.mode == ExtrapolationMode::Mirror && number.rem_euclid(2.0) == 1.0;
+            let shift = number * length;
+            let mut new: Vec<Mark> = match backwards {
+                false => own
+                    .iter()
+                    .map(|mark| Mark {
+                        time: mark.time + shift,
+                        ..*mark
+                    })
+                    .collect(),
+                true => {
+                    // What came after a key comes before it now.
+                    let turned = own
+                        .iter()
+                        .rev()
+                        .zip(own.iter().rev().skip(1).map(Some).chain([None]));
+                    turned
+                        .map(|(mark, next)| Mark {
+                            time: curve.max_time - (mark.time - curve.min_time) + shift,
+                            before: mark.after,
+                            after: mark.before,
+                            swing: next.map_or(0.0, |next| next.swing),
+                            spin: next.map_or(0.0, |next| next.spin),
+                            baked: false,
+                        })
+                        .collect()
+                }
+            };
+            // Values may jump at seams.
+            if how.mode == ExtrapolationMode::Repeat || how.repeat_count > 0 {
+                for end in [0, new.len().saturating_sub(1)] {
+                    if let Some(mark) = new.get_mut(end) {
+                        (mark.before, mark.after) = (true, true);
+                    }
+                }
+            }
+            all.append(&mut new);
+        };
+        for number in 1..=before as usize {
+            once(&curve.pre_extrapolation, -(number as f64));
+        }
+        for number in 1..=after as usize {
+            once(&curve.post_extrapolation, number as f64);
+        }
+        merge(&mut self.all, all.into_iter());
+        Ok(())
+    }
+}
+
+/// The marks of one curve. `others` are the two other angles of a rotation.
+fn marks(keys: &[Keyframe], others: Option<&Vec<&[Keyframe]>>) -> Vec<Mark> {
+    let change = |keys: &[Keyframe], i: usize| match (keys.get(i), keys.get(i + 1)) {
         (Some(key), Some(next)) => (next.value - key.value).abs(),
         _ => 0.0,
     };
+    let at = |(i, key): (usize, &Keyframe)| Mark {
+        time: key.time,
+        before: i > 0 && keys[i - 1].interpolation == Interpolation::ConstantPrev,
+        after: key.interpolation == Interpolation::ConstantNext,
+        swing: match (others, keys.get(i + 1)) {
+            (Some(_), Some(next)) => swing(key, next),
+            _ => 0.0,
+        },
+        spin: match others {
+            Some(others) if !others.iter().any(|other| change(other, i) > SPIN) => change(keys, i),
+            _ => 0.0,
+        },
+        baked: false,
+    };
+    let keys = keys.iter().enumerate();
+    keys.filter(|(_, key)| key.time.is_finite())
+        .map(at)
+        .collect()
+}
+
+/// The most that a curve changes by on its way from one key to the next: along its control points.
+fn swing(key: &Keyframe, next: &Keyframe) -> f64 {
+    if key.interpolation != Interpolation::Cubic {
+        return (next.value - key.value).abs();
+    }
+    let (out, into) = (f64::from(key.right.dy), f64::from(next.left.dy));
+    out.abs() + into.abs() + (next.value - into - key.value - out).abs()
+}
+
+/// Curves of a bake have the same times: then this is one walk along both.
+fn merge(all: &mut Vec<Mark>, marks: impl Iterator<Item = Mark>) {
     let mut at = 0;
     let mut new: Vec<Mark> = Vec::new();
-    for (i, key) in keys
-        .iter()
-        .enumerate()
-        .filter(|(_, key)| key.time.is_finite())
-    {
-        let mark = Mark {
-            time: key.time,
-            before: i > 0 && keys[i - 1].interpolation == Interpolation::ConstantPrev,
-            after: key.interpolation == Interpolation::ConstantNext,
-            swing: if others.is_some() {
-                change(keys, i)
-            } else {
-                0.0
-            },
-            spin: match others {
-                Some(others) if !others.iter().any(|other| change(other, i) > SPIN) => {
-                    change(keys, i)
-                }
-                _ => 0.0,
-            },
-        };
-        most = most.max(mark.spin);
+    for mark in marks {
         while at < all.len() && all[at].time < mark.time {
             at += 1;
         }
@@ -165,6 +258,15 @@ fn merge(
     if !new.is_empty() {
         all.append(&mut new);
         all.sort_by(|a, b| a.time.total_cmp(&b.time));
+        all.dedup_by(|mark, known| {
+            let same = mark.time == known.time;
+            if same {
+                known.before |= mark.before;
+                known.after |= mark.after;
+                known.swing = known.swing.max(mark.swing);
+                known.spin = known.spin.max(mark.spin);
+            }
+            same
+        });
     }
-    most
 }

@@ -75,7 +75,17 @@ impl Shells {
     /// Matrices to the world, for nodes in `order`.
     pub(crate) fn world(&self, pose: &Pose, out: &mut Vec<DAffine3>) {
         out.resize(pose.len(), DAffine3::IDENTITY);
-        for &node in &self.order {
+        self.world_where(pose, out, |_| true);
+    }
+
+    /// The same for the nodes that `moves` says so of; the others are in `out` already.
+    pub(crate) fn world_where(
+        &self,
+        pose: &Pose,
+        out: &mut [DAffine3],
+        moves: impl Fn(usize) -> bool,
+    ) {
+        for &node in self.order.iter().filter(|&&node| moves(node)) {
             let own = pose[node];
             let own =
                 DAffine3::from_scale_rotation_translation(own.scale, own.rotation, own.translation);

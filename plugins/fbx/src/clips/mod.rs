@@ -1,10 +1,12 @@
 //! Clips: the file's curves are sampled, and keys are chosen that keep to an error at the skin.
 
 mod choose;
+mod clip;
 mod fit;
 mod grid;
 mod keys;
 mod metric;
+mod pack;
 mod parts;
 mod play;
 mod reduce;
@@ -14,8 +16,12 @@ mod spend;
 mod value;
 mod work;
 
+pub(crate) use clip::clip;
+pub(crate) use grid::Stretch;
+pub(crate) use keys::{BLENDS, MOVES};
 pub(crate) use metric::{Shells, order};
-pub(crate) use play::{Player, play};
-pub(crate) use reduce::{Reduced, leverage, reduce};
-pub(crate) use refine::{Source, refine};
-pub(crate) use sample::{Samples, sample};
+pub(crate) use parts::{in_parts, threads};
+pub(crate) use play::{Player, Pose, play};
+pub(crate) use reduce::Reduced;
+pub(crate) use refine::Source;
+pub(crate) use sample::{MorphCurves, Samples, Take};

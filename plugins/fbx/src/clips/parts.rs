@@ -8,7 +8,7 @@ use std::ops::Range;
 const ALONE: usize = 16_384;
 
 /// How many threads work on so many poses of nodes.
-pub(super) fn threads(poses: usize, options: &Options) -> usize {
+pub(crate) fn threads(poses: usize, options: &Options) -> usize {
     match poses < ALONE {
         true => 1,
         false => options.thread_count().min(poses / (ALONE / 4)),
@@ -17,7 +17,7 @@ pub(super) fn threads(poses: usize, options: &Options) -> usize {
 
 /// `work` on consecutive parts of `0..count`, on `threads` threads; results in order, so that they do
 /// not depend on how many there are.
-pub(super) fn in_parts<T: Send>(
+pub(crate) fn in_parts<T: Send>(
     count: usize,
     threads: usize,
     work: impl Fn(Range<usize>) -> T + Sync,

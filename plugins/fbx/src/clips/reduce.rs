@@ -3,14 +3,15 @@
 use super::choose::{Choice, Kinds};
 use super::grid::Grid;
 use super::metric::{Leverage, Shells};
+use super::pack::pack;
 use super::play::Pose;
-use super::refine::KNOWN_TO;
+use super::refine::{KNOWN_TO, Source};
 use super::sample::Samples;
 use super::spend::spend;
 use super::work::Work;
 use crate::error::FbxError;
 use crate::model::{Clip, Interpolation, Model};
-use crate::options::{Budget, Effort, Options};
+use crate::options::{Budget, Compression, Effort, Options};
 use crate::report::ClipReport;
 use std::collections::BTreeSet;
 
@@ -27,6 +28,12 @@ const ENOUGH: f64 = 0.3;
 /// The share of the bound that keys get where nothing that counts lies between samples; f32 gets the rest.
 const ON_SAMPLES: f64 = 0.98;
 
+/// Shares of the bound that keys are searched with where their values are rounded afterwards.
+const SPARSE_SHARES: [f64; 2] = [0.75, 0.4];
+
+/// Shares of the bound that each channel by itself gets for straight keys, which cost a third of cubic ones there.
+const LINE_SHARES: [f64; 4] = [0.6, 0.35, 0.2, 0.1];
+
 /// Poses that the leverage of joints is taken over.
 const LEVER_POSES: usize = 8;
 
@@ -38,21 +45,82 @@ pub(crate) struct Reduced {
     pub(crate) report: ClipReport,
 }
 
-/// Keys for a clip with at most `bound` metres of error at the skin.
-pub(crate) fn reduce(
+/// Keys for a clip, or a part of one, with at most `bound` metres of error at the skin over its samples.
+/// `kinds` says for a part what the other parts have.
+pub(super) fn reduce(
     samples: &Samples,
-    model: &Model,
+    source: &Source,
     shells: &Shells,
     leverage: Vec<Leverage>,
     bound: f64,
-    options: &Options,
-    budget: &Budget,
+    kinds: &[Kinds],
 ) -> Result<Reduced, FbxError> {
+    let Source {
+        take,
+        model,
+        options,
+        budget,
+    } = *source;
     let work = Work::new(samples, model, shells, leverage, options);
     let bound = for_keys(&samples.grid) * bound;
+    let (mut error, mut choices) = keys(&work, bound, kinds, options, budget)?;
+    // Parts of a clip have to have the same kinds of keys.
+    if options.compress == Compression::Meshopt && kinds.is_empty() {
+        // Rounding takes its share of the bound, so that keys have to leave some.
+        let mut sparse = vec![choices.clone()];
+        for share in SPARSE_SHARES {
+            sparse.push(keys(&work, share * bound, kinds, options, budget)?.1);
+        }
+        let lines = vec![Kinds::Linear; samples.tracks.len() * 3];
+        for share in LINE_SHARES {
+            sparse.push(work.choose(share * bound, &lines, options));
+        }
+        let packed = budget.search(|clock| pack(&work, &sparse, bound, options, clock));
+        (error, choices) = packed.unwrap_or((error, choices));
+    }
+    let keys = choices
+        .iter()
+        .map(|choice| choice.channel.times.len())
+        .sum();
+    let moving = choices
+        .iter()
+        .filter(|choice| choice.channel.times.len() > 1)
+        .count();
+    let at_rest = choices.iter().map(|choice| choice.at_rest).collect();
+    let last = samples.grid.labels.last().copied().unwrap_or(0.0);
+    Ok(Reduced {
+        at_rest,
+        report: ClipReport {
+            name: take.stack().element.name.to_string(),
+            seconds: f64::from(last),
+            keys,
+            baked: moving * samples.first,
+            error,
+            keyed_error: error,
+            samples: samples.grid.len(),
+            unseen: 1.0,
+        },
+        clip: Clip {
+            name: take.stack().element.name.to_string(),
+            begin: take.plan.begin,
+            duration: f64::from(last),
+            channels: choices.into_iter().map(|choice| choice.channel).collect(),
+        },
+    })
+}
+
+/// Keys for a clip, with their error.
+fn keys(
+    work: &Work,
+    bound: f64,
+    kinds: &[Kinds],
+    options: &Options,
+    budget: &Budget,
+) -> Result<(f64, Vec<Choice>), FbxError> {
     let mut best: Option<(usize, f64, Vec<Choice>)> = None;
     let mut share = FIRST_SHARE;
-    let mut kinds = Vec::new();
+    let is_part = !kinds.is_empty();
+    let mut kinds = kinds.to_vec();
     for attempt in 0..TRIES + 8 {
         budget.in_time("keys")?;
         let choices = work.choose(share * bound, &kinds, options);
@@ -81,9 +149,10 @@ pub(crate) fn reduce(
         }
     };
     let (error, choices) = match options.effort {
+        _ if is_part => (error, choices),
         Effort::Quick => (error, choices),
         Effort::Thorough => {
-            let spent = budget.search(|clock| spend(&work, &choices, bound, options, clock))?;
+            let spent = budget.search(|clock| spend(work, &choices, bound, options, clock))?;
             let spent = spent.map(|spent| (work.error(&spent, options), spent));
             let better = spent.filter(|(error, spent)| {
                 *error <= bound && moving_bytes(spent) < moving_bytes(&choices)
@@ -91,33 +160,7 @@ pub(crate) fn reduce(
             better.unwrap_or((error, choices))
         }
     };
-    let keys = choices
-        .iter()
-        .map(|choice| choice.channel.times.len())
-        .sum();
-    let moving = choices
-        .iter()
-        .filter(|choice| choice.channel.times.len() > 1)
-        .count();
-    let at_rest = choices.iter().map(|choice| choice.at_rest).collect();
-    let last = samples.grid.labels.last().copied().unwrap_or(0.0);
-    Ok(Reduced {
-        at_rest,
-        report: ClipReport {
-            name: samples.name.clone(),
-            seconds: f64::from(last),
-            keys,
-            baked: moving * samples.first,
-            error,
-            samples: samples.grid.len(),
-        },
-        clip: Clip {
-            name: samples.name.clone(),
-            begin: samples.begin,
-            duration: f64::from(last),
-            channels: choices.into_iter().map(|choice| choice.channel).collect(),
-        },
-    })
+    Ok((error, choices))
 }
 
 /// The share of the bound that keys get; what lies between samples is known to the rest of it.
@@ -145,6 +188,17 @@ pub(super) fn moving_bytes(choices: &[Choice]) -> usize {
     moving.map(|choice| choice.channel.bytes(&mut known)).sum()
 }
 
+impl Reduced {
+    /// What every part of the clip is to have, channel by channel.
+    pub(super) fn kinds(&self) -> Vec<Kinds> {
+        let of = |channel: &crate::model::Channel| match channel.interpolation {
+            Interpolation::Cubic => Kinds::OnlyCubic,
+            _ => Kinds::OnlyLinear,
+        };
+        self.clip.channels.iter().map(of).collect()
+    }
+}
+
 /// The kind of keys that a try found smallest, for the tries after it.
 fn kind(choice: &Choice) -> Kinds {
     match choice.channel.interpolation {
@@ -155,7 +209,7 @@ fn kind(choice: &Choice) -> Kinds {
 }
 
 /// What an error of each node comes to, over poses of a clip.
-pub(crate) fn leverage(samples: &Samples, model: &Model, shells: &Shells) -> Vec<Leverage> {
+pub(super) fn leverage(samples: &Samples, model: &Model, shells: &Shells) -> Vec<Leverage> {
     let rest: Pose = model.nodes.iter().map(|node| node.rest).collect();
     let count = samples.grid.len();
     let picked = (0..count).step_by(count.div_ceil(LEVER_POSES).max(1));

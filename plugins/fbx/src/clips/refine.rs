@@ -5,16 +5,15 @@
 //! middle between two of them to fourth order. Where that middle is off the straight line, it is
 //! looked at; where it is not where it was predicted, its two sides are looked at in turn.
 
-use super::grid::Grid;
+use super::grid::{Grid, Plan};
 use super::metric::Leverage;
-use super::sample::{Samples, between, evaluate, morph_weights};
+use super::sample::{Samples, Take, between};
 use super::value::{Value, angle};
 use crate::error::FbxError;
 use crate::model::{Model, Trs};
 use crate::options::{Budget, Options};
-use crate::read::ShapeKey;
 use glam::{DQuat, DVec3};
-use ufbx::SceneRoot;
+use std::ops::Range;
 
 /// How near what lies between samples is known, as a share of the bound: a middle that is nearer than this
 /// to the straight line is not looked at, and one that is nearer to where it was predicted ends
@@ -24,23 +23,31 @@ pub(super) const KNOWN_TO: f64 = 0.2;
 /// Halvings of the time between two samples at most.
 const ROUNDS: usize = 5;
 
-/// What a refinement needs to look at more of a clip.
+/// What a clip is made of.
+#[derive(Clone, Copy)]
 pub(crate) struct Source<'a, 'o> {
-    pub(crate) scene: &'a SceneRoot,
-    pub(crate) stack: usize,
+    pub(crate) take: &'a Take<'a>,
     pub(crate) model: &'a Model,
-    pub(crate) shapes: &'a [Vec<ShapeKey>],
     pub(crate) options: &'a Options<'o>,
     pub(crate) budget: &'a Budget,
 }
 
-/// Adds samples until what lies between them is known to a share of `bound`, metres.
+impl Source<'_, '_> {
+    /// Samples through a range of a plan's marks.
+    pub(super) fn sample(&self, plan: &Plan, window: Range<usize>) -> Result<Samples, FbxError> {
+        self.take
+            .sample(plan, window, self.model, self.options, self.budget)
+    }
+}
+
+/// Adds samples until what lies between them is known to a share of `bound`, metres. Says whether memory
+/// allowed it.
 pub(crate) fn refine(
     samples: &mut Samples,
     source: &Source,
     leverage: &[Leverage],
     bound: f64,
-) -> Result<(), FbxError> {
+) -> Result<bool, FbxError> {
     let near = KNOWN_TO * bound;
     // Gaps that are still asked about.
     let mut open = vec![true; samples.grid.len().saturating_sub(1)];
@@ -52,24 +59,27 @@ pub(crate) fn refine(
             .filter_map(|gap| Middle::of(grid, gap))
             .filter(|middle| is_bent(samples, middle, source.model, leverage, near))
             .collect();
-        if middles.is_empty() || grid.len() + middles.len() > samples.most {
+        if middles.is_empty() {
             break;
+        }
+        if grid.len() + middles.len() > source.take.most {
+            return Ok(false);
         }
         open = add(samples, source, &middles, leverage, near)?;
     }
-    predict(samples);
-    Ok(())
+    predict(samples, source.take.most);
+    Ok(true)
 }
 
 /// Puts the predicted middle into every gap, so that keys are held to what lies between samples too.
-fn predict(samples: &mut Samples) {
+fn predict(samples: &mut Samples, most: usize) {
     let grid = &samples.grid;
     let gaps = 0..grid.len().saturating_sub(1);
     let middles: Vec<Middle> = gaps
         .filter(|&gap| !grid.jumps[gap])
         .filter_map(|gap| Middle::of(grid, gap))
         .collect();
-    if grid.len() + middles.len() > samples.most {
+    if grid.len() + middles.len() > most {
         samples.stops = (0..grid.len()).collect();
         return;
     }
@@ -149,11 +159,13 @@ impl Middle {
         }
         let (a, b) = (grid.labels[gap], grid.labels[gap + 1]);
         let label = a + (b - a) / 2.0;
+        // At the time that glTF can say.
+        let time = grid.times[gap] + (f64::from(label) - f64::from(a));
         (label > a && label < b).then(|| Self {
             gap,
-            time: (grid.times[gap] + grid.times[gap + 1]) / 2.0,
+            time,
             label,
-            stencil: lagrange(grid, gap),
+            stencil: lagrange(grid, gap, time),
         })
     }
 
@@ -180,10 +192,9 @@ impl Middle {
     }
 }
 
-/// A stencil's samples and their weights in the polynomial's value at the middle of a gap.
-fn lagrange(grid: &Grid, gap: usize) -> Vec<(usize, f64)> {
+/// A stencil's samples and their weights in the polynomial's value at a time in a gap.
+fn lagrange(grid: &Grid, gap: usize, at: f64) -> Vec<(usize, f64)> {
     let stencil = grid.stencil(gap);
-    let at = (grid.times[gap] + grid.times[gap + 1]) / 2.0;
     let weight = |&i: &usize| {
         let others = stencil.iter().filter(|&&j| j != i);
         others
@@ -241,15 +252,7 @@ fn add(
     near: f64,
 ) -> Result<Vec<bool>, FbxError> {
     let times: Vec<f64> = middles.iter().map(|middle| middle.time).collect();
-    let nodes: Vec<usize> = samples.tracks.iter().map(|track| track.node).collect();
-    let mut looked = evaluate(
-        source.scene,
-        source.stack,
-        &nodes,
-        &times,
-        source.options,
-        source.budget,
-    )?;
+    let mut looked = source.take.poses(&times, source.options, source.budget)?;
     let mut missed = vec![false; middles.len()];
     for (track, poses) in samples.tracks.iter_mut().zip(&mut looked) {
         if !track.spins {
@@ -264,8 +267,7 @@ fn add(
         track.poses = woven(&track.poses, middles, std::mem::take(poses), 1);
     }
     for morph in &mut samples.morphs {
-        let stack = &source.scene.anim_stacks[source.stack];
-        let looked = morph_weights(source.scene, stack, &source.shapes[morph.mesh], &times);
+        let looked = source.take.weights(morph.mesh, &times);
         let targets = &source.model.meshes[morph.mesh].targets;
         for (i, (middle, missed)) in middles.iter().zip(&mut missed).enumerate() {
             *missed |= targets.iter().enumerate().any(|(target, of)| {

@@ -1,16 +1,17 @@
 //! The poses of a clip as the FBX file has them, in f64.
 
-use super::grid::Grid;
+use super::grid::{Grid, Plan};
 use super::keys::{BLENDS, MOVES};
 use super::parts::{in_parts, threads};
 use super::value::Value;
+use crate::curves::{BlendWeight, Layers, NodeCurves, Reading};
 use crate::error::FbxError;
 use crate::model::{Model, Trs};
 use crate::options::{Budget, Options};
-use crate::read::convert::trs;
+use crate::read::ShapeKey;
 use crate::read::shapes::{shape_weights, stops};
-use crate::read::{ShapeKey, rest_of};
 use glam::DQuat;
+use std::ops::Range;
 use ufbx::{AnimStack, ElementType, SceneRoot};
 
 /// A node that moves, and where it is at each time.
@@ -61,83 +62,247 @@ pub(crate) struct MorphTrack {
     pub(crate) weights: Vec<f64>,
 }
 
-/// A sampled clip.
+/// A sampled clip, or a part of one.
 pub(crate) struct Samples {
-    pub(crate) name: String,
-    pub(crate) begin: f64,
     pub(crate) grid: Grid,
     pub(crate) tracks: Vec<Track>,
     pub(crate) morphs: Vec<MorphTrack>,
     /// Samples that keys may stand on: those that were looked at, not predicted.
     pub(crate) stops: Vec<usize>,
-    /// Samples that memory allows.
-    pub(crate) most: usize,
     /// Samples that were looked at before keys were asked for.
     pub(crate) first: usize,
 }
 
-/// Samples stack number `stack`. `shapes` says for each mesh of the model what its targets are.
-pub(crate) fn sample(
-    scene: &SceneRoot,
-    stack: usize,
-    model: &Model,
-    shapes: &[Vec<ShapeKey>],
-    options: &Options,
-    budget: &Budget,
-) -> Result<Samples, FbxError> {
-    let source: &AnimStack = &scene.anim_stacks[stack];
-    let moving = moving_nodes(scene, source);
-    let channels = moving_channels(scene, source);
-    let meshes: Vec<usize> = (0..shapes.len())
-        .filter(|&mesh| shapes[mesh].iter().any(|key| channels[key.channel]))
-        .collect();
-    // A pose is 80 bytes here and about four times that while keys are chosen.
-    let columns = moving.len() * 5 + meshes.iter().map(|&m| shapes[m].len()).sum::<usize>();
-    let most = budget.limits.memory / 4 / (columns.max(1) * 64);
-    let (begin, grid, spinning) = Grid::of_stack(scene, source, options, most, budget)?;
-
-    let poses = evaluate(scene, stack, &moving, &grid.times, options, budget)?;
-    let tracks = moving
-        .iter()
-        .zip(poses)
-        .map(|(&node, poses)| {
-            let spins = spinning.contains(&node);
-            let mut track = Track { node, spins, poses };
-            track.straighten(&grid);
-            track
-        })
-        .collect();
-    let morphs = meshes
-        .iter()
-        .map(|&mesh| MorphTrack {
-            nodes: (0..model.nodes.len())
-                .filter(|&node| model.nodes[node].mesh == Some(mesh))
-                .collect(),
-            mesh,
-            targets: shapes[mesh].len(),
-            weights: morph_weights(scene, source, &shapes[mesh], &grid.times),
-        })
-        .collect();
-    budget.in_time("clips")?;
-    Ok(Samples {
-        name: source.element.name.to_string(),
-        begin,
-        first: grid.len(),
-        stops: (0..grid.len()).collect(),
-        grid,
-        tracks,
-        morphs,
-        most,
-    })
+/// An animation stack that is to become a clip.
+pub(crate) struct Take<'a> {
+    pub(crate) scene: &'a SceneRoot,
+    /// Number of the stack.
+    pub(crate) number: usize,
+    pub(crate) plan: Plan,
+    /// Nodes that it moves.
+    pub(crate) moving: Vec<usize>,
+    /// Meshes of which it moves morph targets.
+    pub(crate) meshes: Vec<usize>,
+    /// For each mesh of the model what its targets are.
+    pub(crate) shapes: &'a [Vec<ShapeKey>],
+    /// Samples that memory allows at a time.
+    pub(crate) most: usize,
 }
 
-/// Nodes that the stack may move. Where a scale is animated that children do not inherit, their
+impl<'a> Take<'a> {
+    pub(crate) fn of(
+        scene: &'a SceneRoot,
+        number: usize,
+        shapes: &'a [Vec<ShapeKey>],
+        options: &Options,
+        budget: &Budget,
+    ) -> Result<Self, FbxError> {
+        let stack: &AnimStack = &scene.anim_stacks[number];
+        let layers = Layers::of(scene, stack, Reading::Usual);
+        let moving = moving_nodes(scene, &layers);
+        let channels = moving_channels(scene, &layers);
+        let meshes: Vec<usize> = (0..shapes.len())
+            .filter(|&mesh| shapes[mesh].iter().any(|key| channels[key.channel]))
+            .collect();
+        // A pose is 80 bytes here and about four times that while keys are chosen.
+        let columns = moving.len() * 5 + meshes.iter().map(|&m| shapes[m].len()).sum::<usize>();
+        let most = budget.limits.memory / 4 / (columns.max(1) * 64);
+        let plan = Plan::of(scene, stack, &layers, options, budget)?;
+        // Two samples at a time must fit, and the list of all keys.
+        budget.afford(plan.len() * MARK_BYTES, "the keys of a clip")?;
+        if most < LEAST {
+            return Err(budget.too_much("the poses of a clip"));
+        }
+        Ok(Self {
+            scene,
+            number,
+            plan,
+            moving,
+            meshes,
+            shapes,
+            most,
+        })
+    }
+
+    /// Whether all of it fits into memory at once, with room for more samples where it bends.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.plan.samples() <= self.most as f64
+    }
+
+    /// Its samples through a range of the plan's marks.
+    pub(crate) fn sample(
+        &self,
+        plan: &Plan,
+        window: Range<usize>,
+        model: &Model,
+        options: &Options,
+        budget: &Budget,
+    ) -> Result<Samples, FbxError> {
+        self.through(Grid::of(plan, window), model, options, budget)
+    }
+
+    /// Some samples spread over all of it.
+    pub(crate) fn overview(
+        &self,
+        model: &Model,
+        options: &Options,
+        budget: &Budget,
+    ) -> Result<Samples, FbxError> {
+        let mut grid = Grid::default();
+        let count = OVERVIEW.min(self.most).max(2);
+        for i in 0..count {
+            let share = i as f64 / (count - 1) as f64;
+            let label = ((self.plan.end - self.plan.begin) * share) as f32;
+            grid.push(self.plan.begin + f64::from(label), label, false, false);
+        }
+        self.through(grid, model, options, budget)
+    }
+
+    fn through(
+        &self,
+        grid: Grid,
+        model: &Model,
+        options: &Options,
+        budget: &Budget,
+    ) -> Result<Samples, FbxError> {
+        let poses = self.poses(&grid.times, options, budget)?;
+        let tracks = self
+            .moving
+            .iter()
+            .zip(poses)
+            .map(|(&node, poses)| {
+                let spins = self.plan.spinning.contains(&node);
+                let mut track = Track { node, spins, poses };
+                track.straighten(&grid);
+                track
+            })
+            .collect();
+        let morphs = self
+            .meshes
+            .iter()
+            .map(|&mesh| MorphTrack {
+                nodes: (0..model.nodes.len())
+                    .filter(|&node| model.nodes[node].mesh == Some(mesh))
+                    .collect(),
+                mesh,
+                targets: self.shapes[mesh].len(),
+                weights: self.weights(mesh, &grid.times),
+            })
+            .collect();
+        budget.in_time("clips")?;
+        Ok(Samples {
+            first: grid.len(),
+            stops: (0..grid.len()).collect(),
+            grid,
+            tracks,
+            morphs,
+        })
+    }
+
+    /// The stack.
+    pub(crate) fn stack(&self) -> &'a AnimStack {
+        &self.scene.anim_stacks[self.number]
+    }
+
+    /// The layers that play.
+    pub(crate) fn layers(&self, reading: Reading) -> Layers<'a> {
+        Layers::of(self.scene, self.stack(), reading)
+    }
+
+    /// The curves of node number `node`.
+    pub(crate) fn curves(&self, layers: &Layers<'a>, node: usize) -> NodeCurves<'a> {
+        NodeCurves::of(layers, &self.stack().anim, &self.scene.nodes[node])
+    }
+
+    /// Where each node that moves is at each of `times`.
+    pub(crate) fn poses(
+        &self,
+        times: &[f64],
+        options: &Options,
+        budget: &Budget,
+    ) -> Result<Vec<Vec<Trs>>, FbxError> {
+        let nodes = &self.moving;
+        let threads = threads(nodes.len() * times.len(), options);
+        let parts = in_parts(nodes.len(), threads, |range| -> Vec<Vec<Trs>> {
+            // ufbx's scene alone may go from thread to thread.
+            let layers = self.layers(Reading::Usual);
+            let in_time = nodes[range].iter().take_while(|_| !budget.is_late());
+            let track = |&node: &usize| {
+                let mut curves = self.curves(&layers, node);
+                times.iter().map(|&time| curves.at(time)).collect()
+            };
+            in_time.map(track).collect()
+        });
+        let tracks = parts.into_iter().flatten().collect();
+        budget.in_time("clips")?;
+        Ok(tracks)
+    }
+
+    /// What the targets of a mesh weigh.
+    pub(crate) fn morph(&self, layers: &Layers<'a>, mesh: usize) -> MorphCurves<'a> {
+        MorphCurves::of(self, layers, &self.shapes[mesh])
+    }
+
+    /// Weights of all targets of a mesh at each of `times`, those of a time together.
+    pub(crate) fn weights(&self, mesh: usize, times: &[f64]) -> Vec<f64> {
+        let mut morph = self.morph(&self.layers(Reading::Usual), mesh);
+        let mut out = Vec::with_capacity(self.shapes[mesh].len() * times.len());
+        for &time in times {
+            morph.at(time, &mut out);
+        }
+        out
+    }
+}
+
+/// Bytes of a mark and of what is made of it.
+const MARK_BYTES: usize = 128;
+
+/// Samples at a time that a clip can do with.
+const LEAST: usize = 64;
+
+/// Samples of an overview.
+const OVERVIEW: usize = 64;
+
+/// The curves of a mesh's morph targets.
+pub(crate) struct MorphCurves<'a> {
+    channels: Vec<(BlendWeight<'a>, Vec<f64>)>,
+}
+
+impl<'a> MorphCurves<'a> {
+    fn of(take: &Take<'a>, layers: &Layers<'a>, shapes: &[ShapeKey]) -> Self {
+        let mut channels = Vec::new();
+        let mut at = 0;
+        while at < shapes.len() {
+            let channel: &'a ufbx::BlendChannel = &take.scene.blend_channels[shapes[at].channel];
+            let stops = stops(channel);
+            at += stops.len().max(1);
+            let weight = BlendWeight::of(layers, &take.stack().anim, channel);
+            channels.push((weight, stops));
+        }
+        Self { channels }
+    }
+
+    /// Adds the weights of all targets at `time` to `out`.
+    pub(crate) fn at(&mut self, time: f64, out: &mut Vec<f64>) {
+        for (channel, stops) in &mut self.channels {
+            let weights = shape_weights(stops, channel.at(time));
+            out.extend(
+                weights
+                    .into_iter()
+                    .map(|w| if w.is_finite() { w } else { 0.0 }),
+            );
+        }
+    }
+}
+
+/// Nodes that the layers may move. Where a scale is animated that children do not inherit, their
 /// places are scaled instead: all that hang on such helpers are looked at.
-fn moving_nodes(scene: &SceneRoot, stack: &AnimStack) -> Vec<usize> {
+fn moving_nodes(scene: &SceneRoot, layers: &Layers) -> Vec<usize> {
     let mut moves = vec![false; scene.nodes.len()];
     let mut helpers = false;
-    for layer in &stack.layers {
+    for layer in &layers.playing {
         for prop in layer
+            .source
             .anim_props
             .iter()
             .filter(|p| p.element.type_ == ElementType::Node)
@@ -161,10 +326,10 @@ fn moving_nodes(scene: &SceneRoot, stack: &AnimStack) -> Vec<usize> {
     (1..moves.len()).filter(|&node| moves[node]).collect()
 }
 
-fn moving_channels(scene: &SceneRoot, stack: &AnimStack) -> Vec<bool> {
+fn moving_channels(scene: &SceneRoot, layers: &Layers) -> Vec<bool> {
     let mut moves = vec![false; scene.blend_channels.len()];
-    for layer in &stack.layers {
-        for prop in layer.anim_props.iter() {
+    for layer in &layers.playing {
+        for prop in layer.source.anim_props.iter() {
             if prop.element.type_ == ElementType::BlendChannel && prop.prop_name.as_ref() == BLENDS
             {
                 moves[prop.element.typed_id as usize] = true;
@@ -172,63 +337,6 @@ fn moving_channels(scene: &SceneRoot, stack: &AnimStack) -> Vec<bool> {
         }
     }
     moves
-}
-
-/// Where each of `nodes` is at each of `times`.
-pub(crate) fn evaluate(
-    scene: &SceneRoot,
-    stack: usize,
-    nodes: &[usize],
-    times: &[f64],
-    options: &Options,
-    budget: &Budget,
-) -> Result<Vec<Vec<Trs>>, FbxError> {
-    let threads = threads(nodes.len() * times.len(), options);
-    let track = |node: usize| -> Vec<Trs> {
-        let anim: &ufbx::Anim = &scene.anim_stacks[stack].anim;
-        let source: &ufbx::Node = &scene.nodes[node];
-        let mut last = rest_of(source);
-        let pose = |&time: &f64| {
-            let pose = trs(&ufbx::evaluate_transform(anim, source, time));
-            // What is no transform leaves the node where it was.
-            if pose.is_sound() {
-                last = pose;
-            }
-            last
-        };
-        times.iter().map(pose).collect()
-    };
-    let parts = in_parts(nodes.len(), threads, |range| -> Vec<Vec<Trs>> {
-        let in_time = nodes[range].iter().take_while(|_| !budget.is_late());
-        in_time.map(|&node| track(node)).collect()
-    });
-    let tracks = parts.into_iter().flatten().collect();
-    budget.in_time("clips")?;
-    Ok(tracks)
-}
-
-/// Weights of all targets of a mesh at each of `times`, those of a time together.
-pub(crate) fn morph_weights(
-    scene: &SceneRoot,
-    stack: &AnimStack,
-    shapes: &[ShapeKey],
-    times: &[f64],
-) -> Vec<f64> {
-    let mut out = vec![0.0; shapes.len() * times.len()];
-    let mut at = 0;
-    while at < shapes.len() {
-        let channel: &ufbx::BlendChannel = &scene.blend_channels[shapes[at].channel];
-        let stops = stops(channel);
-        for (i, &time) in times.iter().enumerate() {
-            let weight = ufbx::evaluate_blend_weight(&stack.anim, channel, time);
-            let weights = shape_weights(&stops, weight);
-            for (key, weight) in weights.into_iter().enumerate() {
-                out[i * shapes.len() + at + key] = if weight.is_finite() { weight } else { 0.0 };
-            }
-        }
-        at += stops.len().max(1);
-    }
-    out
 }
 
 #[cfg(test)]

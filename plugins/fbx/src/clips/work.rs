@@ -107,7 +107,13 @@ impl<'a> Work<'a> {
         });
         let mut choices: Vec<Choice> = parts.into_iter().flatten().collect();
         for morph in &self.samples.morphs {
-            choices.extend(self.choose_morph(morph, error));
+            let kind = kinds.get(choices.len()).copied().unwrap_or_default();
+            // Morph targets are told apart by their channel's kind only where parts of a clip must agree.
+            let kind = match kind {
+                Kinds::OnlyLinear | Kinds::OnlyCubic => kind,
+                _ => Kinds::Any,
+            };
+            choices.extend(self.choose_morph(morph, error, kind));
         }
         choices
     }
@@ -146,7 +152,7 @@ impl<'a> Work<'a> {
         ]
     }
 
-    fn choose_morph(&self, morph: &MorphTrack, error: f64) -> Vec<Choice> {
+    fn choose_morph(&self, morph: &MorphTrack, error: f64, kind: Kinds) -> Vec<Choice> {
         let values: Vec<Vec<f64>> = morph
             .weights
             .chunks(morph.targets)
@@ -161,13 +167,7 @@ impl<'a> Work<'a> {
                 // A skinned mesh may be scaled by its joints; they are as large as their shells say.
                 let scale = self.leverage[node].translation.max(1.0);
                 let reach: Vec<f64> = targets.iter().map(|target| target.reach * scale).collect();
-                weights(
-                    &self.sampled(node, Kinds::Any),
-                    &values,
-                    &rest,
-                    &reach,
-                    error,
-                )
+                weights(&self.sampled(node, kind), &values, &rest, &reach, error)
             })
             .collect()
     }
@@ -211,6 +211,17 @@ impl<'a> Work<'a> {
             farthest
         });
         parts.into_iter().fold(0.0, f64::max)
+    }
+
+    /// What one unit of any of a node's morph weights moves at most, metres.
+    pub(super) fn reach(&self, node: usize) -> f64 {
+        let morphs = self.samples.morphs.iter();
+        let own = morphs.filter(|morph| morph.nodes.contains(&node));
+        let targets = own.flat_map(|morph| &self.model.meshes[morph.mesh].targets);
+        let scale = self.leverage[node].translation.max(1.0);
+        targets
+            .map(|target| target.reach * scale)
+            .fold(0.0, f64::max)
     }
 
     /// What morph targets alone are off by at each sample, metres.

@@ -3,7 +3,7 @@
 use super::convert::finite;
 use crate::model::{Camera, Light, LightKind, Projection};
 use crate::report::Report;
-use ufbx::{LightDecay, LightType, ProjectionMode};
+use ufbx::{ApertureMode, LightDecay, LightType, ProjectionMode};
 
 /// A light, if glTF's extension knows its kind.
 pub(crate) fn read_light(light: &ufbx::Light, report: &mut Report) -> Option<Light> {
@@ -45,31 +45,99 @@ fn spot(light: &ufbx::Light) -> LightKind {
     }
 }
 
-/// A camera; `unit` is what ufbx scaled lengths by, which it does not do to cameras.
-pub(crate) fn read_camera(camera: &ufbx::Camera, unit: f64) -> Camera {
-    let sound = |x: f64, without: f64| if x.is_finite() && x > 0.0 { x } else { without };
-    let near = sound(camera.near_plane * unit, 0.1);
-    let far = sound(camera.far_plane * unit, 1000.0);
-    let projection = match camera.projection_mode {
-        ProjectionMode::Perspective => {
-            let fov = sound(camera.field_of_view_deg.y, 45.0).clamp(0.1, 179.0);
-            Projection::Perspective(
-                finite(fov.to_radians()),
-                finite(sound(camera.aspect_ratio, 16.0 / 9.0)),
-            )
-        }
+/// What FBX's own SDK gives a camera that says nothing: near and far in the file's unit, degrees.
+const NEAR: f64 = 10.0;
+const FAR: f64 = 4000.0;
+const FIELD: f64 = 25.115;
+/// Farther than this is as good as infinitely far, and f32 still holds it; metres.
+const FARTHEST: f64 = 1e30;
+/// An orthographic camera needs an end: metres.
+const FAR_ENOUGH: f64 = 1e9;
+
+/// A camera. ufbx has scaled its lengths to metres already; `unit` is what it scaled them by, for what the
+/// file does not say.
+pub(crate) fn read_camera(camera: &ufbx::Camera, unit: f64, report: &mut Report) -> Camera {
+    let name = camera.element.name.to_string();
+    let mut projection = match camera.projection_mode {
+        ProjectionMode::Perspective => perspective(camera),
         ProjectionMode::Orthographic => {
-            let size = camera.orthographic_size;
-            Projection::Orthographic(
-                finite(sound(size.x * unit / 2.0, 1.0)),
-                finite(sound(size.y * unit / 2.0, 1.0)),
-            )
+            let [x, y] = [camera.orthographic_size.x, camera.orthographic_size.y]
+                .map(|size| finite(sound(size / 2.0, 15.0 * unit).clamp(1e-30, FARTHEST)));
+            Projection::Orthographic(x, y)
         }
     };
+    let (near, far) = planes(camera, unit, &name, report);
+    if let (Projection::Perspective(_, aspect), true) = (&mut projection, aspect_is_lost(camera)) {
+        *aspect = finite(16.0 / 9.0);
+        let detail = "says no width over height; 16 : 9 is taken";
+        report.lose("camera-aspect", &name, detail);
+    }
+    let shift = ["FilmOffsetX", "FilmOffsetY"].map(|prop| {
+        let offset = ufbx::find_prop(&camera.element.props, prop);
+        offset.map_or(0.0, |prop| prop.value_vec4.x)
+    });
+    if shift != [0.0, 0.0] {
+        let detail = format!(
+            "its film is shifted by {} and {} inches, which glTF's cameras are not",
+            shift[0], shift[1]
+        );
+        report.lose("camera-shift", &name, detail);
+    }
     Camera {
-        name: camera.element.name.to_string(),
+        name,
         projection,
-        near: finite(near),
-        far: finite(far.max(near * 1.001 + 1e-3)),
+        near,
+        far,
+    }
+}
+
+fn sound(x: f64, without: f64) -> f64 {
+    if x.is_finite() && x > 0.0 { x } else { without }
+}
+
+fn aspect_is_lost(camera: &ufbx::Camera) -> bool {
+    sound(camera.aspect_ratio, 0.0) == 0.0
+        && !matches!(camera.aperture_mode, ApertureMode::HorizontalAndVertical)
+}
+
+/// Vertical angle and width over height. Where a file gives both angles they say the ratio too; else it
+/// is that of the picture.
+fn perspective(camera: &ufbx::Camera) -> Projection {
+    let field = sound(camera.field_of_view_deg.y, FIELD).clamp(0.1, 179.0);
+    let both = matches!(camera.aperture_mode, ApertureMode::HorizontalAndVertical);
+    let tangents = camera.field_of_view_tan;
+    let aspect = match both {
+        true => sound(tangents.x / tangents.y, 1.0),
+        false => sound(camera.aspect_ratio, 1.0),
+    };
+    Projection::Perspective(finite(field.to_radians()), finite(aspect.clamp(1e-6, 1e6)))
+}
+
+/// Distances of the near and the far plane, metres, as glTF wants them: 0 < near < far.
+fn planes(camera: &ufbx::Camera, unit: f64, name: &str, report: &mut Report) -> (f32, f32) {
+    let (wanted_near, wanted_far) = (camera.near_plane, camera.far_plane);
+    // What is not there is 0 here, and 0 is no distance that glTF's projections could have.
+    let near = sound(wanted_near, NEAR * unit).min(FARTHEST / 4.0);
+    let far = match wanted_far > 0.0 {
+        true => wanted_far,
+        false => FAR * unit,
+    };
+    let ends = !matches!(camera.projection_mode, ProjectionMode::Perspective);
+    let far = match (far >= FARTHEST, ends) {
+        (true, false) => f64::INFINITY,
+        (true, true) => FAR_ENOUGH.max(near * 2.0),
+        (false, _) => far,
+    };
+    let (first, last) = (finite(near).max(f32::MIN_POSITIVE), far as f32);
+    let turned = first >= last;
+    if turned || wanted_near < 0.0 || wanted_near.is_nan() || wanted_far.is_nan() {
+        let detail = format!(
+            "shows from {wanted_near:e} m to {wanted_far:e} m in the file, which glTF cannot; other distances stand in"
+        );
+        report.lose("camera-planes", name, detail);
+    }
+    match turned {
+        true => (first, first * 2.0),
+        false => (first, last),
     }
 }

@@ -38,6 +38,47 @@ pub(crate) fn report_lost(scene: &Scene, report: &mut Report) {
             "cuts between cameras are not in glTF",
         ),
         (
+            "selection-set",
+            scene.selection_sets.len(),
+            "sets of objects are not in glTF",
+        ),
+        (
+            "display-layer",
+            (&scene.display_layers)
+                .into_iter()
+                .filter(|layer| !layer.nodes.is_empty())
+                .count(),
+            "layers that nodes are shown by are not in glTF; what a layer hides is hidden",
+        ),
+        (
+            "marker",
+            scene.markers.len(),
+            "marks of hands, feet and other places are nodes without anything now",
+        ),
+        (
+            "character",
+            scene.characters.len(),
+            "which node is which part of a body is not in glTF",
+        ),
+        (
+            "metadata",
+            scene.metadata_objects.len(),
+            "objects of metadata are not in glTF",
+        ),
+        (
+            "unknown-object",
+            scene.unknowns.len(),
+            "objects of kinds that are not known",
+        ),
+        (
+            "bone-shape",
+            (&scene.bones)
+                .into_iter()
+                .filter(|bone| bone.radius != 1.0)
+                .count(),
+            "how thick bones are drawn is not in glTF",
+        ),
+        (
             "lod-group",
             scene.lod_groups.len(),
             "which level of detail shows at what distance is not in glTF; all are there",
@@ -49,6 +90,15 @@ pub(crate) fn report_lost(scene: &Scene, report: &mut Report) {
             report.lose(what, &count.to_string(), detail);
         }
     }
+    for node in &scene.nodes {
+        let others = node.all_attribs.len().saturating_sub(1);
+        if others > 0 {
+            let detail = format!(
+                "{others} more than one object hang at it; the first of each kind is taken"
+            );
+            report.lose("attributes", &node.element.name, detail);
+        }
+    }
     for mesh in &scene.meshes {
         let name = mesh.element.name.to_string();
         if mesh.skin_deformers.len() > 1 {
@@ -57,6 +107,26 @@ pub(crate) fn report_lost(scene: &Scene, report: &mut Report) {
                 &name,
                 "has several skins; the first is taken",
             );
+        }
+        let holes = mesh.face_hole.iter().filter(|&&hole| hole).count();
+        if holes > 0 {
+            let detail = format!("{holes} faces are holes in the file; they are closed here");
+            report.lose("face-hole", &name, detail);
+        }
+        let creased = mesh.vertex_crease.exists || mesh.edge_crease.iter().any(|c| *c != 0.0);
+        if creased {
+            report.lose(
+                "crease",
+                &name,
+                "creases for smoothing when shown are not in glTF",
+            );
+        }
+        if mesh.color_sets.len() > 1 {
+            let detail = format!(
+                "has {} colour sets; loaders show the first of them at most",
+                mesh.color_sets.len()
+            );
+            report.lose("colour-sets", &name, detail);
         }
         if mesh.num_point_faces + mesh.num_line_faces + mesh.num_empty_faces > 0 {
             report.lose("thin-faces", &name, "has faces of fewer than three corners");
@@ -67,12 +137,6 @@ pub(crate) fn report_lost(scene: &Scene, report: &mut Report) {
                 &name,
                 "is to be smoothed when shown; its cage is taken",
             );
-        }
-    }
-    for node in &scene.nodes {
-        if !node.visible && node.mesh.is_some() {
-            let detail = "is hidden in the file and shows in the result: glTF has no visibility";
-            report.lose("hidden", &node.element.name, detail);
         }
     }
 }

@@ -1,176 +1,285 @@
 //! Materials of the metallic-roughness model, from what the file has.
 
 use super::convert::finite;
+use super::opacity::opacity;
 use super::textures::Textures;
+use super::unsaid::{Unsaid, is_physical};
+use super::uv_sets::{UvNames, UvOrder, settle, wearers};
 use crate::model::{Material, TextureUse};
 use crate::report::Report;
-use ufbx::{MaterialMap, Scene, ShaderType};
+use std::collections::BTreeMap;
+use ufbx::{MaterialMap, Scene, ShaderType, TextureType};
 
-/// Reads every material. `textures` finds their pictures.
+/// Reads every material, and in which order the meshes that wear it have to write their UV sets.
+/// `textures` finds their pictures.
 pub(crate) fn read_materials(
     scene: &Scene,
     textures: &mut Textures,
     report: &mut Report,
-) -> Vec<Material> {
-    let sets = uv_sets_by_material(scene);
-    (&scene.materials)
-        .into_iter()
-        .zip(&sets)
-        .map(|(material, sets)| read_material(material, sets, textures, report))
-        .collect()
+) -> (Vec<Material>, Vec<UvOrder>) {
+    let wearers = wearers(scene);
+    let mut unsaid = Unsaid::default();
+    let mut made = Vec::new();
+    for (source, wearers) in (&scene.materials).into_iter().zip(&wearers) {
+        let mut reader = Reader {
+            source,
+            name: source.element.name.to_string(),
+            names: UvNames::default(),
+            textures: &mut *textures,
+            unsaid: &mut unsaid,
+            report: &mut *report,
+        };
+        let mut material = reader.read();
+        let names = reader.names;
+        let order = settle(&mut material, names, wearers, report);
+        made.push((material, order));
+    }
+    unsaid.report(report);
+    made.into_iter().unzip()
 }
 
-/// Names of the UV sets of the first mesh that wears each material: texture coordinates are found by
-/// name in FBX and by number in glTF.
-fn uv_sets_by_material(scene: &Scene) -> Vec<Vec<String>> {
-    let mut sets = vec![Vec::new(); scene.materials.len()];
-    for mesh in &scene.meshes {
-        let names: Vec<String> = mesh
-            .uv_sets
-            .iter()
-            .map(|set| set.name.to_string())
-            .collect();
-        let of_nodes = (&mesh.element.instances)
-            .into_iter()
-            .flat_map(|node| &node.materials);
-        for material in (&mesh.materials).into_iter().chain(of_nodes) {
-            if let Some(slot) = sets.get_mut(material.element.typed_id as usize)
-                && slot.is_empty()
-            {
-                slot.clone_from(&names);
+/// Reads one material.
+struct Reader<'a, 't> {
+    source: &'a ufbx::Material,
+    name: String,
+    /// The UV sets that its textures use.
+    names: UvNames,
+    textures: &'a mut Textures<'t>,
+    unsaid: &'a mut Unsaid,
+    report: &'a mut Report,
+}
+
+impl Reader<'_, '_> {
+    fn read(&mut self) -> Material {
+        let (pbr, features) = (&self.source.pbr, &self.source.features);
+        self.unsaid.look(self.source, &self.name);
+        self.several();
+        let mut base_texture = self.picture(&pbr.base_color);
+        let factor = number(&pbr.base_factor, 1.0);
+        // A texture replaces the colour in FBX; in glTF the two are multiplied.
+        let colour = match &base_texture {
+            Some(_) => [factor; 3],
+            None => rgb(&pbr.base_color, 0.8).map(|c| c * factor),
+        };
+        let (alpha, own_alpha) = self.alpha(&mut base_texture);
+        let (emissive, emissive_strength, emissive_texture) = self.emission();
+        let normal_texture = self.normals();
+        let (metallic_roughness_texture, metallic, roughness) = self.metallic_roughness();
+        Material {
+            base_colour: [colour[0], colour[1], colour[2], alpha]
+                .map(|c| finite(c).clamp(0.0, 1.0)),
+            base_texture,
+            metallic: finite(metallic).clamp(0.0, 1.0),
+            roughness: finite(roughness).clamp(0.0, 1.0),
+            metallic_roughness_texture,
+            emissive,
+            emissive_strength,
+            emissive_texture,
+            normal_texture,
+            occlusion_texture: self.picture(&pbr.ambient_occlusion),
+            blend: alpha < 1.0 || own_alpha,
+            double_sided: features.double_sided.enabled,
+            name: self.name.clone(),
+        }
+    }
+
+    fn picture(&mut self, map: &MaterialMap) -> Option<TextureUse> {
+        self.textures.of_map(map, &mut self.names, self.report)
+    }
+
+    /// Several textures on one property: all but the first are lost.
+    fn several(&mut self) {
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        for texture in &self.source.textures {
+            *counts.entry(&texture.material_prop).or_default() += 1;
+        }
+        for (property, count) in counts.into_iter().filter(|(_, count)| *count > 1) {
+            let detail = format!("has {count} textures as its {property}; one is taken");
+            self.report.lose("texture-layers", &self.name, detail);
+        }
+    }
+
+    /// Opacity, and whether the colour's picture has it. Where another picture has it, the two are put
+    /// together, as far as it is known what that one means.
+    fn alpha(&mut self, base: &mut Option<TextureUse>) -> (f64, bool) {
+        let (pbr, fbx) = (&self.source.pbr, &self.source.fbx);
+        let opacity = opacity(self.source);
+        let classic = !is_physical(self.source.shader_type);
+        let maps = [
+            &pbr.opacity,
+            &fbx.transparency_color,
+            &fbx.transparency_factor,
+        ];
+        let maps = maps.into_iter().take(if classic { 3 } else { 1 });
+        let maps = maps.filter(|map| map.texture_enabled && map.texture.is_some());
+        let Some((map, texture)) = maps.filter_map(|m| Some((m, m.texture.as_deref()?))).next()
+        else {
+            return (opacity, false);
+        };
+        let same = pbr.base_color.texture.as_deref();
+        let same = same.is_some_and(|base| is_same_picture(base, texture));
+        match base {
+            Some(base) if same && self.textures.has_alpha(base) => return (1.0, true),
+            // That it was not found is said already.
+            None if same => return (opacity, false),
+            _ => {}
+        }
+        // Some programs write opacity as the colour of transparency, some the inverse, and none says
+        // which. A picture of an opacity is white where it is opaque.
+        let is_opacity = std::ptr::eq(map, &pbr.opacity);
+        let detail = match (same, is_opacity) {
+            (true, _) => "opacity lies in the picture of the colour, which has no alpha channel",
+            (_, false) => {
+                "opacity lies in a picture of its own, of which is not known whether white is opaque; put it into the alpha channel of the colour's"
+            }
+            (_, true) => {
+                let found = self.picture(map);
+                let Some(found) = found else {
+                    return (opacity, false);
+                };
+                match self.textures.with_opacity(base.as_ref(), &found) {
+                    Ok(made) => {
+                        *base = Some(made);
+                        return (1.0, true);
+                    }
+                    Err(detail) => detail,
+                }
+            }
+        };
+        self.unsaid.add("opacity-map", &self.name, detail);
+        (opacity, false)
+    }
+
+    /// Emission with its hue, what it is multiplied by (1 or more), and its picture.
+    fn emission(&mut self) -> ([f32; 3], f32, Option<TextureUse>) {
+        let pbr = &self.source.pbr;
+        let factor = number(&pbr.emission_factor, 1.0);
+        let texture = match factor > 0.0 {
+            true => self.picture(&pbr.emission_color),
+            false => None,
+        };
+        let colour = match &texture {
+            Some(_) => [factor; 3],
+            // A picture that is not there glows nowhere.
+            None if pbr.emission_color.texture.is_some() && pbr.emission_color.texture_enabled => {
+                [0.0; 3]
+            }
+            None => rgb(&pbr.emission_color, 0.0).map(|c| c * factor),
+        };
+        let colour = colour.map(|c| f64::from(finite(c).max(0.0)));
+        let strength = colour.into_iter().fold(1.0, f64::max);
+        (
+            colour.map(|c| finite(c / strength)),
+            finite(strength),
+            texture,
+        )
+    }
+
+    fn normals(&mut self) -> Option<TextureUse> {
+        let (pbr, fbx) = (&self.source.pbr, &self.source.fbx);
+        // What 3ds Max calls bump is a height map, unless a map of normals is put between.
+        let between = matches!(
+            self.source.shader_type,
+            ShaderType::E3DsMaxPhysicalMaterial | ShaderType::OpenpbrMaterial
+        );
+        let is_file = |map: &MaterialMap| {
+            let texture = map.texture.as_deref();
+            texture.is_some_and(|texture| texture.type_ == TextureType::File)
+        };
+        let heights = between && is_file(&pbr.normal_map);
+        let found = match heights {
+            true => None,
+            false => self.picture(&pbr.normal_map),
+        };
+        let found = found.or_else(|| self.picture(&fbx.normal_map));
+        let bump = fbx.bump.texture.as_deref();
+        let apart = bump.is_some_and(|bump| {
+            let normals = [&pbr.normal_map, &fbx.normal_map];
+            let mut normals = normals.into_iter().filter_map(|map| map.texture.as_deref());
+            heights || !normals.any(|normals| is_same_picture(normals, bump))
+        });
+        if heights || apart {
+            let detail = "a height map for bumps has no place in glTF; bake it into a normal map";
+            self.unsaid.add("bump-map", &self.name, detail);
+        }
+        found
+    }
+
+    /// Metalness and roughness share one picture in glTF, in blue and green.
+    fn metallic_roughness(&mut self) -> (Option<TextureUse>, f64, f64) {
+        let material = self.source;
+        let pbr = &material.pbr;
+        let metallic = number(&pbr.metalness, 0.0);
+        let glossy = material.features.roughness_as_glossiness.enabled;
+        let roughness = match pbr.roughness.has_value || !pbr.glossiness.has_value {
+            true if glossy => 1.0 - number(&pbr.roughness, 0.0),
+            true => number(&pbr.roughness, 1.0),
+            false => 1.0 - number(&pbr.glossiness, 0.0),
+        };
+        // A picture of shininess is none of roughness, which `Unsaid` says.
+        if matches!(
+            material.shader_type,
+            ShaderType::Unknown | ShaderType::FbxLambert | ShaderType::FbxPhong
+        ) {
+            return (None, metallic, roughness);
+        }
+        let has = |map: &MaterialMap| map.texture_enabled && map.texture.is_some();
+        let (rough_map, is_gloss) = match has(&pbr.glossiness) {
+            true => (&pbr.glossiness, true),
+            false => (&pbr.roughness, false),
+        };
+        let (of_metal, of_rough) = (has(&pbr.metalness), has(rough_map));
+        if !of_metal && !of_rough {
+            return (None, metallic, roughness);
+        }
+        let rough = self.picture(rough_map);
+        // Without metal nothing of the picture but its green is read, and in a picture of roughness
+        // that is grey: it serves as it is.
+        if !of_metal && metallic == 0.0 && !is_gloss {
+            return match rough {
+                Some(map) => (Some(map), 0.0, 1.0),
+                None => (None, metallic, roughness),
+            };
+        }
+        let id = |map: &MaterialMap| map.texture.as_ref().map(|t| t.element.typed_id);
+        if of_metal && of_rough && id(&pbr.metalness) == id(rough_map) {
+            if matches!(material.shader_type, ShaderType::GltfMaterial) {
+                return match rough {
+                    Some(map) => (Some(map), 1.0, 1.0),
+                    None => (None, metallic, roughness),
+                };
+            }
+            let detail =
+                "metalness and roughness lie in one picture, and not known in which channels";
+            self.unsaid.add("metal-roughness-map", &self.name, detail);
+            return (None, metallic, roughness);
+        }
+        let metal = self.picture(&pbr.metalness);
+        if metal.is_none() && rough.is_none() {
+            return (None, metallic, roughness);
+        }
+        let of_rough = rough.as_ref().map(|rough| (rough, is_gloss));
+        match self.textures.metal_rough(metal.as_ref(), of_rough) {
+            Ok(map) => {
+                // A texture replaces the number.
+                let number = |has: bool, without: f64| if has { 1.0 } else { without };
+                let metallic = number(metal.is_some(), metallic);
+                (Some(map), metallic, number(rough.is_some(), roughness))
+            }
+            Err(detail) => {
+                self.unsaid.add("metal-roughness-map", &self.name, detail);
+                (None, metallic, roughness)
             }
         }
     }
-    sets
 }
 
-fn read_material(
-    material: &ufbx::Material,
-    uv_sets: &[String],
-    textures: &mut Textures,
-    report: &mut Report,
-) -> Material {
-    let (pbr, fbx, features) = (&material.pbr, &material.fbx, &material.features);
-    let name = material.element.name.to_string();
-    let mut picture =
-        |map: &MaterialMap, report: &mut Report| textures.of_map(map, uv_sets, report);
-
-    let base_texture = picture(&pbr.base_color, report);
-    let factor = number(&pbr.base_factor, 1.0);
-    // A texture replaces the colour in FBX; in glTF the two are multiplied.
-    let colour = match &base_texture {
-        Some(_) => [factor; 3],
-        None => rgb(&pbr.base_color, 0.8).map(|c| c * factor),
-    };
-    let opacity = opacity(material);
-    let emission_factor = number(&pbr.emission_factor, 1.0);
-    let emissive_texture = match emission_factor > 0.0 {
-        true => picture(&pbr.emission_color, report),
-        false => None,
-    };
-    let emissive = match &emissive_texture {
-        Some(_) => [emission_factor; 3],
-        None => rgb(&pbr.emission_color, 0.0).map(|c| c * emission_factor),
-    };
-    let normal_texture = match picture(&pbr.normal_map, report) {
-        Some(map) => Some(map),
-        None => picture(&fbx.normal_map, report),
-    };
-    if normal_texture.is_none() && fbx.bump.texture.is_some() {
-        report.lose(
-            "bump-map",
-            &name,
-            "a height map for bumps has no place in glTF",
-        );
-    }
-    let (metallic_roughness_texture, metallic, roughness) =
-        metallic_roughness(material, &name, &mut picture, report);
-    let opacity_texture = pbr
-        .opacity
-        .texture
-        .as_ref()
-        .or(fbx.transparency_color.texture.as_ref());
-    let base_image = pbr.base_color.texture.as_ref();
-    let own_alpha = opacity_texture.is_some()
-        && opacity_texture.map(|t| t.element.typed_id) == base_image.map(|t| t.element.typed_id);
-    if opacity_texture.is_some() && !own_alpha {
-        let detail = "opacity lies in a picture of its own; glTF wants it in the colour's alpha";
-        report.lose("opacity-map", &name, detail);
-    }
-    Material {
-        base_colour: [colour[0], colour[1], colour[2], 1.0].map(|c| finite(c).clamp(0.0, 1.0)),
-        base_texture,
-        metallic: finite(metallic).clamp(0.0, 1.0),
-        roughness: finite(roughness).clamp(0.0, 1.0),
-        metallic_roughness_texture,
-        emissive: emissive.map(|c| finite(c).clamp(0.0, 1.0)),
-        emissive_texture,
-        normal_texture,
-        occlusion_texture: picture(&pbr.ambient_occlusion, report),
-        blend: opacity < 1.0 || own_alpha,
-        double_sided: features.double_sided.enabled,
-        name,
-    }
-    .with_opacity(opacity)
-}
-
-impl Material {
-    fn with_opacity(mut self, opacity: f64) -> Self {
-        self.base_colour[3] = finite(opacity).clamp(0.0, 1.0);
-        self
-    }
-}
-
-/// Metalness and roughness share one picture in glTF, in blue and green.
-fn metallic_roughness(
-    material: &ufbx::Material,
-    name: &str,
-    picture: &mut impl FnMut(&MaterialMap, &mut Report) -> Option<TextureUse>,
-    report: &mut Report,
-) -> (Option<TextureUse>, f64, f64) {
-    let pbr = &material.pbr;
-    let metallic = number(&pbr.metalness, 0.0);
-    let glossy = material.features.roughness_as_glossiness.enabled;
-    let roughness = match pbr.roughness.has_value || !pbr.glossiness.has_value {
-        true if glossy => 1.0 - number(&pbr.roughness, 0.0),
-        true => number(&pbr.roughness, 1.0),
-        false => 1.0 - number(&pbr.glossiness, 0.0),
-    };
-    let id = |map: &MaterialMap| map.texture.as_ref().map(|t| t.element.typed_id);
-    let (of_metal, of_rough) = (id(&pbr.metalness), id(&pbr.roughness));
-    if of_metal.is_none() && of_rough.is_none() {
-        return (None, metallic, roughness);
-    }
-    // Without metal nothing of the picture but its green is read, and in a picture of roughness that is
-    // grey: it serves as it is.
-    if of_metal.is_none() && metallic == 0.0 && !glossy && !pbr.glossiness.has_value {
-        return match picture(&pbr.roughness, report) {
-            Some(map) => (Some(map), 0.0, 1.0),
-            None => (None, metallic, roughness),
-        };
-    }
-    let packed = of_metal == of_rough && matches!(material.shader_type, ShaderType::GltfMaterial);
-    if !packed {
-        let detail = "metalness and roughness lie in pictures of their own; glTF wants them in one";
-        report.lose("metal-roughness-map", name, detail);
-        return (None, metallic, roughness);
-    }
-    match picture(&pbr.roughness, report) {
-        Some(map) => (Some(map), 1.0, 1.0),
-        None => (None, metallic, roughness),
-    }
-}
-
-fn opacity(material: &ufbx::Material) -> f64 {
-    let pbr = &material.pbr.opacity;
-    match pbr.has_value {
-        true => match pbr.value_components {
-            0 | 1 => pbr.value_vec4.x,
-            // Transparent colours are not in glTF: their mean.
-            _ => (pbr.value_vec4.x + pbr.value_vec4.y + pbr.value_vec4.z) / 3.0,
-        },
-        false => 1.0,
-    }
+/// The same picture by the same file, though it may be two textures.
+fn is_same_picture(a: &ufbx::Texture, b: &ufbx::Texture) -> bool {
+    let video = |texture: &ufbx::Texture| texture.video.as_ref().map(|v| v.element.typed_id);
+    a.element.typed_id == b.element.typed_id
+        || (a.has_file && b.has_file && a.file_index == b.file_index)
+        || (video(a).is_some() && video(a) == video(b))
 }
 
 fn number(map: &MaterialMap, without: f64) -> f64 {

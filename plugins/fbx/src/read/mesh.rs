@@ -1,11 +1,16 @@
 //! Meshes: triangles by material, with one vertex for each different corner.
 
 use super::convert::{finite, finite3, vec3};
+use super::normals::by_groups;
+use super::place::offset_of;
 use super::shapes::Shapes;
 use super::tangents::{Corners, tangents};
+use super::uv_sets::{UvOrder, looked_up};
 use crate::error::FbxError;
 use crate::model::{Material, Mesh, Part};
 use crate::options::Budget;
+use crate::report::Report;
+use crate::syntax::smoothing_groups;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -16,6 +21,8 @@ const NONE: u32 = u32::MAX;
 #[derive(Default)]
 pub(crate) struct Meshes {
     known: BTreeMap<(u32, Vec<Option<usize>>, bool), usize>,
+    /// For each FBX mesh, smoothing groups of its faces, where normals are to be made of them.
+    groups: Vec<Vec<u32>>,
 }
 
 /// Corners of the triangles of one part, before equal ones are joined.
@@ -31,6 +38,14 @@ struct Soup {
 }
 
 impl Meshes {
+    /// For a scene read from `file`.
+    pub(crate) fn new(scene: &ufbx::Scene, file: &[u8], report: &mut Report) -> Self {
+        Self {
+            groups: groups(scene, file, report),
+            ..Self::default()
+        }
+    }
+
     /// Number of the mesh that `node` shows; `None` if it has no triangle. A mesh with a skin is told
     /// apart from the same one without.
     pub(crate) fn number(
@@ -38,8 +53,9 @@ impl Meshes {
         node: &ufbx::Node,
         mesh: &ufbx::Mesh,
         skinned: bool,
-        materials: &[Material],
+        looks: (&[Material], &[UvOrder]),
         meshes: &mut Vec<Mesh>,
+        max_error: f64,
         budget: &Budget,
     ) -> Result<Option<usize>, FbxError> {
         let of_node: Vec<Option<usize>> = match node.materials.is_empty() {
@@ -56,7 +72,9 @@ impl Meshes {
         if let Some(&number) = self.known.get(&key) {
             return Ok(Some(number));
         }
-        let made = read_mesh(mesh, &of_node, materials, budget)?;
+        let groups = self.groups.get(mesh.element.typed_id as usize);
+        let groups = groups.map_or(&[][..], Vec::as_slice);
+        let made = read_mesh(mesh, &of_node, looks, groups, max_error, budget)?;
         if made.parts.is_empty() {
             return Ok(None);
         }
@@ -66,10 +84,36 @@ impl Meshes {
     }
 }
 
+/// Smoothing groups of the meshes that have them and no normals, from the file itself: ufbx says of each
+/// face only whether it has one.
+fn groups(scene: &ufbx::Scene, file: &[u8], report: &mut Report) -> Vec<Vec<u32>> {
+    let wanted = |mesh: &ufbx::Mesh| {
+        mesh.generated_normals && mesh.face_smoothing.iter().any(|&smooth| smooth)
+    };
+    if !(&scene.meshes).into_iter().any(wanted) {
+        return Vec::new();
+    }
+    let mut groups = smoothing_groups(file);
+    let known = groups.len() == scene.meshes.len();
+    groups.resize(scene.meshes.len(), Vec::new());
+    for (mesh, groups) in (&scene.meshes).into_iter().zip(&mut groups) {
+        if !wanted(mesh) || !known || groups.len() != mesh.num_faces {
+            groups.clear();
+        }
+        if wanted(mesh) && groups.is_empty() {
+            let detail = "smoothing groups do not fit its faces; all that have one are smooth";
+            report.lose("smoothing-groups", &mesh.element.name, detail);
+        }
+    }
+    groups
+}
+
 fn read_mesh(
     mesh: &ufbx::Mesh,
     of_node: &[Option<usize>],
-    materials: &[Material],
+    (materials, uv_orders): (&[Material], &[UvOrder]),
+    groups: &[u32],
+    max_error: f64,
     budget: &Budget,
 ) -> Result<Mesh, FbxError> {
     let shapes = Shapes::of(mesh);
@@ -98,6 +142,12 @@ fn read_mesh(
     let offsets: Vec<_> = (0..shapes.targets.len())
         .map(|target| shapes.offsets(target, mesh.num_vertices))
         .collect();
+    let offset = offset_of(mesh, max_error);
+    let normals = match groups.is_empty() {
+        true => Vec::new(),
+        false => by_groups(mesh, groups),
+    };
+    let uv_sets: Vec<&str> = mesh.uv_sets.iter().map(|set| &*set.name).collect();
     let mut parts = Vec::new();
     for (slot, mut soup) in soups {
         budget.in_time("meshes")?;
@@ -106,13 +156,22 @@ fn read_mesh(
             .copied()
             .flatten()
             .filter(|&m| m < materials.len());
-        fill(&mut soup, mesh);
+        fill(&mut soup, mesh, &normals, offset);
+        if let Some(m) = material {
+            let uvs = std::mem::take(&mut soup.uvs);
+            let count = soup.corners.len();
+            soup.uvs = match uv_orders.get(m) {
+                Some(order) => order.arrange(uvs, &uv_sets, &materials[m], count),
+                None => uvs,
+            };
+        }
         let normal_map = material.and_then(|m| materials[m].normal_texture.as_ref());
-        if let Some(uvs) = normal_map.and_then(|map| soup.uvs.get(map.uv_set as usize)) {
+        let uvs = normal_map.and_then(|map| Some((map, soup.uvs.get(map.uv_set as usize)?)));
+        if let Some((map, uvs)) = uvs {
             soup.tangents = tangents(&Corners {
                 positions: &soup.positions,
                 normals: &soup.normals,
-                uvs,
+                uvs: &looked_up(uvs, map),
             });
         }
         let mut part = join(&soup, mesh);
@@ -136,17 +195,22 @@ fn read_mesh(
         parts,
         targets: shapes.targets,
         source: mesh.element.typed_id,
+        offset,
     })
 }
 
 /// Looks up the attributes of each corner.
-fn fill(soup: &mut Soup, mesh: &ufbx::Mesh) {
+fn fill(soup: &mut Soup, mesh: &ufbx::Mesh, normals: &[DVec3], offset: DVec3) {
     let corners = &soup.corners;
     soup.positions = corners
         .iter()
-        .map(|&c| finite3(vec3(mesh.vertex_position[c as usize])))
+        .map(|&c| finite3(vec3(mesh.vertex_position[c as usize]) - offset))
         .collect();
     soup.normals = match mesh.vertex_normal.exists {
+        _ if !normals.is_empty() => corners
+            .iter()
+            .map(|&c| finite3(normals[c as usize]))
+            .collect(),
         true => corners
             .iter()
             .map(|&c| finite3(unit(vec3(mesh.vertex_normal[c as usize]))))

@@ -1,6 +1,7 @@
 //! The tree of nodes.
 
 use super::convert::trs;
+use super::names::Names;
 use crate::model::{Node, Trs};
 use ufbx::Scene;
 
@@ -15,11 +16,11 @@ pub(crate) fn rest_of(node: &ufbx::Node) -> Trs {
 
 /// One node for each of the scene's, under the same number: number 0 is the root, which no file shows.
 /// Meshes, lights and cameras are hung in later.
-pub(crate) fn read_nodes(scene: &Scene) -> Vec<Node> {
+pub(crate) fn read_nodes(scene: &Scene, names: &Names) -> Vec<Node> {
     (&scene.nodes)
         .into_iter()
         .map(|node| Node {
-            name: name_of(node),
+            name: name_of(node, names),
             parent: node
                 .parent
                 .as_ref()
@@ -34,13 +35,13 @@ pub(crate) fn read_nodes(scene: &Scene) -> Vec<Node> {
 }
 
 /// A helper is named after the node that it helps, so that names stay apart.
-fn name_of(node: &ufbx::Node) -> String {
-    let own = node.element.name.to_string();
+fn name_of(node: &ufbx::Node, names: &Names) -> String {
+    let own = names.name(&node.element);
     if !node.is_geometry_transform_helper && !node.is_scale_helper {
         return own;
     }
     match &node.parent {
-        Some(parent) => format!("{}.{own}", parent.element.name),
+        Some(parent) => format!("{}.{own}", names.name(&parent.element)),
         None => own,
     }
 }

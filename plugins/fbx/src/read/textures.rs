@@ -1,56 +1,162 @@
-//! Pictures: embedded ones are taken out, others are looked for below the file's own folder.
+//! Pictures of materials: embedded ones are taken out, others are looked for.
 
-use super::convert::{finite, matrix};
-use crate::model::{Image, TextureUse};
-use crate::options::Origin;
+mod together;
+
+use super::finder::{Finder, last_part};
+use super::pictures::{Picture, has_alpha, picture, saved_again};
+use super::uv_sets::UvNames;
+use super::uv_transform::placed;
+use crate::model::{Image, Material, TextureUse};
+use crate::options::{Budget, Origin};
 use crate::report::Report;
-use glam::DVec2;
-use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use together::Parts;
 use ufbx::{MaterialMap, Texture, TextureType, WrapMode};
 
-/// The largest picture that is read from the folder, bytes.
-const LARGEST: u64 = 64 << 20;
+/// The largest file that is read as a picture, bytes: a TGA of 8192 by 8192 pixels with alpha.
+const LARGEST: u64 = 257 << 20;
+/// Pictures of one FBX file together, bytes, where nobody set a limit on memory.
+const TOGETHER: u64 = 1 << 30;
+/// What a picture may take to be turned into PNG over the size of its file, beside what the FBX file may
+/// take, where nobody set a limit on memory: as much as that may over its own.
+const TIMES: u64 = 16;
 
 /// Pictures that were found so far.
 pub(crate) struct Textures<'a> {
     origin: &'a Origin,
-    /// What may still be read, bytes.
+    budget: &'a Budget,
+    /// Nobody set a limit on memory: files that are read count as what the limit grows with.
+    grows: bool,
+    /// What may still be read or made, bytes.
     left: u64,
+    finder: Finder,
     known: BTreeMap<u32, Option<usize>>,
-    pub(crate) images: Vec<Image>,
+    /// Pictures that were put together, by those that they are of.
+    packed: BTreeMap<Parts, Result<usize, &'static str>>,
+    /// Lines that were said.
+    told: BTreeSet<(&'static str, String)>,
+    images: Vec<Image>,
+}
+
+/// Why there is no picture.
+enum Missing {
+    /// It is nowhere.
+    Absent,
+    /// It is there: a word for programs, and a sentence.
+    Unfit(&'static str, String),
 }
 
 impl<'a> Textures<'a> {
-    pub(crate) fn new(origin: &'a Origin, memory: usize) -> Self {
+    /// `grows` where nobody set limits.
+    pub(crate) fn new(origin: &'a Origin, budget: &'a Budget, grows: bool) -> Self {
+        let memory = budget.limits.memory as u64;
         Self {
             origin,
-            left: memory as u64,
+            budget,
+            grows,
+            left: if grows { TOGETHER.max(memory) } else { memory },
+            finder: Finder::new(&origin.name, origin.folder.as_deref(), &origin.textures),
             known: BTreeMap::new(),
+            packed: BTreeMap::new(),
+            told: BTreeSet::new(),
             images: Vec::new(),
         }
     }
 
     /// The picture of a material's map and how it is laid on; `None` where there is none, or none
-    /// that glTF can hold, which the report says then.
+    /// that glTF can hold, which the report says then. Its UV set is the number in `names`.
     pub(crate) fn of_map(
         &mut self,
         map: &MaterialMap,
-        uv_sets: &[String],
+        names: &mut UvNames,
         report: &mut Report,
     ) -> Option<TextureUse> {
         if !map.texture_enabled {
             return None;
         }
-        let texture = picture(map.texture.as_deref()?, report)?;
+        let texture = self.file(map.texture.as_deref()?, report)?;
         let image = self.image(texture, report)?;
-        let uv_set = uv_sets.iter().position(|name| *name == *texture.uv_set);
+        let (transform, sheared) = placed(&texture.element.props);
+        if sheared {
+            let detail = "is turned in space; glTF lays pictures on in the plane, and only that part is kept";
+            self.lose("texture-transform", name_of(texture), detail, report);
+        }
         Some(TextureUse {
             image,
-            uv_set: uv_set.unwrap_or(0) as u32,
+            uv_set: names.number(&texture.uv_set),
             repeat: [texture.wrap_u, texture.wrap_v].map(|wrap| wrap == WrapMode::Repeat),
-            transform: texture.has_uv_transform.then(|| placed(texture)).flatten(),
+            transform,
         })
+    }
+
+    /// Whether a picture that was found has an alpha channel.
+    pub(crate) fn has_alpha(&self, texture: &TextureUse) -> bool {
+        let image = self.images.get(texture.image);
+        image.is_some_and(|image| has_alpha(&image.bytes))
+    }
+
+    /// What may be taken to turn pictures of so many bytes into another.
+    fn memory(&self, bytes: usize) -> u64 {
+        let memory = match self.grows {
+            true => self.budget.limits.memory as u64 + TIMES * bytes as u64,
+            false => self.left,
+        };
+        memory.min(self.left)
+    }
+
+    /// The pictures that `materials` use; they are numbered anew.
+    pub(crate) fn used(self, materials: &mut [Material]) -> Vec<Image> {
+        let mut numbers: Vec<Option<usize>> = vec![None; self.images.len()];
+        let of = |material: &Material| -> Vec<usize> {
+            material.textures().map(|texture| texture.image).collect()
+        };
+        for image in materials.iter().flat_map(of) {
+            if let Some(number) = numbers.get_mut(image) {
+                *number = Some(0);
+            }
+        }
+        for (next, number) in numbers.iter_mut().flatten().enumerate() {
+            *number = next;
+        }
+        for texture in materials.iter_mut().flat_map(Material::textures_mut) {
+            let number = numbers.get(texture.image).copied().flatten();
+            texture.image = number.unwrap_or_default();
+        }
+        let all = self.images.into_iter().zip(numbers);
+        all.filter_map(|(image, number)| number.map(|_| image))
+            .collect()
+    }
+
+    /// One line for each thing, however often it is used.
+    fn lose(
+        &mut self,
+        what: &'static str,
+        name: String,
+        detail: impl Into<String>,
+        report: &mut Report,
+    ) {
+        if self.told.insert((what, name.clone())) {
+            report.lose(what, &name, detail);
+        }
+    }
+
+    /// What a layered or computed texture shows first; a picture is its own.
+    fn file<'t>(&mut self, texture: &'t Texture, report: &mut Report) -> Option<&'t Texture> {
+        if texture.type_ == TextureType::File {
+            return Some(texture);
+        }
+        let first = (&texture.file_textures).into_iter().next();
+        let detail = match (texture.file_textures.len(), texture.type_) {
+            (0, _) => "is computed and no picture; nothing is shown for it".to_owned(),
+            // One layer alone is what it shows.
+            (1, TextureType::Layered) => return first,
+            (1, _) => "is computed from a picture, which is taken as it is".to_owned(),
+            (many, _) => format!("is made of {many} pictures; the first is taken"),
+        };
+        let name = texture.element.name.to_string();
+        self.lose("texture-layers", name, detail, report);
+        first
     }
 
     fn image(&mut self, texture: &Texture, report: &mut Report) -> Option<usize> {
@@ -58,227 +164,164 @@ impl<'a> Textures<'a> {
         if let Some(&known) = self.known.get(&id) {
             return known;
         }
-        let made = self.find(texture, report).map(|image| {
-            let same = self
-                .images
-                .iter()
-                .position(|other| other.bytes == image.bytes);
-            same.unwrap_or_else(|| {
-                self.images.push(image);
-                self.images.len() - 1
-            })
-        });
+        let made = match self.read(texture) {
+            Ok(image) => {
+                let same = |other: &Image| other.bytes == image.bytes;
+                let same = self.images.iter().position(same);
+                Some(same.unwrap_or_else(|| {
+                    self.images.push(image);
+                    self.images.len() - 1
+                }))
+            }
+            Err(missing) => {
+                let (what, detail) = match missing {
+                    Missing::Unfit(what, detail) => (what, detail),
+                    Missing::Absent => {
+                        let places = self.finder.places();
+                        (
+                            "texture-file",
+                            format!("is not embedded and not found: {places}"),
+                        )
+                    }
+                };
+                self.lose(what, name_of(texture), detail, report);
+                None
+            }
+        };
         self.known.insert(id, made);
         made
     }
 
-    fn find(&mut self, texture: &Texture, report: &mut Report) -> Option<Image> {
+    fn read(&mut self, texture: &Texture) -> Result<Image, Missing> {
         let content: &[u8] = match &texture.video {
             Some(video) if texture.content.is_empty() => &video.content,
             _ => &texture.content,
         };
-        let names = [
-            &texture.relative_filename,
-            &texture.filename,
-            &texture.absolute_filename,
-        ];
-        let names: Vec<&str> = names
-            .into_iter()
-            .map(|n| &**n)
-            .filter(|n| !n.is_empty())
-            .collect();
-        let name = names
-            .first()
-            .map_or(&*texture.element.name, |n| last_part(n))
-            .to_owned();
-        let bytes = match content.is_empty() {
-            false => content.to_vec(),
-            true => match self.read(&names) {
-                Some(bytes) => bytes,
-                None => {
-                    let detail = "is not embedded and not below the file's folder";
-                    report.lose("texture-file", &name, detail);
-                    return None;
-                }
+        let names = paths_of(texture);
+        let mut why = Missing::Absent;
+        if !content.is_empty() {
+            let bytes = self.take(content);
+            match bytes.and_then(|bytes| self.fit(&name_of(texture), bytes)) {
+                Ok(image) => return Ok(image),
+                Err(missing) => why = missing,
+            }
+        }
+        // What is embedded may be broken, and lie beside the file whole.
+        match self.load(&names) {
+            Ok(Some(bytes)) => match self.fit(&name_of(texture), bytes) {
+                Ok(image) => return Ok(image),
+                Err(missing) => why = missing,
             },
+            Ok(None) => {}
+            Err(missing) => why = missing,
+        }
+        // Saved again as a kind that glTF holds.
+        let again = names.iter().flat_map(|name| saved_again(name));
+        for name in again.collect::<Vec<_>>() {
+            if let Ok(Some(bytes)) = self.load(&[&name])
+                && let Ok(image) = self.fit(last_part(&name), bytes)
+            {
+                return Ok(image);
+            }
+        }
+        Err(why)
+    }
+
+    /// As glTF holds it.
+    fn fit(&mut self, name: &str, bytes: Vec<u8>) -> Result<Image, Missing> {
+        let memory = self.memory(bytes.len());
+        let made = self.budget.aside(|| picture(name, &bytes, memory));
+        let made = made.map_err(|why| Missing::Unfit("texture-format", why))?;
+        let (mime, bytes) = match made {
+            Picture::Kept(mime) => (mime, bytes),
+            Picture::Turned(png) => {
+                self.left = self.left.saturating_sub(png.len() as u64);
+                ("image/png", png)
+            }
         };
-        let Some(mime) = mime(&bytes) else {
-            let detail = "is no whole PNG or JPEG; glTF holds no other pictures";
-            report.lose("texture-format", &name, detail);
-            return None;
+        let name = name.to_owned();
+        Ok(Image { name, mime, bytes })
+    }
+
+    /// A copy of what is embedded, which costs.
+    fn take(&mut self, bytes: &[u8]) -> Result<Vec<u8>, Missing> {
+        self.pay(bytes.len() as u64)?;
+        Ok(bytes.to_vec())
+    }
+
+    fn pay(&mut self, bytes: u64) -> Result<(), Missing> {
+        let most = LARGEST.min(self.left);
+        if bytes > most {
+            let detail = format!(
+                "has {bytes} bytes, of {most} that pictures may still take; save it smaller, or raise the limit on memory"
+            );
+            return Err(Missing::Unfit("texture-size", detail));
+        }
+        self.left -= bytes;
+        Ok(())
+    }
+
+    /// The first of `names` that is given or found.
+    fn load(&mut self, names: &[&str]) -> Result<Option<Vec<u8>>, Missing> {
+        let given = names.iter().find_map(|name| given(self.origin, name));
+        if let Some(bytes) = given {
+            return self.take(bytes).map(Some);
+        }
+        let found = self.budget.aside(|| self.finder.find(names));
+        let Some(path) = found else {
+            return Ok(None);
         };
-        Some(Image { name, mime, bytes })
-    }
-
-    fn read(&mut self, names: &[&str]) -> Option<Vec<u8>> {
-        let given = names
-            .iter()
-            .find_map(|name| self.origin.files.get(last_part(name)));
-        if given.is_some() {
-            return given.cloned();
-        }
-        let folder = self.origin.folder.as_deref()?;
-        let candidates = names.iter().flat_map(|name| candidates(name));
-        let path = candidates
-            .map(|below| folder.join(below))
-            .find(|path| inside(folder, path))?;
-        let length = std::fs::metadata(&path).ok()?.len();
-        if length > LARGEST.min(self.left) {
-            return None;
-        }
-        self.left -= length;
-        std::fs::read(path).ok()
+        let length = size(&path)?;
+        self.pay(length)?;
+        std::fs::read(&path)
+            .map(Some)
+            .map_err(|error| unread(&path, &error))
     }
 }
 
-/// What a layered or shader texture shows first; a picture is its own.
-fn picture<'t>(texture: &'t Texture, report: &mut Report) -> Option<&'t Texture> {
-    match texture.type_ {
-        TextureType::File => Some(texture),
-        _ => {
-            let name = texture.element.name.to_string();
-            let first = (&texture.file_textures).into_iter().next();
-            let detail = match first {
-                Some(_) => "is made of several pictures; the first is taken",
-                None => "is computed and no picture",
-            };
-            report.lose("texture-layers", &name, detail);
-            first
-        }
-    }
+fn size(path: &Path) -> Result<u64, Missing> {
+    let about = std::fs::metadata(path).map_err(|error| unread(path, &error))?;
+    Ok(about.len())
 }
 
-fn last_part(name: &str) -> &str {
-    name.rsplit(['/', '\\']).next().unwrap_or(name)
+fn unread(path: &Path, error: &std::io::Error) -> Missing {
+    let detail = format!("{} cannot be read: {error}", path.display());
+    Missing::Unfit("texture-file", detail)
 }
 
-/// Where a file that the FBX file calls `name` may lie, below the FBX file's folder: as it says where
-/// that leads nowhere else, and by its last part alone.
-fn candidates(name: &str) -> Vec<PathBuf> {
-    let mut out = Vec::new();
-    let path = PathBuf::from(name.replace('\\', "/"));
-    let plain = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
-    if path.components().all(plain) && !name.contains(':') {
-        out.push(path);
-    }
+/// A file that was given beside the FBX file, by the last part of its name, in any case.
+fn given<'o>(origin: &'o Origin, name: &str) -> Option<&'o [u8]> {
     let last = last_part(name);
-    if !last.is_empty() && last != ".." && !last.contains(':') {
-        out.push(PathBuf::from(last));
-        out.push(Path::new("textures").join(last));
-    }
-    out
-}
-
-/// Links may not lead out of the folder either.
-fn inside(folder: &Path, path: &Path) -> bool {
-    match (folder.canonicalize(), path.canonicalize()) {
-        (Ok(folder), Ok(path)) => path.starts_with(folder) && path.is_file(),
-        _ => false,
-    }
-}
-
-/// The kind of a picture whose header is whole.
-pub(crate) fn mime(bytes: &[u8]) -> Option<&'static str> {
-    if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
-        let header = bytes.get(8..33)?;
-        let size = |at: usize| {
-            u32::from_be_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
-        };
-        let whole = size(0) == 13 && &header[4..8] == b"IHDR" && size(8) > 0 && size(12) > 0;
-        return (whole && bytes.windows(4).any(|w| w == b"IDAT")).then_some("image/png");
-    }
-    (bytes.starts_with(&[0xff, 0xd8, 0xff]) && has_jpeg_frame(bytes)).then_some("image/jpeg")
-}
-
-/// Walks the segments up to the frame header (SOF0 to SOF15), which holds the size.
-fn has_jpeg_frame(bytes: &[u8]) -> bool {
-    let mut at = 2;
-    while let Some(&[mark, kind, high, low]) = bytes.get(at..at + 4) {
-        if mark != 0xff {
-            return false;
-        }
-        let length = usize::from(u16::from_be_bytes([high, low]));
-        if matches!(kind, 0xc0..=0xcf) && !matches!(kind, 0xc4 | 0xc8 | 0xcc) {
-            let size = bytes.get(at + 5..at + 9);
-            return size.is_some_and(|s| (s[0] | s[1]) != 0 && (s[2] | s[3]) != 0);
-        }
-        at += 2 + length.max(2);
-    }
-    false
-}
-
-/// Offset, rotation and scale of KHR_texture_transform. The file's V grows upwards and glTF's
-/// downwards; what cannot be said by the three (a shear) is left out.
-fn placed(texture: &Texture) -> Option<([f32; 2], f32, [f32; 2])> {
-    let m = matrix(&texture.uv_to_texture);
-    let at = |u: f64, v: f64| {
-        // glTF's coordinates to the file's, through its transform, and back.
-        let p = m.transform_point3(glam::DVec3::new(u, 1.0 - v, 0.0));
-        DVec2::new(p.x, 1.0 - p.y)
+    let exact = origin.files.get(last);
+    let any_case = || {
+        let lower = last.to_lowercase();
+        let mut files = origin.files.iter();
+        files.find_map(|(name, bytes)| (name.to_lowercase() == lower).then_some(bytes))
     };
-    let offset = at(0.0, 0.0);
-    let (x, y) = (at(1.0, 0.0) - offset, at(0.0, 1.0) - offset);
-    // Columns of the extension: scale x (cos, -sin), scale y (sin, cos).
-    let (scale_x, scale_y) = (x.length(), y.length());
-    let flip = if x.perp_dot(y) < 0.0 { -1.0 } else { 1.0 };
-    let angle = -x.to_angle();
-    let sound =
-        offset.is_finite() && scale_x.is_finite() && scale_y.is_finite() && angle.is_finite();
-    sound.then(|| {
-        (
-            [finite(offset.x), finite(offset.y)],
-            finite(angle),
-            [finite(scale_x), finite(scale_y * flip)],
-        )
-    })
+    exact.or_else(any_case).map(Vec::as_slice)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_that_lead_out_of_the_folder_are_not_followed() {
-        let below = |name| {
-            candidates(name)
-                .into_iter()
-                .map(|p| p.display().to_string())
-                .collect::<Vec<_>>()
-        };
-        assert_eq!(below("a.png"), ["a.png", "a.png", "textures/a.png"]);
-        assert_eq!(
-            below("tex\\a.png"),
-            ["tex/a.png", "a.png", "textures/a.png"]
-        );
-        assert_eq!(below("../../etc/passwd"), ["passwd", "textures/passwd"]);
-        assert_eq!(below("C:\\art\\a.png"), ["a.png", "textures/a.png"]);
-        assert_eq!(below("/etc/passwd"), ["passwd", "textures/passwd"]);
-        assert!(below("..").is_empty());
+/// Where the file says that the picture is, the likeliest first.
+fn paths_of(texture: &Texture) -> Vec<&str> {
+    let own = [
+        &texture.relative_filename,
+        &texture.filename,
+        &texture.absolute_filename,
+    ];
+    let video = texture.video.as_deref();
+    let video = video.map(|v| [&v.relative_filename, &v.filename, &v.absolute_filename]);
+    let all = own.into_iter().chain(video.into_iter().flatten());
+    let mut paths: Vec<&str> = Vec::new();
+    for path in all.map(|path| &**path) {
+        if !path.is_empty() && !paths.contains(&path) {
+            paths.push(path);
+        }
     }
+    paths
+}
 
-    #[cfg(unix)]
-    #[test]
-    fn links_that_lead_out_of_the_folder_are_not_followed() {
-        let base = std::env::temp_dir().join(format!("dolomite_fbx_links_{}", std::process::id()));
-        let folder = base.join("inside");
-        std::fs::create_dir_all(&folder).unwrap();
-        std::fs::write(base.join("secret.png"), "x").unwrap();
-        std::fs::write(folder.join("own.png"), "x").unwrap();
-        std::os::unix::fs::symlink(base.join("secret.png"), folder.join("link.png")).unwrap();
-        assert!(inside(&folder, &folder.join("own.png")));
-        assert!(!inside(&folder, &folder.join("link.png")));
-        std::fs::remove_dir_all(base).unwrap();
-    }
-
-    #[test]
-    fn broken_pictures_are_told_apart() {
-        assert_eq!(mime(b"\x89PNG\r\n\x1a\n"), None);
-        assert_eq!(mime(b"BM"), None);
-        assert_eq!(mime(b""), None);
-        assert_eq!(mime(&[0xff, 0xd8, 0xff, 0xe0, 0, 2]), None);
-        let jpeg = [
-            0xff, 0xd8, 0xff, 0xe0, 0, 2, 0xff, 0xc0, 0, 11, 8, 0, 1, 0, 1, 0,
-        ];
-        assert_eq!(mime(&jpeg), Some("image/jpeg"));
-    }
+/// The last part of the picture's path, else the name of the texture.
+fn name_of(texture: &Texture) -> String {
+    let first = paths_of(texture).into_iter().next();
+    first.map_or(&*texture.element.name, last_part).to_owned()
 }

@@ -15,8 +15,8 @@ pub(crate) fn animation(root: &mut Root, buffer: &mut Buffer, clip: &Clip) -> An
     let mut channels = Vec::new();
     for channel in &clip.channels {
         let times: Vec<[f32; 1]> = channel.times.iter().map(|&t| [t]).collect();
-        let input = buffer.accessor(root, &Numbers::bounded(&times), Use::Other);
-        let output = buffer.accessor(root, &numbers(channel), Use::Other);
+        let input = buffer.accessor(root, &Numbers::bounded(&times), Use::Keys);
+        let output = buffer.accessor(root, &numbers(channel), Use::Keys);
         samplers.push(Sampler {
             extensions: None,
             extras: None,
@@ -55,7 +55,8 @@ pub(crate) fn animation(root: &mut Root, buffer: &mut Buffer, clip: &Clip) -> An
     }
 }
 
-fn numbers(channel: &Channel) -> Numbers {
+/// Values as they are written.
+pub(crate) fn numbers(channel: &Channel) -> Numbers {
     let width = match channel.property {
         Property::Translation | Property::Scale => 3,
         Property::Rotation => 4,
@@ -83,6 +84,7 @@ fn numbers(channel: &Channel) -> Numbers {
         },
         count: channel.values.len() / width,
         normalised: channel.short,
+        period: channel.values.len() / channel.times.len().max(1),
         bounds: None,
     }
 }

@@ -1,5 +1,6 @@
 //! The binary buffer, its views and accessors.
 
+use super::compress::Packing;
 use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf_json::buffer::{Target, View};
 use gltf_json::validation::{Checked, USize64};
@@ -11,6 +12,8 @@ use std::collections::BTreeMap;
 pub(crate) enum Use {
     Vertices,
     Indices,
+    /// Keys and their times.
+    Keys,
     Other,
 }
 
@@ -19,6 +22,8 @@ pub(crate) enum Use {
 pub(crate) struct Buffer {
     pub(crate) bytes: Vec<u8>,
     known: BTreeMap<(u64, usize, u32, u8, bool), Index<Accessor>>,
+    /// Where views are to be compressed, those that wait for it.
+    packing: Option<Packing>,
 }
 
 /// Numbers as an accessor holds them.
@@ -28,6 +33,8 @@ pub(crate) struct Numbers {
     pub(crate) shape: Type,
     pub(crate) count: usize,
     pub(crate) normalised: bool,
+    /// Numbers, each of its own kind, that come again and again: those of an element, or of a key.
+    pub(crate) period: usize,
     /// Least and greatest of each component, where the specification wants them.
     pub(crate) bounds: Option<(Vec<f32>, Vec<f32>)>,
 }
@@ -51,6 +58,7 @@ impl Numbers {
             },
             count: values.len(),
             normalised: false,
+            period: N,
             bounds: None,
         }
     }
@@ -93,11 +101,11 @@ impl Buffer {
         {
             return known;
         }
-        let view = self.view(root, &numbers.bytes, of);
+        let (view, offset) = self.place(root, numbers, of);
         let bound = |values: &Vec<f32>| Value::from(values.clone());
         let accessor = root.push(Accessor {
             buffer_view: Some(view),
-            byte_offset: None,
+            byte_offset: (offset > 0).then(|| USize64::from(offset)),
             count: USize64::from(numbers.count),
             component_type: Checked::Valid(GenericComponentType(numbers.component)),
             extensions: None,
@@ -113,39 +121,77 @@ impl Buffer {
         accessor
     }
 
+    /// Whose views are compressed in the end, those of clips in one or in several.
+    pub(crate) fn compressed(merged: bool) -> Self {
+        Self {
+            packing: Some(Packing::new(merged)),
+            ..Self::default()
+        }
+    }
+
+    /// Where numbers are kept: a view and an offset into it.
+    fn place(&mut self, root: &mut Root, numbers: &Numbers, of: Use) -> (Index<View>, usize) {
+        let placed = self.packing.as_mut().and_then(|packing| {
+            let view = self::view(numbers.bytes.len(), None, of);
+            packing.take(root, numbers, of == Use::Indices, of == Use::Keys, view)
+        });
+        placed.unwrap_or_else(|| (self.view(root, &numbers.bytes, of), 0))
+    }
+
     /// A view of bytes, at a multiple of four.
     pub(crate) fn view(&mut self, root: &mut Root, bytes: &[u8], of: Use) -> Index<View> {
         let offset = self.bytes.len();
         self.bytes.extend_from_slice(bytes);
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        root.push(View {
-            buffer: Index::new(0),
-            byte_length: USize64::from(bytes.len()),
-            byte_offset: (offset > 0).then(|| USize64::from(offset)),
-            byte_stride: None,
-            extensions: None,
-            extras: None,
-            name: None,
-            target: match of {
-                Use::Vertices => Some(Checked::Valid(Target::ArrayBuffer)),
-                Use::Indices => Some(Checked::Valid(Target::ElementArrayBuffer)),
-                Use::Other => None,
-            },
-        })
+        let offset = (offset > 0).then(|| USize64::from(offset));
+        root.push(self::view(bytes.len(), offset, of))
+    }
+
+    /// All bytes, and how long the buffer of those is that a reader without the extension would miss.
+    pub(crate) fn finish(mut self, root: &mut Root) -> (Vec<u8>, usize) {
+        let fallback = self
+            .packing
+            .take()
+            .map_or(0, |packing| packing.finish(root, &mut self.bytes));
+        (self.bytes, fallback)
     }
 
     fn holds(&self, root: &Root, accessor: Index<Accessor>, numbers: &Numbers) -> bool {
         let accessor = &root.accessors[accessor.value()];
-        let Some(view) = accessor
-            .buffer_view
-            .map(|view| &root.buffer_views[view.value()])
-        else {
+        let Some(number) = accessor.buffer_view else {
             return false;
         };
-        let begin = view.byte_offset.map_or(0, |offset| offset.0 as usize);
+        let offset = |offset: Option<USize64>| offset.map_or(0, |offset| offset.0 as usize);
+        let packed = self
+            .packing
+            .as_ref()
+            .and_then(|packing| packing.decoded(number));
+        let begin = match packed {
+            Some(_) => offset(accessor.byte_offset),
+            None => offset(root.buffer_views[number.value()].byte_offset),
+        };
+        let there = packed.unwrap_or(&self.bytes).get(begin..);
         accessor.normalized == numbers.normalised
             && accessor.min.is_some() == numbers.bounds.is_some()
-            && self.bytes[begin..].starts_with(&numbers.bytes)
+            && there.is_some_and(|there| there.starts_with(&numbers.bytes))
+    }
+}
+
+/// The entry of a view.
+fn view(bytes: usize, offset: Option<USize64>, of: Use) -> View {
+    View {
+        buffer: Index::new(0),
+        byte_length: USize64::from(bytes),
+        byte_offset: offset,
+        byte_stride: None,
+        extensions: None,
+        extras: None,
+        name: None,
+        target: match of {
+            Use::Vertices => Some(Checked::Valid(Target::ArrayBuffer)),
+            Use::Indices => Some(Checked::Valid(Target::ElementArrayBuffer)),
+            Use::Keys | Use::Other => None,
+        },
     }
 }
 

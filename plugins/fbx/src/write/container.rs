@@ -1,10 +1,12 @@
 //! .glb, and .gltf with files.
 
+use super::compress;
 use super::document::{Pictures, document};
 use crate::convert::Conversion;
 use crate::error::FbxError;
 use gltf_json::validation::USize64;
-use gltf_json::{Buffer, Root};
+use gltf_json::{Buffer, Root, extensions};
+use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
 /// A .gltf document and the files that it refers to, by name.
@@ -31,8 +33,9 @@ impl Conversion {
     /// # Errors
     /// [`FbxError::TooLarge`] from 4 GiB on.
     pub fn to_glb(&self) -> Result<Vec<u8>, FbxError> {
-        let (mut root, buffer) = document(&self.model, Pictures::Inside);
-        give_buffer(&mut root, &buffer, None);
+        let (mut root, buffer, fallback) =
+            document(&self.model, &Pictures::Inside, self.report.compression);
+        give_buffers(&mut root, &buffer, None, fallback);
         let mut json = text(&root);
         json.resize(json.len().next_multiple_of(4), b' ');
         let chunks = match buffer.is_empty() {
@@ -78,10 +81,14 @@ impl Conversion {
                 format!("{}_{number}.{ending}", plain(stem))
             })
             .collect();
-        let (mut root, buffer) = document(&self.model, Pictures::Files(&names));
+        let (mut root, buffer, fallback) = document(
+            &self.model,
+            &Pictures::Files(&names),
+            self.report.compression,
+        );
         let mut files = Vec::new();
         let bin = format!("{}.bin", plain(stem));
-        give_buffer(&mut root, &buffer, Some(&bin));
+        give_buffers(&mut root, &buffer, Some(&bin), fallback);
         if !buffer.is_empty() {
             files.push((bin, buffer));
         }
@@ -137,15 +144,22 @@ impl Conversion {
     }
 }
 
-fn give_buffer(root: &mut Root, bytes: &[u8], uri: Option<&str>) {
-    if !bytes.is_empty() {
+/// The entry of the buffer, and of the one that has no bytes where something is compressed.
+fn give_buffers(root: &mut Root, bytes: &[u8], uri: Option<&str>, fallback: usize) {
+    let mut give = |length: usize, uri: Option<&str>, others: Map<String, Value>| {
         root.push(Buffer {
-            byte_length: USize64::from(bytes.len()),
+            byte_length: USize64::from(length),
             name: None,
             uri: uri.map(str::to_owned),
-            extensions: None,
+            extensions: (!others.is_empty()).then_some(extensions::buffer::Buffer { others }),
             extras: None,
         });
+    };
+    if !bytes.is_empty() {
+        give(bytes.len(), uri, Map::new());
+    }
+    if fallback > 0 {
+        give(fallback, None, compress::named(json!({ "fallback": true })));
     }
 }
 

@@ -2,13 +2,14 @@
 
 use crate::model::{Camera, Light, LightKind, Material, Projection, TextureUse};
 use gltf_json::camera::{Orthographic, Perspective, Type};
+use gltf_json::extensions::material::{
+    Material as MaterialExtension, NormalTexture as NormalExtension,
+    OcclusionTexture as OcclusionExtension,
+};
 use gltf_json::extensions::scene::khr_lights_punctual::{
     Light as JsonLight, Spot, Type as JsonType,
 };
-use gltf_json::extensions::texture::{
-    Info as InfoExtension, TextureTransform, TextureTransformOffset, TextureTransformRotation,
-    TextureTransformScale,
-};
+use gltf_json::extensions::texture::Info as InfoExtension;
 use gltf_json::material::{
     AlphaMode, EmissiveFactor, NormalTexture, OcclusionTexture, PbrBaseColorFactor,
     PbrMetallicRoughness, StrengthFactor,
@@ -16,6 +17,7 @@ use gltf_json::material::{
 use gltf_json::texture::{Info, Sampler, WrappingMode};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, Texture};
+use serde_json::{Map, Value, json};
 
 /// A material; its textures and samplers are added to `root`.
 pub(crate) fn material(root: &mut Root, material: &Material) -> gltf_json::Material {
@@ -46,7 +48,8 @@ pub(crate) fn material(root: &mut Root, material: &Material) -> gltf_json::Mater
                 index: self::texture(root, texture),
                 scale: 1.0,
                 tex_coord: texture.uv_set,
-                extensions: None,
+                extensions: placed(root, texture)
+                    .map(|others| with(|new: &mut NormalExtension| new.others = others)),
                 extras: None,
             }),
         occlusion_texture: material
@@ -56,38 +59,66 @@ pub(crate) fn material(root: &mut Root, material: &Material) -> gltf_json::Mater
                 index: self::texture(root, texture),
                 strength: StrengthFactor(1.0),
                 tex_coord: texture.uv_set,
-                extensions: None,
+                extensions: placed(root, texture)
+                    .map(|others| with(|new: &mut OcclusionExtension| new.others = others)),
                 extras: None,
             }),
         emissive_texture: info(root, &material.emissive_texture),
         emissive_factor: EmissiveFactor(material.emissive),
-        extensions: None,
+        extensions: glowing(root, material)
+            .map(|others| with(|new: &mut MaterialExtension| new.others = others)),
         extras: None,
     }
 }
 
 fn info(root: &mut Root, texture: &TextureUse) -> Info {
-    let extension = texture
-        .transform
-        .map(|(offset, rotation, scale)| InfoExtension {
-            texture_transform: Some(TextureTransform {
-                offset: TextureTransformOffset(offset),
-                rotation: TextureTransformRotation(rotation),
-                scale: TextureTransformScale(scale),
-                tex_coord: None,
-                extras: None,
-            }),
-            others: serde_json::Map::new(),
-        });
-    if extension.is_some() {
-        super::names::uses(root, "KHR_texture_transform");
-    }
     Info {
         index: self::texture(root, texture),
         tex_coord: texture.uv_set,
-        extensions: extension,
+        extensions: placed(root, texture)
+            .map(|others| with(|new: &mut InfoExtension| new.others = others)),
         extras: None,
     }
+}
+
+/// The default, changed. How many more fields the crate's types have depends on who else uses it.
+fn with<T: Default>(change: impl FnOnce(&mut T)) -> T {
+    let mut new = T::default();
+    change(&mut new);
+    new
+}
+
+/// KHR_texture_transform, which any texture may have. Written by hand: the crate's own type says
+/// `"texCoord": null`, which is not valid.
+fn placed(root: &mut Root, texture: &TextureUse) -> Option<Map<String, Value>> {
+    let (offset, rotation, scale) = texture.transform?;
+    super::names::uses(root, "KHR_texture_transform");
+    let mut said = Map::new();
+    said.insert("offset".into(), json!(offset.map(short)));
+    if rotation != 0.0 {
+        said.insert("rotation".into(), json!(short(rotation)));
+    }
+    said.insert("scale".into(), json!(scale.map(short)));
+    Some(Map::from_iter([(
+        "KHR_texture_transform".to_owned(),
+        Value::Object(said),
+    )]))
+}
+
+/// KHR_materials_emissive_strength, where more is emitted than a colour can say.
+fn glowing(root: &mut Root, material: &Material) -> Option<Map<String, Value>> {
+    if material.emissive_strength <= 1.0 {
+        return None;
+    }
+    const NAME: &str = "KHR_materials_emissive_strength";
+    super::names::uses(root, NAME);
+    let said = json!({ "emissiveStrength": short(material.emissive_strength) });
+    Some(Map::from_iter([(NAME.to_owned(), said)]))
+}
+
+/// The f64 whose shortest decimal is that of `x`.
+fn short(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or_else(|_| f64::from(x))
 }
 
 /// The texture of an image and a way to repeat it, made once.
@@ -158,7 +189,7 @@ pub(crate) fn camera(camera: &Camera) -> gltf_json::Camera {
             perspective = Some(Perspective {
                 aspect_ratio: Some(aspect),
                 yfov,
-                zfar: Some(camera.far),
+                zfar: camera.far.is_finite().then_some(camera.far),
                 znear: camera.near,
                 extensions: None,
                 extras: None,

@@ -1,7 +1,7 @@
 //! Meshes and skins.
 
 use super::buffer::{Buffer, Numbers, Use};
-use crate::model::{Mesh, Part, Skin};
+use crate::model::{Mesh, Part, Properties, Skin};
 use gltf_json::accessor::{ComponentType, Type};
 use gltf_json::mesh::{Mode, MorphTarget, Primitive, Semantic};
 use gltf_json::validation::Checked;
@@ -9,20 +9,25 @@ use gltf_json::{Accessor, Index, Root};
 use std::collections::BTreeMap;
 
 /// A mesh with all its parts; `joints` is the greatest number of joints of any skin.
-pub(crate) fn mesh(root: &mut Root, buffer: &mut Buffer, mesh: &Mesh) -> gltf_json::Mesh {
+pub(crate) fn mesh(
+    root: &mut Root,
+    buffer: &mut Buffer,
+    mesh: &Mesh,
+    own: Option<&Properties>,
+) -> gltf_json::Mesh {
     let primitives = mesh
         .parts
         .iter()
         .map(|part| primitive(root, buffer, part))
         .collect();
     let names: Vec<&str> = mesh.targets.iter().map(|target| &*target.name).collect();
-    let extras = serde_json::json!({ "targetNames": names });
+    let mut extras = own.cloned().unwrap_or_default();
+    if !names.is_empty() {
+        extras.insert("targetNames".into(), names.into());
+    }
     gltf_json::Mesh {
         extensions: None,
-        extras: match names.is_empty() {
-            true => None,
-            false => serde_json::value::to_raw_value(&extras).ok(),
-        },
+        extras: super::names::extras(Some(&extras).filter(|extras| !extras.is_empty())),
         name: super::names::name(&mesh.name),
         primitives,
         weights: match mesh.targets.is_empty() {
@@ -107,6 +112,7 @@ fn index_numbers(part: &Part) -> Numbers {
         shape: Type::Scalar,
         count: part.indices.len(),
         normalised: false,
+        period: 1,
         bounds: None,
     }
 }
@@ -127,6 +133,7 @@ fn joint_numbers(joints: &[[u16; 4]]) -> Numbers {
         shape: Type::Vec4,
         count: joints.len(),
         normalised: false,
+        period: 4,
         bounds: None,
     }
 }

@@ -1,9 +1,10 @@
 //! From [`Model`](crate::model::Model) to the bytes of a glTF file.
 
-mod animation;
-mod buffer;
+pub(crate) mod animation;
+pub(crate) mod buffer;
+pub(crate) mod compress;
 mod container;
-mod document;
+pub(crate) mod document;
 mod looks;
 mod meshes;
 mod names;

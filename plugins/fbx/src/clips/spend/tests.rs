@@ -52,12 +52,9 @@ fn turned(model: &Model, frames: usize, angle: impl Fn(usize, f64) -> f64) -> Sa
         poses: grid.times.iter().map(|&time| pose(node, time)).collect(),
     };
     Sampled {
-        name: String::new(),
-        begin: 0.0,
         tracks: (0..model.nodes.len()).map(track).collect(),
         morphs: Vec::new(),
         stops: (0..grid.len()).collect(),
-        most: usize::MAX,
         first: grid.len(),
         grid,
     }

@@ -1,0 +1,413 @@
+//! Values with fewer bits, for keys whose bytes are compressed.
+//!
+//! The codec ([`crate::codec`]) pays for what changes from key to key, byte by byte. A key of few bits beside
+//! another costs little, so that often a key on every frame with few bits is less than few keys with all
+//! of theirs. Both are tried. Each channel has a step that its values are whole multiples of; from the roots to
+//! the tips rotations make good what those above them were rounded by, as in [`super::spend`]; steps grow as
+//! long as the error at the skin, measured by playing what a decoder gives back, keeps to the bound: all together in a
+//! quick search, one by one in a thorough one.
+
+use super::choose::Choice;
+use super::play::Player;
+use super::work::Work;
+use crate::codec::{exponent_below, power, quaternion_of_bits};
+use crate::model::{Channel, Interpolation, Property};
+use crate::options::{Budget, Effort, Options};
+use crate::write::animation::numbers;
+use crate::write::buffer::Numbers;
+use crate::write::compress::size;
+use glam::{DQuat, DVec4};
+use std::collections::BTreeMap;
+
+/// The finest step of a quaternion that the filter for them has, as a power of two.
+const FINEST_OF_FILTER: i32 = -14;
+
+/// A step that what is left of a unit quaternion's length may have, as a power of two.
+const LENGTH: i32 = -16;
+
+/// Times as they are.
+const TIMES_AS_THEY_ARE: i32 = -40;
+
+/// Steps of times that are tried, as powers of two of a second.
+const TIME_STEPS: std::ops::RangeInclusive<i32> = -20..=-6;
+
+/// A half to the power of no, one and two thirds.
+const THIRDS: [f64; 3] = [1.0, 0.793_700_525_984_1, 0.629_960_524_947_4];
+
+/// Channels and the steps of their values, as powers of two.
+#[derive(Clone)]
+struct Draft {
+    choices: Vec<Choice>,
+    steps: Vec<i32>,
+    time: i32,
+}
+
+/// Sets of keys to begin with, and the least that came out.
+struct Packing<'a> {
+    work: &'a Work<'a>,
+    options: &'a Options<'a>,
+    /// Metres.
+    bound: f64,
+    clock: &'a Budget,
+    /// Number of the track of each node that has one.
+    tracks: BTreeMap<usize, usize>,
+}
+
+/// Something that keeps to the bound.
+struct Good {
+    bytes: usize,
+    error: f64,
+    draft: Draft,
+    made: Vec<Choice>,
+}
+
+/// Keys in the fewest coded bytes that keep to `bound` metres, with their error; each of `sparse` is a set of keys
+/// to begin with. `None` where nothing does.
+pub(super) fn pack(
+    work: &Work,
+    sparse: &[Vec<Choice>],
+    bound: f64,
+    options: &Options,
+    clock: &Budget,
+) -> Option<(f64, Vec<Choice>)> {
+    let tracks = work.samples.tracks.iter().enumerate();
+    let packing = Packing {
+        work,
+        options,
+        bound,
+        clock,
+        tracks: tracks.map(|(number, track)| (track.node, number)).collect(),
+    };
+    let baked = sparse.first().map(|first| packing.baked(first));
+    let starts = sparse.iter().cloned().chain(baked.clone());
+    let mut all: Vec<Good> = starts
+        .filter_map(|choices| packing.start(choices))
+        .collect();
+    all.sort_by_key(|good| good.bytes);
+    all.truncate(2);
+    let mut best: Option<Good> = None;
+    for mut good in all {
+        packing.coarsen_times(&mut good);
+        if options.effort == Effort::Thorough {
+            packing.coarsen(&mut good);
+            packing.exchange(&mut good, sparse.iter().chain(&baked));
+            packing.coarsen(&mut good);
+        }
+        if best.as_ref().is_none_or(|best| good.bytes < best.bytes) {
+            best = Some(good);
+        }
+    }
+    best.map(|best| (best.error, best.made))
+}
+
+impl Packing<'_> {
+    /// Linear keys on all samples that keys may stand on, for what moves but in steps.
+    fn baked(&self, choices: &[Choice]) -> Vec<Choice> {
+        let stops = &self.work.samples.stops;
+        let one = |choice: &Choice| {
+            let channel = &choice.channel;
+            let moves = channel.times.len() > 1 && channel.interpolation != Interpolation::Step;
+            let track = self.tracks.get(&channel.node).filter(|_| moves);
+            let Some(columns) = track.map(|&track| &self.work.columns[track]) else {
+                return choice.clone();
+            };
+            let values: Vec<f64> = match channel.property {
+                Property::Translation => {
+                    let each = stops.iter().map(|&i| columns.translations[i].to_array());
+                    each.flatten().collect()
+                }
+                Property::Rotation => {
+                    let each = stops.iter().map(|&i| columns.rotations[i].to_array());
+                    each.flatten().collect()
+                }
+                Property::Scale => {
+                    let each = stops.iter().map(|&i| columns.scales[i].to_array());
+                    each.flatten().collect()
+                }
+                Property::Weights => return choice.clone(),
+            };
+            Choice {
+                at_rest: choice.at_rest,
+                channel: Channel {
+                    interpolation: Interpolation::Linear,
+                    times: stops.iter().map(|&i| self.work.times[i] as f32).collect(),
+                    values: values.into_iter().map(|x| x as f32).collect(),
+                    short: false,
+                    ..channel.clone()
+                },
+            }
+        };
+        choices.iter().map(one).collect()
+    }
+
+    /// The coarsest steps, all in the same proportion to what they come to at the skin, that keep to the bound.
+    fn start(&self, choices: Vec<Choice>) -> Option<Good> {
+        let fit = |share: f64| Draft {
+            steps: choices
+                .iter()
+                .map(|choice| self.step(choice, share))
+                .collect(),
+            time: TIMES_AS_THEY_ARE,
+            choices: choices.clone(),
+        };
+        (-4..42_i32).find_map(|thirds| {
+            let draft = fit(power(-thirds.div_euclid(3)) * THIRDS[thirds.rem_euclid(3) as usize]);
+            (!self.clock.is_late()).then_some(())?;
+            self.good(draft)
+        })
+    }
+
+    /// The power of two below what may be off in a channel's own unit.
+    fn step(&self, choice: &Choice, share: f64) -> i32 {
+        let lever = self.work.leverage[choice.channel.node];
+        let lever = match choice.channel.property {
+            Property::Translation => lever.translation,
+            Property::Rotation => lever.rotation,
+            Property::Scale => lever.scale,
+            Property::Weights => self.work.reach(choice.channel.node),
+        };
+        exponent_below(share * self.bound / lever.max(1e-9)).clamp(-30, 20)
+    }
+
+    fn good(&self, draft: Draft) -> Option<Good> {
+        let made = self.made(&draft);
+        let error = self.work.error(&made, self.options);
+        (error <= self.bound).then(|| Good {
+            bytes: bytes(&made),
+            error,
+            draft,
+            made,
+        })
+    }
+
+    /// Lets times have fewer bits.
+    fn coarsen_times(&self, good: &mut Good) {
+        for time in TIME_STEPS {
+            let draft = Draft {
+                time,
+                ..good.draft.clone()
+            };
+            match self.good(draft) {
+                Some(next) if next.bytes < good.bytes => *good = next,
+                Some(_) => {}
+                None => break,
+            }
+        }
+    }
+
+    /// Lets steps grow one by one as long as that makes the whole smaller.
+    fn coarsen(&self, good: &mut Good) {
+        let mut open: Vec<bool> = vec![true; good.draft.steps.len()];
+        while open.iter().any(|open| *open) {
+            for (number, open) in open.iter_mut().enumerate() {
+                if !*open || self.clock.is_late() {
+                    *open = false;
+                    continue;
+                }
+                let mut found = None;
+                // A step may have to grow twice before a byte becomes smaller.
+                for more in 1..=3 {
+                    let mut draft = good.draft.clone();
+                    draft.steps[number] += more;
+                    let Some(next) = self.good(draft) else { break };
+                    if next.bytes < good.bytes {
+                        found = Some(next);
+                        break;
+                    }
+                }
+                match found {
+                    Some(next) => *good = next,
+                    None => *open = false,
+                }
+            }
+        }
+    }
+
+    /// Takes single channels from other sets of keys where that is smaller.
+    fn exchange<'b>(&self, good: &mut Good, others: impl Iterator<Item = &'b Vec<Choice>>) {
+        for other in others {
+            for (number, choice) in other.iter().enumerate() {
+                if choice.channel == good.draft.choices[number].channel || self.clock.is_late() {
+                    continue;
+                }
+                let mut draft = good.draft.clone();
+                draft.choices[number] = choice.clone();
+                if let Some(next) = self.good(draft)
+                    && next.bytes < good.bytes
+                {
+                    *good = next;
+                }
+            }
+        }
+    }
+
+    /// Channels as they come back from the codec.
+    fn made(&self, draft: &Draft) -> Vec<Choice> {
+        let mut out = draft.choices.clone();
+        for choice in &mut out {
+            let times = &mut choice.channel.times;
+            let rounded: Vec<f32> = times.iter().map(|&t| round(t.into(), draft.time)).collect();
+            // Times grow strictly, whatever the step.
+            if rounded.windows(2).all(|pair| pair[0] < pair[1]) {
+                *times = rounded;
+            }
+        }
+        let rotations: BTreeMap<usize, usize> = (0..out.len())
+            .filter(|&number| out[number].channel.property == Property::Rotation)
+            .map(|number| (out[number].channel.node, number))
+            .collect();
+        for (number, choice) in out.iter_mut().enumerate() {
+            if choice.channel.property != Property::Rotation {
+                vector(&mut choice.channel, draft.steps[number]);
+            }
+        }
+        self.rotations(draft, &rotations, &mut out);
+        out
+    }
+
+    /// Rounds rotations from the roots to the tips.
+    fn rotations(&self, draft: &Draft, of: &BTreeMap<usize, usize>, out: &mut [Choice]) {
+        let (work, count) = (self.work, self.work.times.len());
+        // What the world's rotation of a node is off by, at each sample, where it moves or one above it does.
+        let mut before: BTreeMap<usize, Vec<DQuat>> = BTreeMap::new();
+        let mut after: BTreeMap<usize, Vec<DQuat>> = BTreeMap::new();
+        for &node in work.shells.in_order() {
+            let above = work
+                .shells
+                .parent(node)
+                .filter(|above| before.contains_key(above));
+            let track = self.tracks.get(&node);
+            if track.is_none() && above.is_none() {
+                continue;
+            }
+            let rest = work.rest[node].rotation;
+            let wanted = |i: usize| track.map_or(rest, |&track| work.columns[track].rotations[i]);
+            let world = |all: &BTreeMap<usize, Vec<DQuat>>, i: usize| {
+                above.map_or(DQuat::IDENTITY, |above| all[&above][i])
+            };
+            let mut played: Vec<DQuat> = (0..count).map(wanted).collect();
+            if let Some(&number) = of.get(&node) {
+                let choice = &draft.choices[number].channel;
+                let channel = &mut out[number].channel;
+                let aim = |key: usize, q: DQuat| {
+                    let time = f64::from(choice.times[key]);
+                    let i = work.times.partition_point(|&t| t < time).min(count - 1);
+                    // One value for all times cannot make good what changes with them.
+                    match choice.times.len() > 1 {
+                        true => world(&after, i).conjugate() * world(&before, i) * q,
+                        false => q,
+                    }
+                };
+                rotation(channel, draft.steps[number], aim);
+                let mut player = Player::new(channel);
+                for (i, played) in played.iter_mut().enumerate() {
+                    let mut q = [0.0; 4];
+                    player.at(work.times[i], &mut q);
+                    *played = DQuat::from_array(q);
+                }
+            }
+            let was = (0..count).map(|i| world(&before, i) * wanted(i)).collect();
+            let is = (0..count).map(|i| world(&after, i) * played[i]).collect();
+            before.insert(node, was);
+            after.insert(node, is);
+        }
+    }
+}
+
+/// Coded bytes of what moves.
+fn bytes(choices: &[Choice]) -> usize {
+    let moving = || choices.iter().filter(|choice| !choice.at_rest);
+    let mut known = std::collections::BTreeSet::new();
+    let mut all: Vec<Numbers> = Vec::new();
+    for choice in moving() {
+        let times = &choice.channel.times;
+        if known.insert(times.iter().map(|t| t.to_bits()).collect::<Vec<_>>()) {
+            let times: Vec<[f32; 1]> = times.iter().map(|&t| [t]).collect();
+            all.push(Numbers::floats(&times));
+        }
+        all.push(numbers(&choice.channel));
+    }
+    size(all.iter())
+}
+
+/// The whole multiple of a power of two next to `x`.
+fn round(x: f64, step: i32) -> f32 {
+    let step = power(step);
+    ((x / step).round() * step) as f32
+}
+
+/// How much coarser than values tangents may be, as a power of two: at most 4/27 of a tangent times the
+/// time between two keys is seen.
+fn tangents(times: &[f32]) -> i32 {
+    let gaps = times.windows(2).map(|pair| f64::from(pair[1] - pair[0]));
+    let longest = gaps.fold(1e-6, f64::max);
+    exponent_below(4.0 / longest)
+}
+
+/// Rounds all numbers of a channel to a power of two.
+fn vector(channel: &mut Channel, step: i32) {
+    let keys = channel.times.len().max(1);
+    let width = channel.values.len() / keys;
+    let cubic = channel.interpolation == Interpolation::Cubic;
+    let coarser = if cubic { tangents(&channel.times) } else { 0 };
+    for key in channel.values.chunks_mut(width.max(1)) {
+        for (i, x) in key.iter_mut().enumerate() {
+            let middle = !cubic || (width / 3..2 * width / 3).contains(&i);
+            *x = round(f64::from(*x), if middle { step } else { step + coarser });
+        }
+    }
+    channel.short = false;
+}
+
+/// Rounds a rotation to steps of `2^step` in each component of its quaternion; `aim` says where each key belongs.
+fn rotation(channel: &mut Channel, step: i32, aim: impl Fn(usize, DQuat) -> DQuat) {
+    if channel.interpolation == Interpolation::Cubic {
+        vector(channel, step);
+        return;
+    }
+    let mut aims: Vec<DQuat> = Vec::with_capacity(channel.times.len());
+    for (key, q) in channel.values.chunks(4).enumerate() {
+        let q = DQuat::from_array([q[0], q[1], q[2], q[3]].map(f64::from));
+        let q = aim(key, q.normalize()).normalize();
+        let turned = aims.last().is_some_and(|last| last.dot(q) < 0.0);
+        aims.push(if turned { -q } else { q });
+    }
+    channel.values.clear();
+    if step >= FINEST_OF_FILTER {
+        let bits = (1 - step).clamp(4, 15) as u32;
+        for q in aims {
+            let (_, back) = quaternion_of_bits(q.to_array(), bits);
+            channel.values.extend(back.map(|x| f32::from(x) / 32767.0));
+        }
+        channel.short = true;
+        return;
+    }
+    // The component that is never small takes what the others leave of the length, and needs few bits.
+    let least = |i: usize| {
+        aims.iter()
+            .map(|q| q.to_array()[i].abs())
+            .fold(1.0, f64::min)
+    };
+    let large = (0..4)
+        .max_by(|&a, &b| least(a).total_cmp(&least(b)))
+        .unwrap_or(3);
+    let coarse = least(large) > 0.25;
+    for q in aims {
+        let mut q = DVec4::from(q);
+        if coarse {
+            let kept = f64::from(round(q[large], LENGTH));
+            q *= kept / q[large];
+            q[large] = kept;
+        }
+        let numbers = q.to_array();
+        let numbers = numbers
+            .iter()
+            .enumerate()
+            .map(|(i, &x)| match coarse && i == large {
+                true => x as f32,
+                false => round(x, step),
+            });
+        channel.values.extend(numbers);
+    }
+    channel.short = false;
+}

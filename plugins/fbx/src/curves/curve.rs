@@ -1,0 +1,369 @@
+//! One curve.
+
+use ufbx::{AnimCurve, Extrapolation, ExtrapolationMode, Interpolation, Keyframe};
+
+/// The part of the time between two keys that a tangent reaches over where the file says no weight, as
+/// ufbx has it; it means a third.
+const THIRD: f32 = 0.333_333;
+
+/// Times beyond a curve's keys that are told apart: more are as good as none.
+const MOST_REPEATS: f64 = 1e6;
+
+/// How a curve goes on beyond its keys.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Beyond {
+    mode: ExtrapolationMode,
+    /// Below 0 without end.
+    repeats: i32,
+}
+
+impl From<&Extrapolation> for Beyond {
+    fn from(how: &Extrapolation) -> Self {
+        Self {
+            mode: how.mode,
+            repeats: how.repeat_count,
+        }
+    }
+}
+
+/// A curve, and the key that the last time was after.
+#[derive(Clone)]
+pub(crate) struct Curve<'a> {
+    keys: &'a [Keyframe],
+    before: Beyond,
+    after: Beyond,
+    /// Ticks of the file's clock in a second.
+    ticks: f64,
+    at: usize,
+}
+
+impl<'a> Curve<'a> {
+    /// `None` where it has no keys.
+    pub(crate) fn of(curve: &'a AnimCurve) -> Option<Self> {
+        let keys: &[Keyframe] = &curve.keyframes;
+        let ticks = curve.element.scene.metadata.ktime_second as f64;
+        (!keys.is_empty()).then_some(Self {
+            keys,
+            before: Beyond::from(&curve.pre_extrapolation),
+            after: Beyond::from(&curve.post_extrapolation),
+            ticks: if ticks > 0.0 { ticks } else { 46_186_158_000.0 },
+            at: 0,
+        })
+    }
+
+    /// Its value at `time`, seconds on the file's clock. Fast where times grow.
+    pub(crate) fn at(&mut self, time: f64) -> f64 {
+        let (Some(first), Some(last)) = (self.keys.first(), self.keys.last()) else {
+            return 0.0;
+        };
+        if self.keys.len() == 1 {
+            return first.value;
+        }
+        if time < first.time || time > last.time {
+            return self.beyond(time, first, last);
+        }
+        self.inside(time)
+    }
+
+    fn inside(&mut self, time: f64) -> f64 {
+        let at = self.segment(time);
+        let Some(key) = self.keys.get(at) else {
+            return 0.0;
+        };
+        let Some(next) = self.keys.get(at + 1) else {
+            return key.value;
+        };
+        if time <= key.time {
+            return key.value;
+        }
+        let length = next.time - key.time;
+        let share = (time - key.time) / length;
+        match key.interpolation {
+            Interpolation::ConstantPrev => key.value,
+            Interpolation::ConstantNext => next.value,
+            Interpolation::Linear => key.value + (next.value - key.value) * share,
+            Interpolation::Cubic => cubic(key, next, length, share),
+        }
+    }
+
+    /// The last key that `time` is not before.
+    fn segment(&mut self, time: f64) -> usize {
+        let is_before = |at: usize| self.keys.get(at).is_none_or(|key| key.time > time);
+        if !is_before(self.at) {
+            for at in self.at..self.at + 3 {
+                if is_before(at + 1) {
+                    self.at = at;
+                    return at;
+                }
+            }
+        }
+        self.at = self
+            .keys
+            .partition_point(|key| key.time <= time)
+            .saturating_sub(1);
+        self.at
+    }
+
+    /// Before the first key or after the last.
+    fn beyond(&mut self, time: f64, first: &Keyframe, last: &Keyframe) -> f64 {
+        let is_before = time < first.time;
+        let (key, how) = match is_before {
+            true => (first, self.before),
+            false => (last, self.after),
+        };
+        match how.mode {
+            ExtrapolationMode::Constant => return key.value,
+            ExtrapolationMode::Slope => {
+                let tangent = if is_before { key.right } else { key.left };
+                let slope = f64::from(tangent.dy) / f64::from(tangent.dx);
+                let slope = if slope.is_finite() { slope } else { 0.0 };
+                return key.value + slope * (time - key.time);
+            }
+            _ if how.repeats == 0 => return key.value,
+            _ => {}
+        }
+        // On the file's clock, so that seams fall on whole ticks.
+        let (begin, end) = (
+            (first.time * self.ticks).round(),
+            (last.time * self.ticks).round(),
+        );
+        let length = end - begin;
+        if length < 1.0 {
+            return key.value;
+        }
+        let now = time * self.ticks;
+        let past = if is_before { begin - now } else { now - end };
+        let mut number = (past / length).floor();
+        let mut rest = past - number * length;
+        if how.repeats > 0 && number >= f64::from(how.repeats) {
+            number = f64::from(how.repeats - 1);
+            rest = length;
+        }
+        // The first repetition of a mirrored curve runs backwards.
+        let backwards = how.mode == ExtrapolationMode::Mirror && number.rem_euclid(2.0) < 0.5;
+        if backwards != is_before {
+            rest = length - rest;
+        }
+        let value = self.inside(((begin + rest) / self.ticks).clamp(first.time, last.time));
+        let climb = match how.mode {
+            ExtrapolationMode::RepeatRelative => (last.value - first.value) * (number + 1.0),
+            _ => 0.0,
+        };
+        if is_before {
+            value - climb
+        } else {
+            value + climb
+        }
+    }
+}
+
+/// A tangent's reach as a share of the time between the two keys, and its slope over that time.
+fn reach(tangent: ufbx::Tangent, length: f64) -> (f64, f64) {
+    let (dx, dy) = (f64::from(tangent.dx), f64::from(tangent.dy));
+    if dx == 0.0 {
+        return (0.0, 0.0);
+    }
+    // ufbx keeps reaches in f32; where it is the usual one, it is a third.
+    let usual = f64::from((f64::from(THIRD) * length) as f32);
+    match dx == usual {
+        true => (1.0 / 3.0, dy / dx * length),
+        false => (dx / length, dy / dx * length),
+    }
+}
+
+fn cubic(key: &Keyframe, next: &Keyframe, length: f64, share: f64) -> f64 {
+    let (out, out_slope) = reach(key.right, length);
+    let (into, into_slope) = reach(next.left, length);
+    let t = match (out == 1.0 / 3.0, into == 1.0 / 3.0) {
+        (true, true) => share,
+        _ => solve(out, 1.0 - into, share),
+    };
+    let u = 1.0 - t;
+    let (a, d) = (key.value, next.value);
+    let (b, c) = (a + out_slope * out, d - into_slope * into);
+    u * u * u * a + 3.0 * u * t * (u * b + t * c) + t * t * t * d
+}
+
+/// Where a Bézier curve's time, through 0, `a`, `b` and 1, is `x`.
+fn solve(a: f64, b: f64, x: f64) -> f64 {
+    let time = |t: f64| {
+        let u = 1.0 - t;
+        3.0 * u * t * (u * a + t * b) + t * t * t
+    };
+    let speed = |t: f64| {
+        let u = 1.0 - t;
+        3.0 * (u * u * a + 2.0 * u * t * (b - a) + t * t * (1.0 - b))
+    };
+    let (mut low, mut high, mut t) = (0.0_f64, 1.0_f64, x);
+    for _ in 0..60 {
+        let off = time(t) - x;
+        if off.abs() < 1e-15 {
+            break;
+        }
+        if off > 0.0 {
+            high = t;
+        } else {
+            low = t;
+        }
+        let newton = t - off / speed(t);
+        t = match newton > low && newton < high {
+            true => newton,
+            false => f64::midpoint(low, high),
+        };
+        if high - low < 1e-16 {
+            break;
+        }
+    }
+    t
+}
+
+/// How many repetitions of `curve` begin before `begin` or end after `end`, before its keys and after
+/// them: seconds of the file's clock.
+pub(crate) fn repeats(curve: &AnimCurve, begin: f64, end: f64) -> (f64, f64) {
+    let length = curve.max_time - curve.min_time;
+    let count = |how: &Extrapolation, past: f64| {
+        let repeats = !matches!(
+            how.mode,
+            ExtrapolationMode::Constant | ExtrapolationMode::Slope
+        );
+        if !repeats || past.is_nan() || past <= 0.0 || length <= 0.0 {
+            return 0.0;
+        }
+        let wanted = (past / length).ceil().min(MOST_REPEATS);
+        match how.repeat_count {
+            ..0 => wanted,
+            most => wanted.min(f64::from(most)),
+        }
+    };
+    (
+        count(&curve.pre_extrapolation, curve.min_time - begin),
+        count(&curve.post_extrapolation, end - curve.max_time),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ufbx::Tangent;
+
+    fn key(time: f64, value: f64, interpolation: Interpolation) -> Keyframe {
+        Keyframe {
+            time,
+            value,
+            interpolation,
+            ..Keyframe::default()
+        }
+    }
+
+    fn curve(keys: &[Keyframe], before: ExtrapolationMode, after: ExtrapolationMode) -> Curve<'_> {
+        let how = |mode| Beyond { mode, repeats: -1 };
+        Curve {
+            keys,
+            before: how(before),
+            after: how(after),
+            ticks: 46_186_158_000.0,
+            at: 0,
+        }
+    }
+
+    #[test]
+    fn steps_lines_and_their_ends() {
+        use ExtrapolationMode::Constant;
+        let keys = [
+            key(0.0, 1.0, Interpolation::ConstantPrev),
+            key(1.0, 2.0, Interpolation::ConstantNext),
+            key(2.0, 5.0, Interpolation::Linear),
+            key(4.0, 9.0, Interpolation::Linear),
+        ];
+        let mut curve = curve(&keys, Constant, Constant);
+        let wanted = [
+            (-1.0, 1.0),
+            (0.999, 1.0),
+            (1.0, 2.0),
+            (1.001, 5.0),
+            (2.0, 5.0),
+            (3.0, 7.0),
+            (4.0, 9.0),
+            (9.0, 9.0),
+            (0.5, 1.0),
+        ];
+        for (time, value) in wanted {
+            assert_eq!(curve.at(time), value, "{time}");
+        }
+    }
+
+    #[test]
+    fn cubics_are_those_of_hermite() {
+        // Slopes of 3 and -2 a second over two seconds, no weights.
+        let dx = (f64::from(THIRD) * 2.0) as f32;
+        let mut keys = [
+            key(1.0, 10.0, Interpolation::Cubic),
+            key(3.0, 14.0, Interpolation::Cubic),
+        ];
+        keys[0].right = Tangent { dx, dy: dx * 3.0 };
+        keys[1].left = Tangent { dx, dy: dx * -2.0 };
+        let mut curve = curve(&keys, ExtrapolationMode::Slope, ExtrapolationMode::Constant);
+        for step in 0..=16 {
+            let s = f64::from(step) / 16.0;
+            let (s2, s3) = (s * s, s * s * s);
+            let wanted = 10.0 * (2.0 * s3 - 3.0 * s2 + 1.0)
+                + 6.0 * (s3 - 2.0 * s2 + s)
+                + 14.0 * (3.0 * s2 - 2.0 * s3)
+                - 4.0 * (s3 - s2);
+            let off = curve.at(1.0 + 2.0 * s) - wanted;
+            assert!(off.abs() < 1e-6, "{s}: {off:e}");
+        }
+        assert!((curve.at(0.0) - 7.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn weighted_tangents_bend_time() {
+        for (a, b) in [
+            (0.9, 0.1),
+            (0.01, 0.99),
+            (0.0, 0.5),
+            (0.99, 0.01),
+            (1.0, 0.0),
+        ] {
+            for step in 0..=20 {
+                let t = f64::from(step) / 20.0;
+                let u = 1.0 - t;
+                let x = 3.0 * u * u * t * a + 3.0 * u * t * t * b + t * t * t;
+                let found = solve(a, b, x);
+                // At a vertical tangent a place is known to a cube root only.
+                let off = (found - t).abs();
+                assert!(off < 1e-4, "{a} {b} at {t}: {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn repetitions_go_on_as_they_say() {
+        use ExtrapolationMode::{Mirror, Repeat, RepeatRelative};
+        let keys = [
+            key(0.0, 0.0, Interpolation::Linear),
+            key(2.0, 6.0, Interpolation::Linear),
+        ];
+        for (mode, after, before) in [
+            (Repeat, [1.5, 1.5, 4.5], [4.5, 4.5]),
+            (Mirror, [4.5, 1.5, 4.5], [1.5, 4.5]),
+            (RepeatRelative, [7.5, 13.5, 16.5], [-1.5, -7.5]),
+        ] {
+            let mut curve = curve(&keys, mode, mode);
+            let got = [2.5, 4.5, 5.5].map(|time| curve.at(time));
+            for (got, wanted) in got.iter().zip(after) {
+                assert!(
+                    (got - wanted).abs() < 1e-9,
+                    "{mode:?} after: {got} {wanted}"
+                );
+            }
+            let got = [-0.5, -2.5].map(|time| curve.at(time));
+            for (got, wanted) in got.iter().zip(before) {
+                assert!(
+                    (got - wanted).abs() < 1e-9,
+                    "{mode:?} before: {got} {wanted}"
+                );
+            }
+        }
+    }
+}

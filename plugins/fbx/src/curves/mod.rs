@@ -1,0 +1,14 @@
+//! The file's curves, evaluated from its own keys, tangents and layers in f64.
+//!
+//! ufbx reads keys, tangents and properties; what they come to at a time is worked out here, since ufbx
+//! leaves out which layers are muted or play alone and looks for keyed weights in one layer only.
+
+mod curve;
+mod layers;
+mod pose;
+mod value;
+
+pub(crate) use curve::repeats;
+pub(crate) use layers::{Layers, Reading};
+pub(crate) use pose::{BlendWeight, NodeCurves, order_of};
+pub(crate) use value::{Meaning, Value};

@@ -1,0 +1,191 @@
+//! A property as its layers have it.
+
+use super::curve::Curve;
+use super::layers::{Layer, Layers, Mode, Weight};
+use crate::read::convert::vec3;
+use glam::{DQuat, DVec2, DVec3};
+use ufbx::{AnimValue, Element, RotationOrder};
+
+/// A property of up to three numbers.
+#[derive(Clone)]
+pub(crate) struct Value<'a> {
+    /// What it is where nothing moves it.
+    pub(crate) fixed: DVec3,
+    parts: Vec<Part<'a>>,
+}
+
+/// What a layer says of it.
+#[derive(Clone)]
+struct Part<'a> {
+    mode: Mode,
+    weight: Weight<'a>,
+    whole_rotations: bool,
+    multiplies: bool,
+    default: DVec3,
+    curves: [Option<Curve<'a>>; 3],
+}
+
+/// What a property's numbers mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Meaning {
+    Plain,
+    /// Degrees about three axes in this order.
+    Angles(RotationOrder),
+    Scale,
+}
+
+impl<'a> Value<'a> {
+    /// Property `name` of `element`; `or` is what it is where the file says nothing.
+    pub(crate) fn of(layers: &Layers<'a>, element: &'a Element, name: &str, or: DVec3) -> Self {
+        let fixed = ufbx::find_prop(&element.props, name).map_or(or, |prop| {
+            let v = prop.value_vec4;
+            DVec3::new(v.x, v.y, v.z)
+        });
+        let part = |layer: &Layer<'a>| {
+            let prop = ufbx::find_anim_prop(layer.source, element, name)?;
+            let value: &'a AnimValue = prop.anim_value.as_ref();
+            Some(Part {
+                mode: layer.mode,
+                weight: layer.weight.clone(),
+                whole_rotations: layer.whole_rotations,
+                multiplies: layer.multiplies,
+                default: vec3(value.default_value),
+                curves: value
+                    .curves
+                    .each_ref()
+                    .map(|curve| Curve::of(curve.as_ref()?.as_ref())),
+            })
+        };
+        Self {
+            fixed,
+            parts: layers.playing.iter().filter_map(part).collect(),
+        }
+    }
+
+    /// Whether anything moves it.
+    pub(crate) fn moves(&self) -> bool {
+        !self.parts.is_empty()
+    }
+
+    /// What it is at `time`, seconds on the file's clock.
+    pub(crate) fn at(&mut self, time: f64, meaning: Meaning) -> DVec3 {
+        let mut sum = self.fixed;
+        for part in &mut self.parts {
+            sum = part.upon(sum, time, meaning);
+        }
+        sum
+    }
+}
+
+impl Part<'_> {
+    fn upon(&mut self, sum: DVec3, time: f64, meaning: Meaning) -> DVec3 {
+        let mut own = self.default;
+        for (axis, curve) in self.curves.iter_mut().enumerate() {
+            if let Some(curve) = curve {
+                own[axis] = curve.at(time);
+            }
+        }
+        if matches!(self.mode, Mode::Base | Mode::Override) {
+            return own;
+        }
+        let weight = self.weight.at(time);
+        let adds = self.mode == Mode::Additive;
+        match meaning {
+            Meaning::Scale if self.multiplies => {
+                let rest = if adds { 1.0 } else { 1.0 - weight };
+                power(sum, rest) * power(own, weight)
+            }
+            Meaning::Angles(order) if self.whole_rotations => {
+                let (below, own) = (turn(sum, order), turn(own, order));
+                angles(
+                    match adds {
+                        true => below * slerp(DQuat::IDENTITY, own, weight),
+                        false => slerp(below, own, weight),
+                    },
+                    order,
+                )
+            }
+            _ if adds => sum + own * weight,
+            _ => sum * (1.0 - weight) + own * weight,
+        }
+    }
+}
+
+/// Each number to a power from 0 to 1, with its sign.
+fn power(v: DVec3, exponent: f64) -> DVec3 {
+    match exponent {
+        e if e <= 0.0 => DVec3::ONE,
+        e if e >= 1.0 => v,
+        e => v.abs().powf(e) * v.signum(),
+    }
+}
+
+/// The shorter way from one rotation to another; whole ends are exact.
+fn slerp(from: DQuat, to: DQuat, share: f64) -> DQuat {
+    match share {
+        s if s <= 0.0 => from,
+        s if s >= 1.0 => to,
+        s => from.slerp(to, s),
+    }
+}
+
+/// The rotation by three angles, degrees.
+pub(crate) fn turn(degrees: DVec3, order: RotationOrder) -> DQuat {
+    let about = |axis: usize| {
+        let angle = degrees[axis];
+        if angle == 0.0 {
+            return DQuat::IDENTITY;
+        }
+        let half = DVec2::from_angle(angle.to_radians() * 0.5);
+        let mut out = [0.0, 0.0, 0.0, half.x];
+        out[axis] = half.y;
+        DQuat::from_array(out)
+    };
+    // The first letter turns first.
+    let (first, second, third) = match order {
+        RotationOrder::Xyz => (0, 1, 2),
+        RotationOrder::Xzy => (0, 2, 1),
+        RotationOrder::Yzx => (1, 2, 0),
+        RotationOrder::Yxz => (1, 0, 2),
+        RotationOrder::Zxy => (2, 0, 1),
+        RotationOrder::Zyx => (2, 1, 0),
+        // ufbx gives none for it, nor does any reader of it say what it means.
+        RotationOrder::Spheric => return DQuat::IDENTITY,
+    };
+    about(third) * about(second) * about(first)
+}
+
+/// Three angles of a rotation, degrees.
+fn angles(q: DQuat, order: RotationOrder) -> DVec3 {
+    let q = ufbx::Quat {
+        x: q.x,
+        y: q.y,
+        z: q.z,
+        w: q.w,
+    };
+    vec3(ufbx::quat_to_euler(q, order))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orders_turn_as_ufbx_says() {
+        use RotationOrder::{Xyz, Xzy, Yxz, Yzx, Zxy, Zyx};
+        for order in [Xyz, Xzy, Yxz, Yzx, Zxy, Zyx] {
+            let v = DVec3::new(31.0, -77.0, 412.0);
+            let wanted = ufbx::euler_to_quat(
+                ufbx::Vec3 {
+                    x: v.x,
+                    y: v.y,
+                    z: v.z,
+                },
+                order,
+            );
+            let wanted = DQuat::from_xyzw(wanted.x, wanted.y, wanted.z, wanted.w);
+            let off = turn(v, order).dot(wanted).abs();
+            assert!((off - 1.0).abs() < 1e-12, "{order:?}: {off}");
+        }
+    }
+}

@@ -1,0 +1,251 @@
+//! Where pictures that are not embedded lie. Nothing outside of the folders that were given is opened
+//! or listed: every path is resolved, links and all, before it is looked into.
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+
+/// Folders beside the file that exporters put pictures into, in any case; `NAME.fbm` is looked into
+/// before them.
+const FOLDERS: [&str; 2] = ["textures", "texture"];
+
+/// Entries of folders that are listed for one FBX file at most.
+const ENTRIES: usize = 100_000;
+/// Folders below a given one that are looked into.
+const DEPTH: usize = 16;
+/// Parts at the end of a stated path that are tried below a folder.
+const PARTS: usize = 8;
+
+/// Looks for files by the paths that an FBX file states.
+pub(crate) struct Finder {
+    /// Resolved, the FBX file's own folder first if there is one.
+    roots: Vec<PathBuf>,
+    /// The first root is the FBX file's own folder.
+    has_own: bool,
+    /// Name of the FBX file without its ending.
+    stem: String,
+    listed: BTreeMap<PathBuf, BTreeMap<String, String>>,
+    entries: usize,
+    /// What lies anywhere below the folders that were given beside the file's own, by name in lower
+    /// case.
+    below: Option<BTreeMap<String, PathBuf>>,
+}
+
+impl Finder {
+    /// For the FBX file `name`, which lies in the folder `own`; `given` are folders to look into beside.
+    pub(crate) fn new(name: &str, own: Option<&Path>, given: &[PathBuf]) -> Self {
+        let own = own.and_then(|folder| folder.canonicalize().ok());
+        let given = given.iter().filter_map(|folder| folder.canonicalize().ok());
+        let last = last_part(name);
+        Self {
+            has_own: own.is_some(),
+            roots: own.into_iter().chain(given).collect(),
+            stem: last
+                .rsplit_once('.')
+                .map_or(last, |(stem, _)| stem)
+                .to_owned(),
+            listed: BTreeMap::new(),
+            entries: 0,
+            below: None,
+        }
+    }
+
+    /// The first file that lies where one of `names` says, or where such files are put. It is inside of
+    /// the folders, with all links followed.
+    pub(crate) fn find(&mut self, names: &[&str]) -> Option<PathBuf> {
+        if let Some(found) = names.iter().find_map(|name| self.stated(name)) {
+            return Some(found);
+        }
+        for name in names {
+            let parts = parts(name);
+            let after = parts.iter().rposition(|part| *part == "..");
+            let tail = &parts[after.map_or(0, |at| at + 1)..];
+            let tail = &tail[tail.len().saturating_sub(PARTS)..];
+            for root in self.roots.clone() {
+                let ends = (0..tail.len()).map(|from| &tail[from..]);
+                if let Some(found) = ends.into_iter().find_map(|end| self.walk(&root, end)) {
+                    return Some(found);
+                }
+            }
+        }
+        let folders = [format!("{}.fbm", self.stem)];
+        let folders = folders.iter().map(String::as_str).chain(FOLDERS);
+        let folders: Vec<&str> = folders.collect();
+        for name in names {
+            let last = last_part(name);
+            for root in self.roots.clone() {
+                let found = folders.iter().find_map(|f| self.walk(&root, &[f, last]));
+                if found.is_some() {
+                    return found;
+                }
+            }
+        }
+        let lower = names.iter().map(|name| last_part(name).to_lowercase());
+        let lower: Vec<String> = lower.collect();
+        let below = self.below();
+        lower.iter().find_map(|name| below.get(name).cloned())
+    }
+
+    /// Says where was looked.
+    pub(crate) fn places(&self) -> String {
+        let mut all: Vec<String> = Vec::new();
+        if self.has_own {
+            let stem = &self.stem;
+            all.push(format!(
+                "in the file's folder, in {stem}.fbm, Textures and Texture there"
+            ));
+        }
+        let given = &self.roots[usize::from(self.has_own)..];
+        all.extend(given.iter().map(|root| format!("below {}", root.display())));
+        let cut = match self.entries >= ENTRIES {
+            true => format!(", in {ENTRIES} entries at most"),
+            false => String::new(),
+        };
+        match all.is_empty() {
+            true => "no folder to look in was given".to_owned(),
+            false => format!("looked for {}{cut}", all.join(" and ")),
+        }
+    }
+
+    /// Exactly as stated: from the FBX file's folder, or absolute, if that is inside of a folder.
+    fn stated(&mut self, name: &str) -> Option<PathBuf> {
+        let own = self.roots.first().filter(|_| self.has_own);
+        let plain = PathBuf::from(name.replace('\\', "/"));
+        let whole = match plain.is_absolute() {
+            true => plain,
+            false if is_rooted(name) => return None,
+            false => own?.join(plain),
+        };
+        let whole = without_dots(&whole)?;
+        for root in self.roots.clone() {
+            if let Ok(rest) = whole.strip_prefix(&root) {
+                let rest: Option<Vec<&str>> = rest.iter().map(|part| part.to_str()).collect();
+                if let Some(found) = self.walk(&root, &rest?) {
+                    return Some(found);
+                }
+            }
+        }
+        None
+    }
+
+    /// Goes down from `root`, each step in whatever case it is written in.
+    fn walk(&mut self, root: &Path, parts: &[&str]) -> Option<PathBuf> {
+        let mut at = root.to_owned();
+        for part in parts {
+            let step = self.entry(&at, part)?;
+            at = self.inside(&at.join(step))?;
+        }
+        (!parts.is_empty() && at.is_file()).then_some(at)
+    }
+
+    /// `path` with links followed, if it is inside of the folders.
+    fn inside(&self, path: &Path) -> Option<PathBuf> {
+        let real = path.canonicalize().ok()?;
+        let within = self.roots.iter().any(|root| real.starts_with(root));
+        within.then_some(real)
+    }
+
+    /// The name of an entry of `folder`, which is resolved and inside.
+    fn entry(&mut self, folder: &Path, name: &str) -> Option<String> {
+        if name.is_empty() || name == ".." || name.contains(['/', '\\', ':', '\0']) {
+            return None;
+        }
+        if std::fs::symlink_metadata(folder.join(name)).is_ok() {
+            return Some(name.to_owned());
+        }
+        self.list(folder).get(&name.to_lowercase()).cloned()
+    }
+
+    /// Names in a folder by what they are in lower case; each folder is listed once.
+    fn list(&mut self, folder: &Path) -> &BTreeMap<String, String> {
+        if !self.listed.contains_key(folder) {
+            let left = ENTRIES.saturating_sub(self.entries);
+            let entries = std::fs::read_dir(folder).into_iter().flatten();
+            let entries = entries.take(left).flatten();
+            let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+            let mut names: Vec<String> = names.collect();
+            self.entries += names.len();
+            // Of several the first in order, wherever the system lists it.
+            names.sort_unstable_by(|a, b| b.cmp(a));
+            let names = names.into_iter().map(|name| (name.to_lowercase(), name));
+            self.listed.insert(folder.to_owned(), names.collect());
+        }
+        self.listed.entry(folder.to_owned()).or_default()
+    }
+
+    fn below(&mut self) -> &BTreeMap<String, PathBuf> {
+        if self.below.is_none() {
+            let mut found = BTreeMap::new();
+            let given = self.roots[usize::from(self.has_own)..].to_vec();
+            for root in given {
+                let mut level = vec![root];
+                for _ in 0..DEPTH {
+                    level = level
+                        .into_iter()
+                        .flat_map(|folder| self.files(&folder, &mut found))
+                        .collect();
+                }
+            }
+            self.below = Some(found);
+        }
+        self.below.get_or_insert_default()
+    }
+
+    /// Puts the files of a folder into `found`, where they are not yet, and gives the folders below it;
+    /// not those behind links, which may lead in circles.
+    fn files(&mut self, folder: &Path, found: &mut BTreeMap<String, PathBuf>) -> Vec<PathBuf> {
+        let mut folders = Vec::new();
+        for (lower, name) in self.list(folder).clone() {
+            let path = folder.join(name);
+            let Ok(about) = std::fs::symlink_metadata(&path) else {
+                continue;
+            };
+            if about.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let file = match about.is_symlink() {
+                // What is no link in a folder that is inside is inside.
+                false => about.is_file().then_some(path),
+                true => self.inside(&path).filter(|real| real.is_file()),
+            };
+            if let Some(file) = file {
+                found.entry(lower).or_insert(file);
+            }
+        }
+        folders
+    }
+}
+
+/// The part after the last separator of either kind.
+pub(crate) fn last_part(name: &str) -> &str {
+    name.rsplit(['/', '\\']).next().unwrap_or(name)
+}
+
+/// The parts of a path of any system, without drives.
+fn parts(name: &str) -> Vec<&str> {
+    let parts = name.split(['/', '\\']);
+    parts
+        .filter(|part| !part.is_empty() && *part != "." && !part.contains(':'))
+        .collect()
+}
+
+/// Absolute on some system.
+fn is_rooted(name: &str) -> bool {
+    name.starts_with(['/', '\\']) || name.contains(':')
+}
+
+/// A path with its `..` taken out; `None` where they lead above the top.
+fn without_dots(path: &Path) -> Option<PathBuf> {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir => out.pop().then_some(())?,
+            Component::CurDir => {}
+            other => out.push(other),
+        }
+    }
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,103 @@
+//! Which nodes are hidden. FBX hides a node by its own `Visibility` or `Show`, by a display layer that is
+//! off, or with its parent; glTF has an extension that hides a node and all below it.
+
+use crate::clips::order;
+use crate::model::Model;
+use crate::report::Report;
+use std::collections::BTreeSet;
+use ufbx::{ElementType, Scene};
+
+/// The property that says it, 0 for hidden.
+pub(super) const VISIBILITY: &str = "Visibility";
+/// The other one.
+pub(super) const SHOW: &str = "Show";
+const INHERITANCE: &str = "Visibility Inheritance";
+
+/// Hidden nodes of a scene.
+pub(crate) struct Hidden {
+    /// For each node, whether it is hidden at rest.
+    nodes: Vec<bool>,
+}
+
+impl Hidden {
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let mut off = BTreeSet::new();
+        for layer in &scene.display_layers {
+            if !layer.visible {
+                off.extend((&layer.nodes).into_iter().map(|n| n.element.typed_id));
+            }
+        }
+        let parents: Vec<Option<usize>> = (&scene.nodes)
+            .into_iter()
+            .map(|node| node.parent.as_ref().map(|p| p.element.typed_id as usize))
+            .collect();
+        let mut nodes = vec![false; parents.len()];
+        for number in order(&parents) {
+            let node: &ufbx::Node = &scene.nodes[number];
+            let says = |prop: &str| {
+                let prop = ufbx::find_prop(&node.element.props, prop);
+                prop.is_none_or(|prop| prop.value_vec4.x != 0.0 || prop.value_int != 0)
+            };
+            let own = says(VISIBILITY) && says(SHOW) && !off.contains(&node.element.typed_id);
+            let above = parents[number].is_some_and(|parent| nodes[parent]);
+            // A helper is part of the node that it helps.
+            let helper = node.is_geometry_transform_helper || node.is_scale_helper;
+            nodes[number] = !own || above && (helper || says(INHERITANCE));
+        }
+        Self { nodes }
+    }
+
+    /// Whether node number `node` of the scene is hidden.
+    pub(crate) fn node(&self, node: usize) -> bool {
+        self.nodes.get(node).copied().unwrap_or(false)
+    }
+
+    /// Marks nodes of `model` that are hidden with all below them, the topmost only, and says what is
+    /// hidden. What is keyed is left: no clip could show it again. Nodes beside the tree, of skins, are in
+    /// `model.hidden` already.
+    pub(crate) fn mark(&self, scene: &Scene, model: &mut Model, report: &mut Report) {
+        let keyed = keyed(scene);
+        let parents: Vec<Option<usize>> = model.nodes.iter().map(|node| node.parent).collect();
+        let order = order(&parents);
+        let mut hidden = vec![false; parents.len()];
+        for &node in &order {
+            hidden[node] = match node < self.nodes.len() {
+                true => self.nodes[node] && !keyed.contains(&node),
+                false => parents[node].is_some_and(|parent| hidden[parent]),
+            } || model.hidden.contains(&node);
+        }
+        let mut whole = hidden;
+        for &node in order.iter().rev() {
+            if let Some(parent) = parents[node] {
+                whole[parent] &= whole[node];
+            }
+        }
+        for &node in &order {
+            match parents[node].is_some_and(|parent| whole[parent]) {
+                true => model.hidden.remove(&node),
+                false => whole[node] && model.hidden.insert(node),
+            };
+        }
+        for (number, node) in (&scene.nodes).into_iter().enumerate() {
+            let shows = node.mesh.is_some() || node.light.is_some();
+            if self.node(number) && shows && !keyed.contains(&number) {
+                let detail = "is hidden in the file; loaders without KHR_node_visibility, Bevy's too, show it";
+                report.lose("hidden", &model.nodes[number].name, detail);
+            }
+        }
+    }
+}
+
+/// Nodes whose visibility is keyed in some stack.
+fn keyed(scene: &Scene) -> BTreeSet<usize> {
+    let mut keyed = BTreeSet::new();
+    for layer in &scene.anim_layers {
+        for prop in &layer.anim_props {
+            let of_node = prop.element.type_ == ElementType::Node;
+            if of_node && [VISIBILITY, SHOW].contains(&&*prop.prop_name) {
+                keyed.insert(prop.element.typed_id as usize);
+            }
+        }
+    }
+    keyed
+}

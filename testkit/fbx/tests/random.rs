@@ -1,0 +1,34 @@
+//! A thousand random files; a million by `./scripts/soak fbx`.
+
+use dolomite_fbx_search::{Seen, beside, run, run_by};
+use std::path::PathBuf;
+
+fn folder(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("dolomite_fbx_{name}_{}", std::process::id()))
+}
+
+fn lines(outcome: &dolomite_fbx_search::Outcome) -> String {
+    let failures = outcome.failures.iter().map(|failed| format!("\n{failed}"));
+    format!("{:?}{}", outcome.kinds, failures.collect::<String>())
+}
+
+#[test]
+fn a_thousand_random_files_are_as_exact_as_is_stated() {
+    let outcome = run(0, 1000, 1, &folder("random"));
+    assert!(outcome.kinds.is_empty(), "{}", lines(&outcome));
+    assert_eq!(outcome.files, 1000);
+    // A converter that refuses all, and a check that looks at nothing, would hold too.
+    assert!(
+        outcome.refused <= 10,
+        "{} files were refused",
+        outcome.refused
+    );
+    assert!(outcome.poses > 50_000, "{} poses", outcome.poses);
+}
+
+#[test]
+fn the_truth_is_ufbxs_wherever_ufbx_is_right() {
+    let property = |scene: &_, seed| beside(scene, seed).map(|()| Seen::default());
+    let outcome = run_by(property, 1_000_000, 1000, 1, &folder("beside"));
+    assert!(outcome.kinds.is_empty(), "{}", lines(&outcome));
+}
