@@ -1,10 +1,11 @@
 //! Kinds of pictures: PNG and JPEG are kept as they are, TGA and BMP are turned into PNG, others are
 //! named.
 
-use image::codecs::bmp::BmpDecoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::codecs::tga::TgaDecoder;
-use image::{ExtendedColorType, ImageDecoder, ImageEncoder};
+use image::{ExtendedColorType, ImageEncoder};
+use image_of_old::codecs::bmp::BmpDecoder;
+use image_of_old::codecs::tga::TgaDecoder;
+use image_of_old::{ColorType, ImageDecoder};
 use std::io::{Cursor, Write};
 
 /// Endings of pictures that can be carried over.
@@ -164,8 +165,8 @@ enum Alpha {
 }
 
 /// As PNG. `source` is the size of the file, which is in memory too.
-fn turned(
-    decoder: impl ImageDecoder,
+fn turned<'a>(
+    decoder: impl ImageDecoder<'a>,
     source: usize,
     memory: u64,
     alpha: Alpha,
@@ -181,7 +182,13 @@ fn turned(
     let Some(size) = usize::try_from(raw).ok().filter(|_| needed <= memory) else {
         return Err(Refusal::TooLarge(needed));
     };
-    let mut colour = ExtendedColorType::from(decoder.color_type());
+    let mut colour = match decoder.color_type() {
+        ColorType::L8 => ExtendedColorType::L8,
+        ColorType::La8 => ExtendedColorType::La8,
+        ColorType::Rgb8 => ExtendedColorType::Rgb8,
+        ColorType::Rgba8 => ExtendedColorType::Rgba8,
+        other => return Err(Refusal::Broken(format!("its pixels are {other:?}"))),
+    };
     let mut pixels = vec![0; size];
     decoder
         .read_image(&mut pixels)
@@ -310,8 +317,8 @@ mod tests {
     fn a_bmp_is_turned() {
         let mut bmp = Vec::new();
         let made = image::RgbImage::from_fn(3, 2, |x, y| image::Rgb([x as u8, y as u8, 7]));
-        image::codecs::bmp::BmpEncoder::new(&mut bmp)
-            .write_image(&made, 3, 2, ExtendedColorType::Rgb8)
+        image_of_old::codecs::bmp::BmpEncoder::new(&mut bmp)
+            .encode(&made, 3, 2, ColorType::Rgb8)
             .expect("it is written");
         assert_eq!(decoded(picture("a", &bmp, 1 << 20)).to_rgb8(), made);
     }
