@@ -43,7 +43,7 @@ pub fn beside(scene: &Scene, seed: u64) -> Result<(), Failure> {
                 return Err(failure(format!("ufbx has no node {}", node.name)));
             };
             let off = space.to_gltf(*there).distance(*place);
-            if !(off <= allowed) {
+            if off > allowed || off.is_nan() {
                 return Err(failure(format!(
                     "{} at {time} s of {stack:?}: {off:e} m",
                     node.name
@@ -60,7 +60,7 @@ pub fn beside(scene: &Scene, seed: u64) -> Result<(), Failure> {
             };
             let same = bodies.iter().filter(|body| body.mesh as usize == mesh);
             let off = same.map(off).fold(f64::INFINITY, f64::min);
-            if !(off <= allowed) {
+            if off > allowed || off.is_nan() {
                 let name = &scene.nodes[*node].name;
                 return Err(failure(format!(
                     "vertices of {name} at {time} s of {stack:?}: {off:e} m"

@@ -22,7 +22,10 @@
 //! | [`shrink`](mod@shrink) | small failures |
 //! | [`run`](mod@run) | many files |
 
+#![expect(clippy::disallowed_methods, reason = "f64 oracles of tests")]
+
 pub mod beside;
+pub mod field;
 pub mod file;
 pub mod generate;
 pub mod hold;

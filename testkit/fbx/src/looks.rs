@@ -243,7 +243,8 @@ fn hold_picture(
             picture.scaling[0] * corner[0],
             1.0 - picture.scaling[1] * (1.0 - corner[1]),
         ];
-        if !(near(at[0], wanted[0]) && near(at[1], wanted[1])) && !lost(report, name) {
+        let right = near(at[0], wanted[0]) && near(at[1], wanted[1]);
+        if !right && !lost(report, name) {
             return failure(
                 "picture",
                 format!(

@@ -1,7 +1,7 @@
 //! Numbers that look random and come again with their seed.
 
 /// A generator of random numbers (SplitMix64: Steele, Lea, Flood, "Fast splittable pseudorandom number generators",
-/// 2014), the same on every machine.
+/// 2014).
 #[derive(Debug, Clone)]
 pub struct Random {
     state: u64,

@@ -56,18 +56,24 @@ fn step(scene: &Scene, at: usize) -> Option<Scene> {
     };
     offer(&|s| s.container = Container::Ascii);
     for number in (0..scene.stacks.len()).rev() {
-        offer(&|s| drop(s.stacks.remove(number)));
+        offer(&|s| {
+            s.stacks.remove(number);
+        });
     }
     for number in (0..scene.nodes.len()).rev() {
         offer(&|s| drop_node(s, number));
     }
     for (stack, clip) in scene.stacks.iter().enumerate() {
         for layer in (0..clip.layers.len()).rev() {
-            offer(&|s| drop(s.stacks[stack].layers.remove(layer)));
+            offer(&|s| {
+                s.stacks[stack].layers.remove(layer);
+            });
         }
         for (layer, of) in clip.layers.iter().enumerate() {
             for track in (0..of.tracks.len()).rev() {
-                offer(&|s| drop(s.stacks[stack].layers[layer].tracks.remove(track)));
+                offer(&|s| {
+                    s.stacks[stack].layers[layer].tracks.remove(track);
+                });
             }
         }
     }
@@ -95,15 +101,21 @@ fn step(scene: &Scene, at: usize) -> Option<Scene> {
             offer(&|s| drop_channel(s, number, channel));
         }
         for cluster in (0..mesh.skin.len()).rev() {
-            offer(&|s| drop(s.meshes[number].skin.remove(cluster)));
+            offer(&|s| {
+                s.meshes[number].skin.remove(cluster);
+            });
         }
         for face in (1..mesh.faces.len()).rev() {
-            offer(&|s| drop(s.meshes[number].faces.remove(face)));
+            offer(&|s| {
+                s.meshes[number].faces.remove(face);
+            });
         }
     }
     for (number, material) in scene.materials.iter().enumerate() {
         for picture in (0..material.pictures.len()).rev() {
-            offer(&|s| drop(s.materials[number].pictures.remove(picture)));
+            offer(&|s| {
+                s.materials[number].pictures.remove(picture);
+            });
         }
         offer(&|s| s.materials[number].transparent = None);
         offer(&|s| s.materials[number].transparency = None);

@@ -5,9 +5,12 @@
 //! `frames.json` in the folder; meshes that the programs deformed which made the file) is held against
 //! them, others against ufbx, vertex by vertex at the file's frames. Where FBX2glTF (`FBX2GLTF` names
 //! its binary) or Assimp (`assimp` on the path) are installed, their results are held against the same.
+//!
+//! The cases of `data/field/fbx` in the shared data are held against the values that are right for them, a line each.
 
 mod baselines;
 mod compared;
+mod field;
 mod file;
 mod line;
 mod time;
@@ -29,12 +32,20 @@ pub const STUDY: Study = Study {
 };
 
 /// What its measured table says.
-const ASKED: [Asked; 1] = [Asked {
-    what: "Files of the folder that make a conversion panic",
-    asked: "0",
-    at: "/panics",
-    unit: "files",
-}];
+const ASKED: [Asked; 2] = [
+    Asked {
+        what: "Files of the folder that make a conversion panic",
+        asked: "0",
+        at: "/panics",
+        unit: "files",
+    },
+    Asked {
+        what: "Cases from the field that are not right",
+        asked: "0",
+        at: "/field_wrong",
+        unit: "files",
+    },
+];
 
 /// Poses of a clip that a file without reference frames is held at.
 const POSES: usize = 24;
@@ -64,7 +75,8 @@ fn run(options: &Options) -> Report {
         println!("{}", line.to_json());
         lines.push(line);
     }
-    report(&lines, notes, &folder)
+    let field = field::held(&mut notes);
+    report(&lines, &field, notes, &folder)
 }
 
 /// The middle of some numbers; 0 of none.
@@ -73,7 +85,7 @@ fn median(mut numbers: Vec<f64>) -> f64 {
     numbers.get(numbers.len() / 2).copied().unwrap_or(0.0)
 }
 
-fn report(lines: &[Line], notes: Vec<String>, folder: &Path) -> Report {
+fn report(lines: &[Line], field: &[field::Held], notes: Vec<String>, folder: &Path) -> Report {
     let good: Vec<&Line> = lines.iter().filter(|line| line.error.is_none()).collect();
     let framed: Vec<&&Line> = good.iter().filter(|line| line.frames > 0).collect();
     let dual = |line: &Line| line.lost.iter().any(|lost| lost == "dual-quaternion");
@@ -97,6 +109,8 @@ fn report(lines: &[Line], notes: Vec<String>, folder: &Path) -> Report {
             good.iter().filter(|line| line.load_ms > 0.0).map(|line| line.timed_ms / line.load_ms).collect()
         ),
         "baselines": compared::compared(&good),
+        "field_cases": field.len(),
+        "field_wrong": field.iter().filter(|held| held.wrong.is_some()).count(),
     });
     eprintln!("fbx: {summary:#}");
     Report {

@@ -132,7 +132,7 @@ fn node(number: usize, size: f64, inherit: Inherit, random: &mut Random) -> Node
     if random.chance(0.2) {
         node.post = turn(random);
     }
-    node.active = node.order == 0 && random.chance(0.9) || node.order != 0;
+    node.active = node.order != 0 || random.chance(0.9);
     if random.chance(0.4) {
         let one = round(random.magnitude(0.3, 3.0), 2);
         node.scaling = match inherit == Inherit::Mixed || random.chance(0.3) {
