@@ -21,7 +21,6 @@ pub struct Case {
 struct Made {
     conversion: Conversion,
     glb: Glb,
-    json: Value,
     bytes: Vec<u8>,
 }
 
@@ -129,12 +128,9 @@ impl Case {
         let conversion =
             convert(&bytes, &origin, &Options::default()).map_err(|error| error.to_string())?;
         let glb = Glb::read(&conversion.to_glb().map_err(|error| error.to_string())?)?;
-        let json =
-            serde_json::to_value(glb.document.as_json()).map_err(|error| error.to_string())?;
         (self.hold)(&Made {
             conversion,
             glb,
-            json,
             bytes,
         })
     }
@@ -151,7 +147,7 @@ impl Made {
     }
 
     fn list(&self, what: &str) -> impl Iterator<Item = &Value> {
-        self.json[what].as_array().into_iter().flatten()
+        self.glb.json[what].as_array().into_iter().flatten()
     }
 
     /// How a node stands to what it hangs on, at a time of the first clip.
@@ -222,7 +218,7 @@ fn prop(made: &Made) -> Result<(), String> {
 }
 
 fn tiled(made: &Made) -> Result<(), String> {
-    let material = &made.json["materials"][0];
+    let material = &made.glb.json["materials"][0];
     let maps = [
         (
             "base colour",
@@ -357,7 +353,7 @@ fn emission(made: &Made) -> Result<(), String> {
 
 /// Each of `names` has a line, or the file holds `carrier`.
 fn said(made: &Made, names: &[&str], carrier: &str) -> Result<(), String> {
-    let text = made.json.to_string();
+    let text = made.glb.json.to_string();
     let scaled = made.list("animations").any(|clip| {
         let mut channels = clip["channels"].as_array().into_iter().flatten();
         carrier == "KHR_node_visibility"
@@ -393,7 +389,8 @@ fn uv_sets(made: &Made) -> Result<(), String> {
     for mesh in made.list("meshes") {
         for part in mesh["primitives"].as_array().into_iter().flatten() {
             let material = part["material"].as_u64().ok_or("no material")? as usize;
-            let map = &made.json["materials"][material]["pbrMetallicRoughness"]["baseColorTexture"];
+            let map =
+                &made.glb.json["materials"][material]["pbrMetallicRoughness"]["baseColorTexture"];
             let set = map["texCoord"].as_u64().unwrap_or(0) as usize;
             let primitive = made
                 .glb

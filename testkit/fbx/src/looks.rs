@@ -21,14 +21,14 @@ fn near(a: f64, b: f64) -> bool {
 /// # Errors
 /// The first that does not hold.
 pub fn hold(scene: &Scene, report: &Report, glb: &Glb) -> Result<(), Failure> {
-    let json = serde_json::to_value(glb.document.as_json()).unwrap_or_default();
+    let json = &glb.json;
     for (number, material) in scene.materials.iter().enumerate() {
         let worn = scene.nodes.iter().any(|node| match node.shows {
             Shows::Mesh(mesh) => scene.meshes[mesh].material == Some(number),
             _ => false,
         });
         if worn {
-            hold_material(number, material, report, &json)?;
+            hold_material(number, material, report, json)?;
         }
     }
     for node in &scene.nodes {
@@ -36,7 +36,7 @@ pub fn hold(scene: &Scene, report: &Report, glb: &Glb) -> Result<(), Failure> {
             Shows::Camera(camera) => {
                 hold_camera(&node.name, camera, scene.unit * 0.01, report, glb)?
             }
-            Shows::Light(light) => hold_light(&node.name, light, report, &json)?,
+            Shows::Light(light) => hold_light(&node.name, light, report, json)?,
             _ => {}
         }
         let said = |word: &str| json.to_string().contains(word) || lost(report, &node.name);
@@ -53,7 +53,7 @@ pub fn hold(scene: &Scene, report: &Report, glb: &Glb) -> Result<(), Failure> {
             );
         }
     }
-    keyed(scene, report, &json)
+    keyed(scene, report, json)
 }
 
 /// A line says something of what is called so.

@@ -8,6 +8,8 @@ use gltf::animation::util::ReadOutputs;
 pub struct Glb {
     /// The crate's view of it, for what does not move.
     pub document: gltf::Document,
+    /// Its text as it stands in the file, for what the crate does not know.
+    pub json: serde_json::Value,
     /// Its nodes, by number.
     pub nodes: Vec<Joint>,
     order: Vec<usize>,
@@ -78,6 +80,10 @@ impl Glb {
         let gltf::Gltf { document, blob } =
             gltf::Gltf::from_slice(bytes).map_err(|error| error.to_string())?;
         let blob = blob.unwrap_or_default();
+        let text = gltf::Glb::from_slice(bytes)
+            .map_err(|error| error.to_string())?
+            .json;
+        let json = serde_json::from_slice(&text).map_err(|error| error.to_string())?;
         let mut nodes: Vec<Joint> = document
             .nodes()
             .map(|node| {
@@ -123,6 +129,7 @@ impl Glb {
                 .map(|clip| read_clip(&clip, &blob))
                 .collect::<Result<_, _>>()?,
             nodes,
+            json,
             document,
         })
     }
@@ -342,7 +349,12 @@ fn read_clip(clip: &gltf::Animation, blob: &[u8]) -> Result<Clip, String> {
             1
         };
         if values.is_empty() || values.len() % (times.len() * each) != 0 {
-            return Err("values and times that do not fit".into());
+            return Err(format!(
+                "{} values and {} times that do not fit ({} each)",
+                values.len(),
+                times.len(),
+                each
+            ));
         }
         channels.push(Channel {
             node: channel.target().node().index(),

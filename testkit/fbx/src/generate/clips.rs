@@ -16,9 +16,11 @@ pub(super) fn clip(
         0 => random.magnitude(0.002, 0.1),
         // Hours are as rare as they cost time.
         1 => {
-            let most = random.pick(&[
-                300.0, 300.0, 300.0, 300.0, 300.0, 300.0, 300.0, 300.0, 1500.0, 20_000.0,
-            ]);
+            let most = match random.below(25) {
+                0 => 20_000.0,
+                1..4 => 1500.0,
+                _ => 300.0,
+            };
             random.magnitude(60.0, most)
         }
         _ => random.magnitude(0.2, 20.0),
@@ -228,7 +230,7 @@ impl Moves<'_> {
             ),
             6 | 7 => self.track(target, rest, |_| around(0.0, 180.0), false, random),
             _ => {
-                let most = if random.chance(0.1) { 3000.0 } else { 200.0 };
+                let most = if random.chance(0.04) { 1000.0 } else { 60.0 };
                 let turns =
                     (random.magnitude(0.1, 60.0) * seconds).min(random.magnitude(0.5, most));
                 let axis = random.below(3);
@@ -241,7 +243,7 @@ impl Moves<'_> {
                     true => spin(self.clip, turns * 360.0, random),
                     false => {
                         let range = Range {
-                            values: around(0.0, turns * 180.0),
+                            values: around(0.0, turns.min(30.0) * 180.0),
                             held: false,
                         };
                         curve(self.clip, range, random)

@@ -31,7 +31,7 @@ pub fn generate(seed: u64) -> Scene {
     let unit = random.pick(&UNITS);
     let mut scene = Scene {
         asked: Asked {
-            max_error: random.pick(&[1e-4, 1e-4, 1e-4, 1e-3, 1e-5]),
+            max_error: random.pick(&[1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3, 1e-5]),
             within_frames: random.chance(0.2),
             eight: random.chance(0.2),
             thorough: random.chance(0.002),
@@ -192,7 +192,7 @@ mod tests {
         some("a long clip", &|s| {
             s.stacks
                 .iter()
-                .any(|t| t.stop - t.start > 3600 * crate::scene::TICKS)
+                .any(|t| t.stop - t.start > 600 * crate::scene::TICKS)
         });
         some("a short clip", &|s| {
             s.stacks
