@@ -11,7 +11,8 @@ use dolomite_fbx::check::Truth as Theirs;
 use glam::DVec3;
 
 /// Holds the truth of a scene against what ufbx makes of its file, at some times of each clip whose layers it hears as
-/// the format says: it knows neither mute nor solo, and confuses nodes (see [`confused`]).
+/// the format says: it knows neither mute nor solo, and takes another node's curves where one layer moves a property
+/// that another does not.
 ///
 /// # Errors
 /// The first difference.

@@ -7,14 +7,14 @@
 //! ```
 //!
 //! The truth is computed from the description and not from the file, so that reading is checked too. What fails is made
-//! small ([`shrink`]) and written down as text. [`run`] does so for thousands of seeds; the test `random` for a thousand,
+//! small ([`shrink`]) and written down as text. [`run`](mod@run) does so for thousands of seeds; the test `random` for a thousand,
 //! `./scripts/soak fbx` for a million.
 //!
 //! | module | what |
 //! |---|---|
 //! | [`scene`] | what a file says: plain data |
 //! | [`generate`](mod@generate) | a random one for each seed |
-//! | [`file`] | FBX as text and as bytes |
+//! | [`file`](mod@file) | FBX as text and as bytes |
 //! | [`truth`] | what it means, from the format's definition |
 //! | [`play`] | a .glb played |
 //! | [`hold`](mod@hold) | the property |

@@ -11,7 +11,7 @@
 //! | slope of an automatic tangent | mean of the neighbours' line and the parabola through the three keys; no document says it |
 //! | layers that are not heard | as if they were not there; only the clip's first layer, where it is heard, gives the value whatever its mode and weight, others are laid on the value at rest |
 //! | numbers of a property that no curve moves, though others or none beside it are | those of the curves' node, not those at rest |
-//! | a property that one layer moves and another does not | ufbx 0.11 takes the curves of the next node there where that one's first property is the same: a mistake ([`beside`](crate::beside) leaves such files out) |
+//! | a property that one layer moves and another does not | ufbx 0.11 takes the curves of the next node there where that one's first property is the same: a mistake ([`beside`](fn@crate::beside) leaves such files out) |
 //! | a property that the lowest layer does not move | its value at rest, on which upper layers are laid |
 //! | order of added rotations | the upper layer's is applied to a point first |
 //! | mode 1 (override) with a weight | the weight does not count: that is what mode 2 is for |
