@@ -316,10 +316,12 @@ fn moving_nodes(scene: &SceneRoot, layers: &Layers) -> Vec<usize> {
     }
     if helpers {
         for node in &scene.nodes {
-            let beside = node
-                .parent
-                .as_ref()
-                .is_some_and(|parent| parent.scale_helper.is_some());
+            // A node's own pivots are those of its helper's scale.
+            let beside = node.scale_helper.is_some()
+                || node
+                    .parent
+                    .as_ref()
+                    .is_some_and(|parent| parent.scale_helper.is_some());
             moves[node.element.typed_id as usize] |= beside || node.is_scale_helper;
         }
     }

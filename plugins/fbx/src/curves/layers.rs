@@ -77,6 +77,14 @@ pub(crate) struct Layers<'a> {
 }
 
 impl<'a> Layers<'a> {
+    /// No layer at all: what is left is the file's rest.
+    pub(crate) fn none() -> Self {
+        Self {
+            playing: Vec::new(),
+            is_plain: true,
+        }
+    }
+
     /// Muted layers do not play; where some play solo, the others do not.
     pub(crate) fn of(scene: &'a Scene, stack: &'a AnimStack, reading: Reading) -> Self {
         let all: Vec<&AnimLayer> = (&stack.layers).into_iter().collect();

@@ -1,19 +1,21 @@
 //! Where a node is, and what a blend channel weighs.
 
 use super::layers::Layers;
-use super::value::{Meaning, Value, turn};
+use super::value::{Meaning, Value, fixed, turn};
 use crate::model::Trs;
-use crate::read::convert::{trs, vec3};
+use crate::read::convert::vec3;
 use crate::read::rest_of;
 use glam::{DQuat, DVec3};
 use ufbx::{Anim, BlendChannel, MirrorAxis, Node, PropFlags, RotationOrder};
 
 /// The curves that move a node, in order of how they are applied.
+///
+/// Where children do not inherit a node's scale as matrices do, ufbx moves the scale to a helper node below it, and such
+/// children hang on the node itself. Their places are scaled all the same, and the node's own pivots are those of the
+/// scale that its helper has: ufbx leaves out both, so that they are worked out here.
 #[derive(Clone)]
 pub(crate) struct NodeCurves<'a> {
     node: &'a Node,
-    /// What ufbx is asked where a property hangs on another, which is rare.
-    asked: Option<&'a Anim>,
     translation: Value<'a>,
     rotation: Value<'a>,
     scale: Value<'a>,
@@ -23,7 +25,9 @@ pub(crate) struct NodeCurves<'a> {
     rotation_pivot: Value<'a>,
     scale_offset: Value<'a>,
     scale_pivot: Value<'a>,
-    order: RotationOrder,
+    order: Value<'a>,
+    /// The scale that the node's helper has, if it has one.
+    taken: Option<Value<'a>>,
     /// Scales of helpers above, which places are multiplied by.
     helpers: Vec<Value<'a>>,
     /// The last of them belongs to the node's parent itself.
@@ -39,8 +43,7 @@ struct Turn<'a> {
 }
 
 impl<'a> Turn<'a> {
-    fn of(layers: &Layers<'a>, node: &'a Node, name: &str) -> Self {
-        let angles = Value::of(layers, &node.element, name, DVec3::ZERO);
+    fn of(angles: Value<'a>) -> Self {
         let fixed = turn(angles.fixed, RotationOrder::Xyz);
         Self { angles, fixed }
     }
@@ -55,55 +58,49 @@ impl<'a> Turn<'a> {
 
 const XYZ: Meaning = Meaning::Angles(RotationOrder::Xyz);
 
-/// Names of properties that say where a node is.
-const NAMES: [&str; 10] = [
-    "Lcl Translation",
-    "Lcl Rotation",
-    "Lcl Scaling",
-    "PreRotation",
-    "PostRotation",
-    "RotationOffset",
-    "RotationPivot",
-    "ScalingOffset",
-    "ScalingPivot",
-    "RotationOrder",
-];
-
 impl<'a> NodeCurves<'a> {
     /// `anim` is that of the stack which the layers are of.
     pub(crate) fn of(layers: &Layers<'a>, anim: &'a Anim, node: &'a Node) -> Self {
-        let value = |name| Value::of(layers, &node.element, name, DVec3::ZERO);
-        let hangs_on_another = NAMES.iter().any(|name| {
-            ufbx::find_prop(&node.element.props, name)
-                .is_some_and(|prop| prop.flags.has_any(PropFlags::CONNECTED))
-        });
-        let order = value("RotationOrder");
-        let (helpers, parent_helps) = helpers(layers, node);
+        Self {
+            last: rest_of(node),
+            ..Self::with(layers, Some(anim), node)
+        }
+    }
+
+    /// Where it is when nothing plays.
+    pub(crate) fn rest(node: &'a Node) -> Trs {
+        Self::with(&Layers::none(), None, node).pose(0.0)
+    }
+
+    fn with(layers: &Layers<'a>, anim: Option<&'a Anim>, node: &'a Node) -> Self {
+        let value = |name| Value::asking(layers, anim, &node.element, name, DVec3::ZERO);
+        let scale = |node| scale(layers, anim, node);
+        let (helpers, parent_helps) = helpers(node, scale);
         Self {
             node,
-            asked: (hangs_on_another || order.moves()).then_some(anim),
             translation: value("Lcl Translation"),
             rotation: value("Lcl Rotation"),
-            scale: scale(layers, node),
-            before: Turn::of(layers, node, "PreRotation"),
-            after: Turn::of(layers, node, "PostRotation"),
+            scale: scale(node),
+            before: Turn::of(value("PreRotation")),
+            after: Turn::of(value("PostRotation")),
             rotation_offset: value("RotationOffset"),
             rotation_pivot: value("RotationPivot"),
             scale_offset: value("ScalingOffset"),
             scale_pivot: value("ScalingPivot"),
-            order: order_of(node),
+            order: value("RotationOrder"),
+            taken: node
+                .scale_helper
+                .as_ref()
+                .map(|helper| scale(helper.as_ref())),
             helpers,
             parent_helps,
-            last: rest_of(node),
+            last: Trs::IDENTITY,
         }
     }
 
     /// Where it is at `time`, seconds on the file's clock. What is no transform leaves it where it was.
     pub(crate) fn at(&mut self, time: f64) -> Trs {
-        let pose = match self.asked {
-            Some(anim) => trs(&ufbx::evaluate_transform(anim, self.node, time)),
-            None => self.pose(time),
-        };
+        let pose = self.pose(time);
         if pose.is_sound() {
             self.last = pose;
         }
@@ -113,43 +110,40 @@ impl<'a> NodeCurves<'a> {
     fn pose(&mut self, time: f64) -> Trs {
         let node = self.node;
         let plain = Meaning::Plain;
-        let mut translation = self.translation.at(time, plain);
+        let order = rotation_order(self.order.at(time, plain).x as i64);
         let (mut rotation, mut scale) = (DQuat::IDENTITY, DVec3::ONE);
         let mut helped = DVec3::ONE;
         let above = self.helpers.len() - usize::from(self.parent_helps);
         for helper in &mut self.helpers[..above] {
             helped *= helper.at(time, Meaning::Scale);
         }
-        if let Some(helper) = self.helpers.get_mut(above) {
-            translation *= helped * helper.at(time, Meaning::Scale);
-        }
         if node.has_adjust_transform {
             rotation = quat(node.adjust_post_rotation);
             scale *= node.adjust_post_scale;
         }
         let own = self.scale.at(time, Meaning::Scale);
+        let about_pivot = match &mut self.taken {
+            Some(taken) => taken.at(time, Meaning::Scale),
+            None => own,
+        };
         let pivot = self.scale_pivot.at(time, plain);
         let turned_at = self.rotation_pivot.at(time, plain);
         scale *= own;
-        let mut place = pivot - pivot * own + self.scale_offset.at(time, plain) - turned_at;
+        let mut place = pivot - pivot * about_pivot + self.scale_offset.at(time, plain) - turned_at;
+        let angles = self.rotation.at(time, Meaning::Angles(order));
         let turned = match node.use_rotation_space {
-            true => {
-                let own = turn(
-                    self.rotation.at(time, Meaning::Angles(self.order)),
-                    self.order,
-                );
-                self.before.at(time) * own * self.after.at(time).conjugate()
-            }
-            false => turn(
-                self.rotation.at(time, Meaning::Angles(self.order)),
-                RotationOrder::Xyz,
-            ),
+            true => self.before.at(time) * turn(angles, order) * self.after.at(time).conjugate(),
+            false => turn(angles, RotationOrder::Xyz),
         };
         rotation = turned * rotation;
         if place != DVec3::ZERO {
             place = turned * place;
         }
+        let translation = self.translation.at(time, plain);
         place += turned_at + self.rotation_offset.at(time, plain) + translation;
+        if let Some(helper) = self.helpers.get_mut(above) {
+            place *= helped * helper.at(time, Meaning::Scale);
+        }
         if node.has_adjust_transform {
             let before = quat(node.adjust_pre_rotation);
             place = before * (place + vec3(node.adjust_pre_translation));
@@ -169,13 +163,36 @@ impl<'a> NodeCurves<'a> {
     }
 }
 
-fn scale<'a>(layers: &Layers<'a>, node: &'a Node) -> Value<'a> {
-    Value::of(layers, &node.element, "Lcl Scaling", DVec3::ONE)
+fn scale<'a>(layers: &Layers<'a>, anim: Option<&'a Anim>, node: &'a Node) -> Value<'a> {
+    let mut value = Value::asking(layers, anim, &node.element, "Lcl Scaling", DVec3::ONE);
+    if let Some(first) = first_helper(node) {
+        value.fixed = fixed(&first.element, "Lcl Scaling", DVec3::ONE);
+    }
+    value
+}
+
+/// Where a file lists a child before its parent, ufbx may give the child two helpers: the first has the scale at rest, the
+/// second all else.
+fn first_helper(helper: &Node) -> Option<&Node> {
+    let parent = helper
+        .parent
+        .as_ref()
+        .filter(|_| helper.is_scale_helper)?
+        .as_ref();
+    parent
+        .children
+        .iter()
+        .filter(|node| node.is_scale_helper && node.element.element_id < helper.element.element_id)
+        .min_by_key(|node| node.element.element_id)
+        .map(AsRef::as_ref)
 }
 
 /// Scales that ufbx's helper nodes take on from nodes above, and whether the last is that of the
 /// parent's own helper.
-fn helpers<'a>(layers: &Layers<'a>, node: &'a Node) -> (Vec<Value<'a>>, bool) {
+fn helpers<'a>(
+    node: &'a Node,
+    scale: impl Fn(&'a Node) -> Value<'a>,
+) -> (Vec<Value<'a>>, bool) {
     let mut out = Vec::new();
     let Some(parent) = node.parent.as_ref() else {
         return (out, false);
@@ -187,25 +204,29 @@ fn helpers<'a>(layers: &Layers<'a>, node: &'a Node) -> (Vec<Value<'a>>, bool) {
             node.scale_helper.as_ref()?,
         ))
     }) {
-        out.push(scale(layers, helper.as_ref()));
+        out.push(scale(helper.as_ref()));
         above = next;
     }
     let helper = parent.scale_helper.as_ref();
-    out.extend(helper.map(|helper| scale(layers, helper.as_ref())));
+    out.extend(helper.map(|helper| scale(helper.as_ref())));
     (out, helper.is_some())
 }
 
 /// In which order a node turns about its axes.
 pub(crate) fn order_of(node: &Node) -> RotationOrder {
+    let prop = ufbx::find_prop(&node.element.props, "RotationOrder");
+    rotation_order(prop.map_or(0, |prop| prop.value_int))
+}
+
+fn rotation_order(number: i64) -> RotationOrder {
     use RotationOrder::{Spheric, Xyz, Xzy, Yxz, Yzx, Zxy, Zyx};
-    let number = ufbx::find_prop(&node.element.props, "RotationOrder").map(|prop| prop.value_int);
     match number {
-        Some(1) => Xzy,
-        Some(2) => Yzx,
-        Some(3) => Yxz,
-        Some(4) => Zxy,
-        Some(5) => Zyx,
-        Some(6) => Spheric,
+        1 => Xzy,
+        2 => Yzx,
+        3 => Yxz,
+        4 => Zxy,
+        5 => Zyx,
+        6 => Spheric,
         _ => Xyz,
     }
 }

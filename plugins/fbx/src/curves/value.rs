@@ -4,7 +4,7 @@ use super::curve::Curve;
 use super::layers::{Layer, Layers, Mode, Weight};
 use crate::read::convert::vec3;
 use glam::{DQuat, DVec2, DVec3};
-use ufbx::{AnimValue, Element, RotationOrder};
+use ufbx::{Anim, AnimValue, Element, PropFlags, RotationOrder};
 
 /// A property of up to three numbers.
 #[derive(Clone)]
@@ -12,6 +12,8 @@ pub(crate) struct Value<'a> {
     /// What it is where nothing moves it.
     pub(crate) fixed: DVec3,
     parts: Vec<Part<'a>>,
+    /// Whom ufbx is asked for it by: it hangs on another property, which is rare.
+    asked: Option<(&'a Anim, &'a Element, &'static str)>,
 }
 
 /// What a layer says of it.
@@ -37,10 +39,6 @@ pub(crate) enum Meaning {
 impl<'a> Value<'a> {
     /// Property `name` of `element`; `or` is what it is where the file says nothing.
     pub(crate) fn of(layers: &Layers<'a>, element: &'a Element, name: &str, or: DVec3) -> Self {
-        let fixed = ufbx::find_prop(&element.props, name).map_or(or, |prop| {
-            let v = prop.value_vec4;
-            DVec3::new(v.x, v.y, v.z)
-        });
         let part = |layer: &Layer<'a>| {
             let prop = ufbx::find_anim_prop(layer.source, element, name)?;
             let value: &'a AnimValue = prop.anim_value.as_ref();
@@ -57,24 +55,55 @@ impl<'a> Value<'a> {
             })
         };
         Self {
-            fixed,
+            fixed: fixed(element, name, or),
             parts: layers.playing.iter().filter_map(part).collect(),
+            asked: None,
+        }
+    }
+
+    /// The same, where it may hang on another property in `anim`.
+    pub(crate) fn asking(
+        layers: &Layers<'a>,
+        anim: Option<&'a Anim>,
+        element: &'a Element,
+        name: &'static str,
+        or: DVec3,
+    ) -> Self {
+        let connected = ufbx::find_prop(&element.props, name)
+            .is_some_and(|prop| prop.flags.has_any(PropFlags::CONNECTED));
+        Self {
+            asked: anim
+                .filter(|_| connected)
+                .map(|anim| (anim, element, name)),
+            ..Self::of(layers, element, name, or)
         }
     }
 
     /// Whether anything moves it.
     pub(crate) fn moves(&self) -> bool {
-        !self.parts.is_empty()
+        !self.parts.is_empty() || self.asked.is_some()
     }
 
     /// What it is at `time`, seconds on the file's clock.
     pub(crate) fn at(&mut self, time: f64, meaning: Meaning) -> DVec3 {
+        if let Some((anim, element, name)) = self.asked {
+            let v = ufbx::evaluate_prop(anim, element, name, time).value_vec4;
+            return DVec3::new(v.x, v.y, v.z);
+        }
         let mut sum = self.fixed;
         for part in &mut self.parts {
             sum = part.upon(sum, time, meaning);
         }
         sum
     }
+}
+
+/// What property `name` of `element` is where nothing moves it; `or` is what it is where the file says nothing.
+pub(crate) fn fixed(element: &Element, name: &str, or: DVec3) -> DVec3 {
+    ufbx::find_prop(&element.props, name).map_or(or, |prop| {
+        let v = prop.value_vec4;
+        DVec3::new(v.x, v.y, v.z)
+    })
 }
 
 impl Part<'_> {

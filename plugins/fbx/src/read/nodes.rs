@@ -2,12 +2,22 @@
 
 use super::convert::trs;
 use super::names::Names;
+use crate::curves::NodeCurves;
 use crate::model::{Node, Trs};
 use ufbx::Scene;
 
 /// Where a node is at rest; identity where the file says something that is no transform.
 pub(crate) fn rest_of(node: &ufbx::Node) -> Trs {
-    let rest = trs(&node.local_transform);
+    let beside_scale = node.scale_helper.is_some()
+        || node.is_scale_helper
+        || node
+            .parent
+            .as_ref()
+            .is_some_and(|parent| parent.scale_helper.is_some());
+    let rest = match beside_scale {
+        true => NodeCurves::rest(node),
+        false => trs(&node.local_transform),
+    };
     match rest.is_sound() {
         true => rest,
         false => Trs::IDENTITY,
@@ -41,7 +51,7 @@ fn name_of(node: &ufbx::Node, names: &Names) -> String {
         return own;
     }
     match &node.parent {
-        Some(parent) => format!("{}.{own}", names.name(&parent.element)),
+        Some(parent) => format!("{}.{own}", name_of(parent, names)),
         None => own,
     }
 }
