@@ -397,7 +397,7 @@ fn still(model: &Model, node: usize, property: Property) -> Channel {
 }
 
 /// Takes out nodes that say nothing: the root that no file shows, unless joints need it in common,
-/// and the emptied nodes of skinned meshes.
+/// and the emptied nodes of skinned meshes that nothing else tells the place of.
 fn finish(model: &mut Model) {
     let count = model.nodes.len();
     let mut kept = vec![false; count];
@@ -428,7 +428,10 @@ fn finish(model: &mut Model) {
     }
     for (number, node) in model.nodes.iter().enumerate() {
         let shows = node.mesh.is_some() || node.light.is_some() || node.camera.is_some();
-        let emptied = !shows && children[number] == 0 && skinned.contains(&node.name);
+        let emptied = !shows
+            && children[number] == 0
+            && skinned.contains(&node.name)
+            && is_at_the_origin(&model.nodes, number);
         kept[number] |= !emptied;
     }
     let tops = model
@@ -438,6 +441,17 @@ fn finish(model: &mut Model) {
         .count();
     kept[0] = tops > 1 && !model.skins.is_empty() || model.nodes.len() == 1;
     renumber(model, &kept);
+}
+
+/// Whether a node is where a node without parent and place is: that one can stand for it.
+fn is_at_the_origin(nodes: &[Node], number: usize) -> bool {
+    let mut world = DMat4::IDENTITY;
+    let mut above = Some(number);
+    while let Some(at) = above {
+        world = nodes[at].rest.matrix() * world;
+        above = nodes[at].parent;
+    }
+    world.abs_diff_eq(DMat4::IDENTITY, 1e-9)
 }
 
 fn renumber(model: &mut Model, kept: &[bool]) {

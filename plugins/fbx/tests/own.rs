@@ -6,7 +6,7 @@ mod ascii;
 mod chain;
 
 use ascii::strip;
-use chain::chain;
+use chain::{chain, chain_with};
 use dolomite_fbx::check::{Played, Truth, vertex_error};
 use dolomite_fbx::model::{Interpolation, Property};
 use dolomite_fbx::{Conversion, FbxError, Limits, Options, Origin, Weights, convert};
@@ -138,28 +138,43 @@ fn limits_and_options_are_kept() {
     assert!(matches!(with(wrong), FbxError::Option { .. }));
 }
 
+/// Offsets, pivots and a scale at rest.
+const PIVOTS: &str = "\t\t\tP: \"Lcl Scaling\", \"Lcl Scaling\", \"\", \"A\",1.4,0.7,1.2
+\t\t\tP: \"RotationOffset\", \"Vector3D\", \"\", \"\",3,-2,1
+\t\t\tP: \"RotationPivot\", \"Vector3D\", \"\", \"\",-4,5,2
+\t\t\tP: \"ScalingOffset\", \"Vector3D\", \"\", \"\",1,6,-3
+\t\t\tP: \"ScalingPivot\", \"Vector3D\", \"\", \"\",7,-1,4
+";
+
 /// How scale is inherited, in all 27 ways that three nodes can: against ufbx, which knows no helper
-/// nodes there.
+/// nodes there. Pivots and offsets are scaled as places are, whether parents are listed first or last.
 #[test]
 fn scale_is_inherited_in_every_way() {
     for code in 0..27 {
         let inherit = [code % 3, code / 3 % 3, code / 9];
-        let text = chain(inherit);
-        let made = converted(&text);
-        let played = Played::read(&made.to_glb().unwrap()).unwrap();
-        let truth = Truth::load(text.as_bytes(), &Origin::default()).unwrap();
-        let report = &made.report;
-        for step in 0..=40 {
-            let time = f64::from(step) / 40.0;
-            let (shapes, _) = played.at(Some(0), time);
-            let (bodies, _) = truth.at(Some(0), time).unwrap();
-            assert_eq!((shapes.len(), bodies.len()), (3, 3));
-            let error = vertex_error(&shapes, &bodies, &truth.space(), &made.sources());
-            let allowed = report.bound + 1e-6 * report.size;
-            assert!(
-                error <= allowed,
-                "{inherit:?} at {time}: {error:e} m, {allowed:e} allowed"
-            );
-        }
+        inherits(inherit, &chain(inherit));
+        inherits(inherit, &chain_with(inherit, &[0, 1, 2], PIVOTS));
+        inherits(inherit, &chain_with(inherit, &[2, 1, 0], PIVOTS));
+    }
+}
+
+fn inherits(inherit: [i32; 3], text: &str) {
+    let made = converted(text);
+    let played = Played::read(&made.to_glb().unwrap()).unwrap();
+    let truth = Truth::load(text.as_bytes(), &Origin::default()).unwrap();
+    let report = &made.report;
+    let steps = (0..=40).map(|step| Some(f64::from(step) / 40.0));
+    for time in steps.chain([None]) {
+        let clip = time.map(|_| 0);
+        let (shapes, _) = played.at(clip, time.unwrap_or(0.0));
+        let (bodies, _) = truth.at(clip, time.unwrap_or(0.0)).unwrap();
+        assert_eq!((shapes.len(), bodies.len()), (3, 3));
+        let error = vertex_error(&shapes, &bodies, &truth.space(), &made.sources());
+        let stated = time.map_or(0.0, |_| report.bound);
+        let allowed = stated + 1e-6 * report.size;
+        assert!(
+            error <= allowed,
+            "{inherit:?} at {time:?}: {error:e} m, {allowed:e} allowed"
+        );
     }
 }

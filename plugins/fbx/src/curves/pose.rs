@@ -189,10 +189,7 @@ fn first_helper(helper: &Node) -> Option<&Node> {
 
 /// Scales that ufbx's helper nodes take on from nodes above, and whether the last is that of the
 /// parent's own helper.
-fn helpers<'a>(
-    node: &'a Node,
-    scale: impl Fn(&'a Node) -> Value<'a>,
-) -> (Vec<Value<'a>>, bool) {
+fn helpers<'a>(node: &'a Node, scale: impl Fn(&'a Node) -> Value<'a>) -> (Vec<Value<'a>>, bool) {
     let mut out = Vec::new();
     let Some(parent) = node.parent.as_ref() else {
         return (out, false);

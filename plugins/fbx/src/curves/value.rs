@@ -72,9 +72,7 @@ impl<'a> Value<'a> {
         let connected = ufbx::find_prop(&element.props, name)
             .is_some_and(|prop| prop.flags.has_any(PropFlags::CONNECTED));
         Self {
-            asked: anim
-                .filter(|_| connected)
-                .map(|anim| (anim, element, name)),
+            asked: anim.filter(|_| connected).map(|anim| (anim, element, name)),
             ..Self::of(layers, element, name, or)
         }
     }

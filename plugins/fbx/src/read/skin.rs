@@ -3,7 +3,7 @@
 use super::convert::matrix;
 use crate::model::{Node, Skin, Trs};
 use glam::DMat4;
-use ufbx::{Mesh, SkinDeformer, SkinningMethod};
+use ufbx::{Mesh, SkinCluster, SkinDeformer, SkinningMethod};
 
 /// A joint of a skin and how much a vertex follows it; a vertex's weights sum to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +39,7 @@ pub(crate) fn read_skin(
             joint_of_cluster.push(None);
             continue;
         };
-        let bind = sound(matrix(&cluster.geometry_to_bone));
+        let bind = sound(bind(cluster, node, nodes));
         joint_of_cluster.push(Some(joint(
             &mut skin,
             nodes,
@@ -71,6 +71,40 @@ pub(crate) fn read_skin(
         influences,
         dual,
     }
+}
+
+/// From the mesh to a joint. Where the file says none, it is what the joint's matrix and the mesh's node come to at rest, and
+/// ufbx may have the node elsewhere ([`rest_of`](super::rest_of)).
+fn bind(cluster: &SkinCluster, node: &ufbx::Node, nodes: &[Node]) -> DMat4 {
+    let given = matrix(&cluster.geometry_to_bone);
+    let (shown, geometry) = match node.parent.as_ref() {
+        Some(parent) if node.is_geometry_transform_helper => {
+            (parent.as_ref(), matrix(&node.node_to_parent))
+        }
+        _ => (node, matrix(&node.geometry_to_node)),
+    };
+    let to_bone = ufbx::matrix_invert(&cluster.bind_to_world);
+    let by_ufbx = ufbx::matrix_mul(&to_bone, &shown.node_to_world);
+    if matrix(&by_ufbx) != matrix(&cluster.mesh_node_to_bone) {
+        return given;
+    }
+    let world = world(nodes, shown.element.typed_id as usize);
+    let same = (world - matrix(&shown.node_to_world)).abs_diff_eq(DMat4::ZERO, 1e-12);
+    match same {
+        true => given,
+        false => matrix(&to_bone) * world * geometry,
+    }
+}
+
+/// Where a node is at rest.
+fn world(nodes: &[Node], node: usize) -> DMat4 {
+    let mut world = DMat4::IDENTITY;
+    let mut above = Some(node);
+    while let Some(node) = above.and_then(|number| nodes.get(number)) {
+        world = node.rest.matrix() * world;
+        above = node.parent;
+    }
+    world
 }
 
 fn sound(bind: DMat4) -> DMat4 {

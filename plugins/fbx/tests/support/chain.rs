@@ -6,17 +6,23 @@ use crate::ascii::{curve, header};
 /// turned by 50 degrees about its X and scaled by (2, 0.5, 1.5), straight; `inherit` is FBX's number of
 /// how each inherits its parent's scale: 0 by component, 1 as matrices do, 2 not at all.
 pub fn chain(inherit: [i32; 3]) -> String {
+    chain_with(inherit, &(0..3).collect::<Vec<_>>(), "")
+}
+
+/// The same with more properties of each node, and with the nodes listed in that order.
+pub fn chain_with(inherit: [i32; 3], order: &[usize], properties: &str) -> String {
     let mut text = header() + "Objects:  {\n";
     text += "\tGeometry: 100, \"Geometry::triangle\", \"Mesh\" {\n\t\tVertices: *9 {\n\t\t\ta: 1,0,2, 0,3,0, -1,1,1\n\t\t}\n";
     text += "\t\tPolygonVertexIndex: *3 {\n\t\t\ta: 0,1,-3\n\t\t}\n\t\tGeometryVersion: 124\n\t}\n";
     let mut connections = String::new();
     text += "\tAnimationStack: 400, \"AnimStack::grow\", \"\" {\n\t}\n\tAnimationLayer: 401, \"AnimLayer::layer\", \"\" {\n\t}\n";
     connections += "\tC: \"OO\",401,400\n";
-    for (i, inherit) in (0..).zip(inherit) {
+    for &number in order {
+        let (i, inherit) = (number as i64, inherit[number]);
         let (node, base) = (200 + i, 500 + 20 * i);
         text += &format!(
             "\tModel: {node}, \"Model::n{i}\", \"Mesh\" {{\n\t\tVersion: 232\n\t\tProperties70:  {{\n\t\t\t\
-             P: \"InheritType\", \"enum\", \"\", \"\",{inherit}\n\t\t\t\
+             P: \"InheritType\", \"enum\", \"\", \"\",{inherit}\n{properties}\t\t\t\
              P: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\",0,10,0\n\t\t}}\n\t}}\n"
         );
         let parent = if i == 0 { 0 } else { node - 1 };
