@@ -107,7 +107,7 @@ pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conve
         &scene,
         &mut model,
         &jobs,
-        &clips,
+        (&takes, &clips),
         options,
         &budget,
         &mut report,

@@ -91,6 +91,7 @@ mod report;
 mod skinning;
 mod syntax;
 mod verify;
+mod weight_error;
 mod weights;
 mod write;
 

@@ -69,10 +69,10 @@ pub struct Report {
     pub clips: Vec<ClipReport>,
     /// Vertices that follow more joints in the file than in the result.
     pub refitted: usize,
-    /// How far those are from the file's deformation at most, over the poses they were fitted to,
-    /// metres.
+    /// How far those are from the file's deformation at most, metres: at rest and at any time of the clips,
+    /// looked for at times of its own.
     pub weight_error: f64,
-    /// The same for the largest weights, renormalised, metres.
+    /// The same for the largest weights, renormalised, over the poses that weights were fitted to, metres.
     pub largest_weights_error: f64,
     /// How far vertices at rest are from the file's at most because f32 rounds their positions, their
     /// nodes and their bind matrices, metres.
@@ -97,11 +97,11 @@ impl Report {
         });
     }
 
-    /// The largest of the clips' errors and the error of refitted weights, and what rounding vertices
-    /// adds, metres.
+    /// The largest of the clips' errors, and what refitted weights and rounding add, metres.
     pub fn error(&self) -> f64 {
         let clips = self.clips.iter().map(|clip| clip.error);
-        clips.fold(self.weight_error, f64::max) + self.position_error + self.rounding_error
+        let adds = self.weight_error + self.position_error + self.rounding_error;
+        clips.fold(0.0, f64::max) + adds
     }
 
     /// Keys in all clips.

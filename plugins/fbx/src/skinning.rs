@@ -1,14 +1,16 @@
 //! Influences of the file become weights of the result.
 
-use crate::clips::Samples;
+use crate::clips::{Samples, Take};
 use crate::error::FbxError;
 use crate::model::{Mesh, Model};
 use crate::options::{Budget, Options};
 use crate::read::convert::{matrix, vec3};
 use crate::read::{Influence, SkinSource};
 use crate::report::{Lost, Report};
+use crate::weight_error::{Refitted, weight_error};
 use crate::weights::{Fit, fit, packed};
 use glam::{DAffine3, DMat4, DVec3};
+use std::collections::BTreeMap;
 use ufbx::{EvaluateOpts, SceneRoot, SkinDeformer};
 
 /// Poses that weights are fitted to, over all clips.
@@ -35,7 +37,7 @@ pub(crate) fn write_weights(
     scene: &SceneRoot,
     model: &mut Model,
     jobs: &[SkinJob],
-    clips: &[Samples],
+    (takes, clips): (&[Take], &[Samples]),
     options: &Options,
     budget: &Budget,
     report: &mut Report,
@@ -60,6 +62,7 @@ pub(crate) fn write_weights(
         let offset = model.meshes[job.mesh].offset;
         let mut kept = Vec::with_capacity(job.source.influences.len());
         let mut dual = Fit::default();
+        let mut refitted = BTreeMap::new();
         let enough = enough(mesh, options);
         for (vertex, influences) in job.source.influences.iter().enumerate() {
             if vertex % 64 == 0 {
@@ -90,7 +93,11 @@ pub(crate) fn write_weights(
                     report.largest_weights_error = report.largest_weights_error.max(fit.largest);
                 }
             }
-            kept.push(packed(&few, count));
+            let few = packed(&few, count);
+            if bent.is_none() {
+                refitted.insert(vertex as u32, differences(influences, &few));
+            }
+            kept.push(few);
         }
         if bent.is_some() {
             let skin = &model.skins[job.skin];
@@ -103,8 +110,31 @@ pub(crate) fn write_weights(
             });
         }
         give(&mut model.meshes[job.mesh], &kept, count);
+        if !refitted.is_empty() {
+            let refitted = Refitted {
+                mesh: job.mesh,
+                skin: job.skin,
+                differences: refitted,
+            };
+            let error = weight_error(&refitted, model, takes, budget)?;
+            report.weight_error = report.weight_error.max(error);
+        }
     }
     Ok(())
+}
+
+/// For each joint how much more a vertex follows it in the file than as it is written.
+fn differences(influences: &[Influence], written: &[([u16; 4], [f32; 4])]) -> Vec<(usize, f64)> {
+    let mut out: Vec<(usize, f64)> = influences.iter().map(|i| (i.joint, i.weight)).collect();
+    let written = written.iter().flat_map(|(j, w)| j.iter().zip(w));
+    for (&joint, &weight) in written.filter(|(_, weight)| **weight != 0.0) {
+        let joint = usize::from(joint);
+        match out.iter_mut().find(|known| known.0 == joint) {
+            Some(known) => known.1 -= f64::from(weight),
+            None => out.push((joint, -f64::from(weight))),
+        }
+    }
+    out
 }
 
 /// A tenth of the error that keys are allowed: metres.

@@ -38,12 +38,12 @@ pub struct Failure {
 }
 
 /// What was seen of a file that holds.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Seen {
     /// Poses that were held.
     pub poses: usize,
-    /// The conversion was refused with a reason that is its limits'.
-    pub refused: bool,
+    /// The conversion was refused with this reason, which is its limits'.
+    pub refused: Option<String>,
     /// The largest true error over what is stated and allowed; at most 1.
     pub worst: f64,
 }
@@ -107,9 +107,9 @@ pub fn hold(scene: &Scene, seed: u64) -> Result<Seen, Failure> {
     let made = match converted(scene)? {
         Ok(made) => made,
         // A file beyond the limits is refused, aloud; so much is promised.
-        Err(FbxError::Memory { .. } | FbxError::Time { .. }) => {
+        Err(error @ (FbxError::Memory { .. } | FbxError::Time { .. })) => {
             return Ok(Seen {
-                refused: true,
+                refused: Some(error.to_string()),
                 ..Seen::default()
             });
         }
@@ -334,11 +334,7 @@ impl Held<'_> {
                 );
             }
             // Refitted weights are off by themselves.
-            let stated = if self.report.refitted > 0 {
-                self.report.error().max(stated)
-            } else {
-                stated
-            };
+            let stated = stated + self.report.weight_error;
             let off = farthest(&wanted, &made);
             let lost = || {
                 let shapes = rounded().shapes;

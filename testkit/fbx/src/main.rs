@@ -41,6 +41,7 @@ fn main() -> ExitCode {
         "first": first,
         "poses": outcome.poses,
         "refused": outcome.refused,
+        "slowest": outcome.slowest,
         "true_error_over_stated": outcome.worst,
     });
     println!("{summary:#}");

@@ -10,9 +10,13 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 /// Conversions that a failure may be shrunk by.
 const TRIES: usize = 600;
+
+/// Slow files that are named.
+const SLOWEST: usize = 8;
 
 /// What came of many files.
 #[derive(Debug, Default)]
@@ -21,8 +25,10 @@ pub struct Outcome {
     pub files: u64,
     /// Poses that were held.
     pub poses: usize,
-    /// Files that were refused because of limits.
-    pub refused: u64,
+    /// Files that were refused because of limits: which, and why.
+    pub refused: Vec<(u64, String)>,
+    /// The files that took longest: seconds, and which.
+    pub slowest: Vec<(f64, u64)>,
     /// The largest true error over what is stated and allowed, of those that hold.
     pub worst: f64,
     /// How many failed in each way.
@@ -81,7 +87,9 @@ pub fn run_by(property: Property, first: u64, count: u64, each: u64, folder: &Pa
                         return;
                     }
                     let scene = generate(seed);
+                    let begun = Instant::now();
                     let held = property(&scene, seed);
+                    slow(&outcome, seed, begun.elapsed().as_secs_f64());
                     take(&outcome, property, seed, &scene, held, each, folder);
                 }
             });
@@ -94,6 +102,15 @@ pub fn run_by(property: Property, first: u64, count: u64, each: u64, folder: &Pa
         .failures
         .sort_by(|a, b| (a.failure.kind, a.seed).cmp(&(b.failure.kind, b.seed)));
     outcome
+}
+
+/// Keeps the longest.
+fn slow(outcome: &Mutex<Outcome>, seed: u64, seconds: f64) {
+    let mut outcome = outcome.lock().unwrap_or_else(|broken| broken.into_inner());
+    let list = &mut outcome.slowest;
+    let at = list.partition_point(|known| known.0 >= seconds);
+    list.insert(at, (seconds, seed));
+    list.truncate(SLOWEST);
 }
 
 fn take(
@@ -112,7 +129,7 @@ fn take(
         match held {
             Ok(seen) => {
                 all.poses += seen.poses;
-                all.refused += u64::from(seen.refused);
+                all.refused.extend(seen.refused.map(|why| (seed, why)));
                 all.worst = all.worst.max(seen.worst);
                 return;
             }

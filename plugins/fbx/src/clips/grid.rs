@@ -126,10 +126,11 @@ impl Grid {
         let mut grid = Self::default();
         for (i, mark) in marks.iter().enumerate() {
             let label = (mark.time - begin) as f32;
-            // Beside a jump glTF's time is on the side that the file's is on.
+            // Beside a jump glTF's time is on the side that the file's is on, as near to it as f32 has one: a
+            // clip must not get shorter by it.
             let (floor, ceiling) = match f64::from(label) > mark.time - begin {
-                true => (before(label), label),
-                false if f64::from(label) < mark.time - begin => (label, after(label)),
+                true => (label.next_down().max(0.0), label),
+                false if f64::from(label) < mark.time - begin => (label, label.next_up()),
                 false => (label, label),
             };
             let seen = |label: f32| begin + f64::from(label);

@@ -47,7 +47,7 @@ impl<'a> Value<'a> {
                 weight: layer.weight.clone(),
                 whole_rotations: layer.whole_rotations,
                 multiplies: layer.multiplies,
-                default: vec3(value.default_value),
+                default: without_curve(value, name),
                 curves: value
                     .curves
                     .each_ref()
@@ -135,6 +135,16 @@ impl Part<'_> {
             _ if adds => sum + own * weight,
             _ => sum * (1.0 - weight) + own * weight,
         }
+    }
+}
+
+/// What numbers without a curve are: those of the curves' own node. ufbx reads these as `d|X` and so on; one
+/// number alone goes by its property's name.
+fn without_curve(value: &AnimValue, name: &str) -> DVec3 {
+    let own = format!("d|{name}");
+    match ufbx::find_prop(&value.element.props, &own) {
+        Some(prop) => DVec3::splat(prop.value_vec4.x),
+        None => vec3(value.default_value),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::skin::vertex_distance;
 use crate::clips::{MorphCurves, Player, Pose, Shells, Source, play};
 use crate::curves::{NodeCurves, Reading};
-use crate::model::{Clip, Trs};
+use crate::model::{Clip, Property, Trs};
 use glam::{DAffine3, DQuat, DVec3};
 
 /// Both poses of one clip.
@@ -42,6 +42,14 @@ impl<'a> Actors<'a> {
         shells.world(&rest, &mut true_world);
         shells.world(&written, &mut world);
         let curves = source.take.moving.iter();
+        let mut played = written;
+        let (mut still, mut players) = (Vec::new(), Vec::new());
+        for channel in &clip.channels {
+            let stands = channel.times.len() == 1 && channel.property != Property::Weights;
+            let list = if stands { &mut still } else { &mut players };
+            list.push(Player::new(channel));
+        }
+        play(&mut still, 0.0, &mut played, |_, _| ());
         Self {
             curves: curves
                 .map(|&node| (node, source.take.curves(&layers, node)))
@@ -56,8 +64,8 @@ impl<'a> Actors<'a> {
                     weights: Vec::new(),
                 })
                 .collect(),
-            players: clip.channels.iter().map(Player::new).collect(),
-            played: written,
+            players,
+            played,
             truth: rest,
             true_world,
             world,

@@ -8,7 +8,8 @@
 //! shells say, all distances are taken to be that much larger.
 
 mod actors;
+mod search;
 mod skin;
 mod times;
 
-pub(crate) use times::{Checked, check, doubts};
+pub(crate) use times::{Checked, check, dice, doubts};

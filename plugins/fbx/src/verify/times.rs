@@ -1,6 +1,7 @@
 //! When a clip is looked at, and what that comes to.
 
 use super::actors::Actors;
+use super::search::{Look, Peaks};
 use crate::clips::{Shells, Source, Stretch, in_parts, threads};
 use crate::curves::Reading;
 use crate::error::FbxError;
@@ -12,11 +13,11 @@ const TURN: f64 = 22.5;
 /// Looks between two keys of the file, where what lies there counts.
 const LOOKS: usize = 3;
 
-/// Times around which the largest error is searched for, of each kind.
-const PEAKS: usize = 2;
+/// Looks at a clip, at least, where what lies within frames is little: so that few such gaps get more.
+const MANY: usize = 2000;
 
-/// Looks of each of the two steps of a search.
-const SEARCH: usize = 6;
+/// Looks within a frame at most, unless something turns much there.
+const LOOKS_WITHIN: usize = 4;
 
 /// What a search may have missed of a peak, as a share of it.
 const MISSED: f64 = 1.01;
@@ -32,46 +33,14 @@ pub(crate) struct Checked {
     pub(crate) times: usize,
 }
 
-/// A time between two keys that was looked at.
-#[derive(Debug, Clone, Copy)]
-struct Look {
-    error: f64,
-    time: f64,
-    /// The keys around it.
-    begin: f64,
-    end: f64,
-    within: bool,
-}
-
-/// The largest looks of each kind.
-#[derive(Default)]
-struct Peaks {
-    keyed: Vec<Look>,
-    within: Vec<Look>,
-    times: usize,
-}
-
-impl Peaks {
-    fn add(&mut self, look: Look) {
-        let list = match look.within {
-            true => &mut self.within,
-            false => &mut self.keyed,
-        };
-        if list.len() == PEAKS && list[PEAKS - 1].error >= look.error {
-            return;
-        }
-        let at = list.partition_point(|known| known.error >= look.error);
-        list.insert(at, look);
-        list.truncate(PEAKS);
-    }
-}
-
 /// Holds `clip` against the curves of the file.
 pub(crate) fn check(source: &Source, shells: &Shells, clip: &Clip) -> Result<Checked, FbxError> {
     let take = source.take;
     let moving = shells.moved_by(take.moving.iter().copied());
     let keys = key_times(clip);
     let stretches: Vec<Stretch> = take.plan.gaps().collect();
+    let gaps = stretches.len() + keys.len();
+    let within = (MANY / gaps.max(1)).clamp(1, LOOKS_WITHIN);
     let poses = (stretches.len() + keys.len()) * take.moving.len().max(1);
     let parts = in_parts(stretches.len(), threads(poses, source.options), |range| {
         let mut actors = Actors::of(source, shells, clip, &moving, Reading::Usual);
@@ -85,6 +54,7 @@ pub(crate) fn check(source: &Source, shells: &Shells, clip: &Clip) -> Result<Che
                 number,
                 &keys,
                 clip.begin,
+                within,
                 &mut actors,
                 &mut peaks,
             );
@@ -93,16 +63,9 @@ pub(crate) fn check(source: &Source, shells: &Shells, clip: &Clip) -> Result<Che
     });
     source.budget.in_time("the check")?;
     let mut peaks = Peaks::default();
-    for part in parts {
-        peaks.times += part.times;
-        part.keyed
-            .into_iter()
-            .chain(part.within)
-            .for_each(|look| peaks.add(look));
-    }
+    parts.into_iter().for_each(|part| peaks.join(part));
     let mut actors = Actors::of(source, shells, clip, &moving, Reading::Usual);
     let end = take.plan.end.max(take.plan.begin);
-    peaks.times += 1;
     peaks.add(Look {
         error: actors.apart(end),
         time: end,
@@ -129,17 +92,18 @@ fn key_times(clip: &Clip) -> Vec<f32> {
     keys
 }
 
-/// Looks at a stretch between two keys of the file, `number` in the clip.
+/// Looks at a stretch between two keys of the file, `number` in the clip; `within` times between two keys where
+/// it lies within a frame.
 fn look(
     stretch: &Stretch,
     number: usize,
     keys: &[f32],
     begin: f64,
+    within: usize,
     actors: &mut Actors,
     peaks: &mut Peaks,
 ) {
     if !stretch.jumps {
-        peaks.times += 1;
         peaks.add(Look {
             error: actors.apart(stretch.begin),
             time: stretch.begin,
@@ -154,10 +118,9 @@ fn look(
         .map(|&key| begin + f64::from(key))
         .take_while(|&key| key < stretch.end);
     let count = 1 + inner.clone().count();
-    let least = if stretch.within {
-        1
-    } else {
-        LOOKS.div_ceil(count)
+    let least = match stretch.within {
+        true => within,
+        false => LOOKS.div_ceil(count),
     };
     let length = stretch.end - stretch.begin;
     let mut from = stretch.begin;
@@ -170,12 +133,13 @@ fn look(
             for i in 0..looks {
                 let share = (i as f64 + dice(number, gap, i)) / looks as f64;
                 let time = (from + (to - from) * share).clamp(from + step, to - step);
-                peaks.times += 1;
+                // Half of the way that the next look stands for.
+                let at = |i: f64| from + (to - from) * (i / looks as f64);
                 peaks.add(Look {
                     error: actors.apart(time),
                     time,
-                    begin: from + step,
-                    end: to - step,
+                    begin: at(i as f64 - 0.5).max(from + step),
+                    end: at(i as f64 + 1.5).min(to - step),
                     within: stretch.within,
                 });
             }
@@ -185,7 +149,7 @@ fn look(
 }
 
 /// A pseudo-random share, 0.1 to 0.9, the same in every run.
-fn dice(stretch: usize, gap: usize, look: usize) -> f64 {
+pub(crate) fn dice(stretch: usize, gap: usize, look: usize) -> f64 {
     let mut x = (stretch as u64)
         .wrapping_mul(0x9e37_79b9_7f4a_7c15)
         .wrapping_add((gap as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9))
@@ -221,29 +185,7 @@ pub(crate) fn doubts(source: &Source, shells: &Shells, clip: &Clip) -> Vec<(Stri
 
 /// Searches around the peaks, and holds their vertices against their shells.
 fn found(actors: &mut Actors, mut peaks: Peaks) -> Checked {
-    let mut search = |look: &mut Look| {
-        let (mut begin, mut end) = (look.begin, look.end);
-        for _ in 0..2 {
-            if end <= begin {
-                break;
-            }
-            let step = (end - begin) / (SEARCH - 1) as f64;
-            for i in 0..SEARCH {
-                let time = begin + step * i as f64;
-                peaks.times += 1;
-                let error = actors.apart(time);
-                if error > look.error {
-                    (look.error, look.time) = (error, time);
-                }
-            }
-            (begin, end) = (
-                (look.time - step).max(look.begin),
-                (look.time + step).min(look.end),
-            );
-        }
-    };
-    peaks.keyed.iter_mut().for_each(&mut search);
-    peaks.within.iter_mut().for_each(&mut search);
+    peaks.search(actors);
     let mut factor = MISSED;
     for list in [&peaks.keyed, &peaks.within] {
         let worst = list.iter().max_by(|a, b| a.error.total_cmp(&b.error));
