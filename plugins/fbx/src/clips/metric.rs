@@ -126,6 +126,19 @@ impl Shells {
         (self.vertices[node] * stretch(world)).max(SHELL)
     }
 
+    /// How many times as long a way within the mesh of `node` may be in the world.
+    pub(crate) fn widest(&self, model: &Model, node: usize, world: &[DAffine3]) -> f64 {
+        match model.nodes[node].skin.map(|skin| &model.skins[skin]) {
+            None => norm(&world[node]),
+            Some(skin) => {
+                let joints = skin.joints.iter().zip(&skin.inverse_bind);
+                joints
+                    .map(|(&joint, bind)| norm(&(world[joint] * DAffine3::from_mat4(*bind))))
+                    .fold(0.0, f64::max)
+            }
+        }
+    }
+
     /// All nodes, parents before children.
     pub(crate) fn in_order(&self) -> &[usize] {
         &self.order
@@ -183,6 +196,13 @@ impl Shells {
         }
         out
     }
+}
+
+/// The most that a matrix makes a way longer by, or a little more: exact where its columns stand at right angles.
+fn norm(m: &DAffine3) -> f64 {
+    let columns = [0, 1, 2].map(|i| m.matrix3.col(i));
+    let row = |i: usize| columns.iter().map(|c| c.dot(columns[i]).abs()).sum::<f64>();
+    (0..3).map(row).fold(0.0, f64::max).sqrt()
 }
 
 fn stretch(m: &DAffine3) -> f64 {

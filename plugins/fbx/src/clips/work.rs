@@ -17,6 +17,8 @@ pub(super) struct Work<'a> {
     pub(super) rest: Pose,
     pub(super) leverage: Vec<Leverage>,
     moving: Vec<bool>,
+    /// How many times as long a way within the mesh of a node with morph targets is in the world at rest.
+    widths: Vec<f64>,
     pub(super) columns: Vec<Columns>,
     /// Matrices of the moving nodes at each sample, as the file has them.
     pub(super) truth: Vec<DAffine3>,
@@ -45,7 +47,14 @@ impl<'a> Work<'a> {
         let rest: Pose = model.nodes.iter().map(|node| node.rest).collect();
         let moving = shells.moved_by(samples.tracks.iter().map(|track| track.node));
         let moved: Vec<usize> = (0..moving.len()).filter(|&node| moving[node]).collect();
+        let mut world = Vec::new();
+        shells.world(&rest, &mut world);
+        let mut widths = vec![1.0; rest.len()];
+        for &node in samples.morphs.iter().flat_map(|morph| &morph.nodes) {
+            widths[node] = shells.widest(model, node, &world);
+        }
         let mut work = Self {
+            widths,
             samples,
             model,
             shells,
@@ -165,7 +174,10 @@ impl<'a> Work<'a> {
             .iter()
             .map(|&node| {
                 // A skinned mesh may be scaled by its joints; they are as large as their shells say.
-                let scale = self.leverage[node].translation.max(1.0);
+                let scale = self.leverage[node]
+                    .translation
+                    .max(self.widths[node])
+                    .max(1.0);
                 let reach: Vec<f64> = targets.iter().map(|target| target.reach * scale).collect();
                 weights(&self.sampled(node, kind), &values, &rest, &reach, error)
             })
@@ -252,7 +264,8 @@ impl<'a> Work<'a> {
         let targets = &self.model.meshes[morph.mesh].targets;
         let each = truth.iter().zip(weights).zip(targets);
         each.map(|((a, b), target)| (a - b).abs() * target.reach)
-            .sum()
+            .sum::<f64>()
+            * self.widths[node]
     }
 }
 

@@ -125,7 +125,7 @@ impl<'a> Actors<'a> {
             morph.curves.at(time, &mut morph.weights);
         }
         let (model, morphs) = (self.source.model, &self.morphs);
-        let mut morphed = 0.0_f64;
+        let mut morphed: Vec<(usize, f64)> = Vec::new();
         let label = (time - self.begin).max(0.0);
         play(
             &mut self.players,
@@ -141,7 +141,7 @@ impl<'a> Actors<'a> {
                 let sum: f64 = each
                     .map(|((a, b), target)| (a - b).abs() * target.reach)
                     .sum();
-                morphed = morphed.max(sum);
+                morphed.push((node, sum));
             },
         );
         let moves = |node: usize| self.moving[node];
@@ -150,6 +150,9 @@ impl<'a> Actors<'a> {
         self.shells
             .world_where(&self.played, &mut self.world, moves);
         morphed
+            .into_iter()
+            .map(|(node, sum)| sum * self.shells.widest(model, node, &self.true_world))
+            .fold(0.0, f64::max)
     }
 }
 

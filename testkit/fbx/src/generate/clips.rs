@@ -16,10 +16,10 @@ pub(super) fn clip(
         0 => random.magnitude(0.002, 0.1),
         // Hours are as rare as they cost time.
         1 => {
-            let most = match random.below(25) {
+            let most = match random.below(200) {
                 0 => 20_000.0,
-                1..4 => 1500.0,
-                _ => 300.0,
+                1..6 => 1500.0,
+                _ => 200.0,
             };
             random.magnitude(60.0, most)
         }
@@ -230,7 +230,7 @@ impl Moves<'_> {
             ),
             6 | 7 => self.track(target, rest, |_| around(0.0, 180.0), false, random),
             _ => {
-                let most = if random.chance(0.04) { 1000.0 } else { 60.0 };
+                let most = if random.chance(0.02) { 1000.0 } else { 40.0 };
                 let turns =
                     (random.magnitude(0.1, 60.0) * seconds).min(random.magnitude(0.5, most));
                 let axis = random.below(3);
