@@ -21,7 +21,7 @@ const TIMES: (usize, usize) = (16, 300);
 /// Times around which the largest distance is searched for, looks of each step of that, and steps.
 const PEAKS: usize = 4;
 const SEARCH: usize = 7;
-const STEPS: usize = 2;
+const STEPS: usize = 3;
 
 /// What a search may have missed, as a share.
 const MISSED: f64 = 1.01;

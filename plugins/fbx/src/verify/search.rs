@@ -17,7 +17,7 @@ const LEAP: f64 = 2.0;
 const LOOKS: usize = 7;
 
 /// Steps of a search, each three times as fine as the last.
-const STEPS: usize = 2;
+const STEPS: usize = 3;
 
 /// A time that was looked at.
 #[derive(Debug, Clone, Copy)]

@@ -230,7 +230,7 @@ impl Moves<'_> {
             ),
             6 | 7 => self.track(target, rest, |_| around(0.0, 180.0), false, random),
             _ => {
-                let most = if random.chance(0.02) { 1000.0 } else { 40.0 };
+                let most = if random.chance(0.02) { 200.0 } else { 40.0 };
                 let turns =
                     (random.magnitude(0.1, 60.0) * seconds).min(random.magnitude(0.5, most));
                 let axis = random.below(3);
