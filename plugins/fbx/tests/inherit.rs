@@ -82,7 +82,7 @@ fn offsets_and_pivots_of_a_child_are_scaled_as_its_translation_is() {
     }
 }
 
-/// A joint without `Transform` is bound where the mesh's node is at rest, (2 * 3, 0, 0) from the joint at the origin.
+/// A joint whose matrix a bind pose alone says is bound where the mesh's node is at rest, (2 * 3, 0, 0) from the joint at the origin.
 #[test]
 fn a_joint_is_bound_where_the_node_is() {
     let one = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
@@ -99,8 +99,9 @@ fn a_joint_is_bound_where_the_node_is() {
         + "\tDeformer: 21, \"SubDeformer::joint\", \"Cluster\" {\n\t\tVersion: 100\n"
         + &array("Indexes", &[0, 1, 2])
         + &array("Weights", &[1, 1, 1])
-        + &array("TransformLink", &one)
-        + "\t}\n";
+        + "\t}\n\tPose: 30, \"Pose::bind\", \"BindPose\" {\n\t\tType: \"BindPose\"\n\t\tVersion: 100\n\t\tPoseNode:  {\n\t\t\tNode: 3\n"
+        + &array("Matrix", &one)
+        + "\t\t}\n\t}\n";
     let links = [(1, 0), (2, 1), (3, 0), (10, 2), (20, 10), (21, 20), (3, 21)];
     let links: String = links.iter().map(|&(from, to)| link(from, to)).collect();
     let made = converted(scene(100.0, &objects, &links).as_bytes());
@@ -109,4 +110,18 @@ fn a_joint_is_bound_where_the_node_is() {
     assert!(off < 1e-12, "bound at {}", bind.w_axis);
     // The mesh's own node keeps its place too.
     is_at(&made, "child", [6.0, 0.0, 0.0], [1.0; 3]);
+}
+
+/// A camera looks along its own X in a file and along -Z in glTF; what hangs on it is where it was.
+#[test]
+fn what_hangs_on_a_camera_is_not_turned_with_its_axes() {
+    let camera = vector("Lcl Scaling", [2.0, 3.0, 4.0]) + &vector("Lcl Translation", [1.0; 3]);
+    let child = vector("Lcl Translation", [10.0, 20.0, 30.0]);
+    let objects = model(1, "camera", "Camera", &camera)
+        + "\tNodeAttribute: 5, \"NodeAttribute::camera\", \"Camera\" {\n\t\tTypeFlags: \"Camera\"\n\t}\n"
+        + &model(2, "child", "Null", &child);
+    let links = link(1, 0) + &link(2, 1) + &link(5, 1);
+    let made = converted(scene(100.0, &objects, &links).as_bytes());
+    assert!(made.model.nodes.iter().any(|node| node.camera.is_some()));
+    is_at(&made, "child", [21.0, 61.0, 121.0], [2.0, 3.0, 4.0]);
 }

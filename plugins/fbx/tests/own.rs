@@ -160,14 +160,16 @@ fn scale_is_inherited_in_every_way() {
 
 fn inherits(inherit: [i32; 3], text: &str) {
     let made = converted(text);
-    let played = Played::read(&made.to_glb().unwrap()).unwrap();
-    let truth = Truth::load(text.as_bytes(), &Origin::default()).unwrap();
+    let played = Played::read(&made.to_glb().expect("it can be written")).expect("it is a .glb");
+    let truth = Truth::load(text.as_bytes(), &Origin::default()).expect("it is sound");
     let report = &made.report;
     let steps = (0..=40).map(|step| Some(f64::from(step) / 40.0));
     for time in steps.chain([None]) {
         let clip = time.map(|_| 0);
         let (shapes, _) = played.at(clip, time.unwrap_or(0.0));
-        let (bodies, _) = truth.at(clip, time.unwrap_or(0.0)).unwrap();
+        let (bodies, _) = truth
+            .at(clip, time.unwrap_or(0.0))
+            .expect("it can be posed");
         assert_eq!((shapes.len(), bodies.len()), (3, 3));
         let error = vertex_error(&shapes, &bodies, &truth.space(), &made.sources());
         let stated = time.map_or(0.0, |_| report.bound);

@@ -10,5 +10,5 @@ mod value;
 
 pub(crate) use curve::repeats;
 pub(crate) use layers::{Layers, Reading};
-pub(crate) use pose::{BlendWeight, NodeCurves, order_of};
+pub(crate) use pose::{BlendWeight, NodeCurves, aside, order_of};
 pub(crate) use value::{Meaning, Value};

@@ -5,7 +5,7 @@ use super::value::{Meaning, Value, fixed, turn};
 use crate::model::Trs;
 use crate::read::convert::vec3;
 use crate::read::rest_of;
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use ufbx::{Anim, BlendChannel, MirrorAxis, Node, PropFlags, RotationOrder};
 
 /// The curves that move a node, in order of how they are applied.
@@ -151,16 +151,34 @@ impl<'a> NodeCurves<'a> {
             scale *= node.adjust_pre_scale;
             place *= node.adjust_pre_scale * node.adjust_translation_scale;
         }
-        mirror(&mut place, &mut rotation, node.adjust_mirror_axis);
         if node.is_scale_helper {
             scale *= helped;
         }
+        // A camera or light is turned to look along glTF's axis; its scale and its children are not.
+        if let Some(turned) = aside(node) {
+            let axes = DMat3::from_quat(turned).transpose();
+            scale = DVec3::from_array([0, 1, 2].map(|axis| {
+                let column = axes.row(axis);
+                (column * column).dot(scale)
+            }));
+        }
+        if let Some(turned) = node.parent.as_ref().and_then(|parent| aside(parent)) {
+            place = turned.conjugate() * place;
+            rotation = turned.conjugate() * rotation;
+        }
+        mirror(&mut place, &mut rotation, node.adjust_mirror_axis);
         Trs {
             translation: place,
             rotation: rotation.normalize(),
             scale,
         }
     }
+}
+
+/// By how much ufbx turns a camera's or light's own axes, a number of quarter turns.
+pub(crate) fn aside(node: &Node) -> Option<DQuat> {
+    let turned = quat(node.adjust_post_rotation);
+    (node.has_adjust_transform && turned.w.abs() < 1.0).then_some(turned)
 }
 
 fn scale<'a>(layers: &Layers<'a>, anim: Option<&'a Anim>, node: &'a Node) -> Value<'a> {

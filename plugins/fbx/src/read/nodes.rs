@@ -2,19 +2,17 @@
 
 use super::convert::trs;
 use super::names::Names;
-use crate::curves::NodeCurves;
+use crate::curves::{NodeCurves, aside};
 use crate::model::{Node, Trs};
 use ufbx::Scene;
 
 /// Where a node is at rest; identity where the file says something that is no transform.
 pub(crate) fn rest_of(node: &ufbx::Node) -> Trs {
-    let beside_scale = node.scale_helper.is_some()
-        || node.is_scale_helper
-        || node
-            .parent
-            .as_ref()
-            .is_some_and(|parent| parent.scale_helper.is_some());
-    let rest = match beside_scale {
+    let own_way = |node: &ufbx::Node| node.scale_helper.is_some() || aside(node).is_some();
+    let beside = node.is_scale_helper
+        || own_way(node)
+        || node.parent.as_ref().is_some_and(|parent| own_way(parent));
+    let rest = match beside {
         true => NodeCurves::rest(node),
         false => trs(&node.local_transform),
     };
