@@ -431,6 +431,7 @@ fn finish(model: &mut Model) {
         let emptied = !shows
             && children[number] == 0
             && skinned.contains(&node.name)
+            && !model.extras.nodes.contains_key(&number)
             && is_at_the_origin(&model.nodes, number);
         kept[number] |= !emptied;
     }
