@@ -33,6 +33,8 @@ pub struct Outcome {
     pub worst: f64,
     /// How many failed in each way.
     pub kinds: BTreeMap<&'static str, u64>,
+    /// All that failed: seed, and how.
+    pub failed: Vec<(u64, Failure)>,
     /// The first of each way, shrunk.
     pub failures: Vec<Failed>,
 }
@@ -98,6 +100,7 @@ pub fn run_by(property: Property, first: u64, count: u64, each: u64, folder: &Pa
     let mut outcome = outcome
         .into_inner()
         .unwrap_or_else(|broken| broken.into_inner());
+    outcome.failed.sort_by_key(|(seed, _)| *seed);
     outcome
         .failures
         .sort_by(|a, b| (a.failure.kind, a.seed).cmp(&(b.failure.kind, b.seed)));
@@ -134,6 +137,7 @@ fn take(
                 return;
             }
             Err(failure) => {
+                all.failed.push((seed, failure.clone()));
                 let known = all.kinds.entry(failure.kind).or_default();
                 *known += 1;
                 if *known > each {
