@@ -159,6 +159,17 @@ mod tests {
     fn grey(size: u32, value: impl Fn(u32, u32) -> u8, format: ImageFormat) -> Vec<u8> {
         let picture = GrayImage::from_fn(size, size, |x, y| image::Luma([value(x, y)]));
         let mut out = Cursor::new(Vec::new());
+        let old = match format {
+            ImageFormat::Tga => Some(image_of_old::ImageFormat::Tga),
+            ImageFormat::Bmp => Some(image_of_old::ImageFormat::Bmp),
+            _ => None,
+        };
+        if let Some(old) = old {
+            let grey = image_of_old::ColorType::L8;
+            image_of_old::write_buffer_with_format(&mut out, &picture, size, size, grey, old)
+                .expect("it is written");
+            return out.into_inner();
+        }
         picture.write_to(&mut out, format).expect("it is written");
         out.into_inner()
     }
