@@ -83,7 +83,7 @@ pub(crate) struct Layout {
 const MOST_ELEMENTS_A_BYTE: usize = 80;
 
 impl Layout {
-    /// What the extension and the decoder demand.
+    /// What the extension and the decoder ask for.
     fn fault(&self, coded: usize) -> Option<&'static str> {
         let Self {
             mode,

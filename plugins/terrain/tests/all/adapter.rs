@@ -130,7 +130,7 @@ fn every_kind_of_source_agrees() {
                 ..Fractal::default()
             };
             // Amplitude 100 m, wavelength 1000 m; 1e-5 and 1e-4 of them for FBM as promised,
-            // others as in tests/accuracy.rs, with room for what a GPU may reorder and fuse.
+            // others as in tests/all/accuracy.rs, with room for what a GPU may reorder and fuse.
             let (value, gradient) = match (sum, warp) {
                 (Sum::Fbm, None) => (1e-3, 1e-5),
                 _ => (3e-4, 2.5e-5),
