@@ -1,6 +1,7 @@
 //! Tests of the shared geometry passes, as one program, since each more would link Bevy once more.
 //! `cargo nextest run -p dolomite_geometry NAME::` runs one module.
 
+#[cfg(feature = "render")]
 mod app;
 #[cfg(feature = "render")]
 mod example;
@@ -9,6 +10,7 @@ mod registry;
 mod shaders;
 #[cfg(feature = "render")]
 mod warnings;
+#[cfg(feature = "render")]
 #[expect(dead_code, reason = "its `main` opens a window")]
 #[path = "../../examples/waves.rs"]
 mod waves;

@@ -8,4 +8,5 @@ mod night;
 mod registry;
 #[cfg(feature = "render")]
 mod stage;
+#[cfg(feature = "render")]
 mod support;
