@@ -49,7 +49,7 @@ fn nothing_of_the_person_is_lost() {
     assert!(report.lost.is_empty(), "{:?}", report.lost);
     assert_eq!(report.clips.len(), 9);
     for clip in &report.clips {
-        assert!(clip.error <= report.bound, "{clip:?}");
+        assert!(clip.keyed_error <= report.bound, "{clip:?}");
     }
     // To the joint of the head; the top of the skull is at 1.78 m.
     assert!((1.5..1.6).contains(&person().height), "{}", person().height);

@@ -71,14 +71,6 @@ pub(crate) fn report_lost(scene: &Scene, report: &mut Report) {
             "objects of kinds that are not known",
         ),
         (
-            "bone-shape",
-            (&scene.bones)
-                .into_iter()
-                .filter(|bone| bone.radius != 1.0)
-                .count(),
-            "how thick bones are drawn is not in glTF",
-        ),
-        (
             "lod-group",
             scene.lod_groups.len(),
             "which level of detail shows at what distance is not in glTF; all are there",
