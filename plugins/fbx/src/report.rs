@@ -31,8 +31,7 @@ pub struct ClipReport {
     /// metres, at any time of the clip, within frames too. Measured after the keys were chosen, at times
     /// that were not looked at for that: the file's keys, and pseudo-random times between all keys of the
     /// file and the result, more where something turns fast; and searched around the largest. At a jump
-    /// neither side counts for two steps of f32 (0.15 microseconds at
-    /// least).
+    /// neither side counts for two steps of f32 (0.15 microseconds at least).
     pub error: f64,
     /// The same without what lies within frames of files that have a key in every frame, unless
     /// [`Options::within_frames`](crate::Options::within_frames) asks for that: this is held to the bound.
