@@ -1,0 +1,48 @@
+//! What every reader of a kind is given.
+
+use crate::error::ElevationError;
+use crate::options::Options;
+use std::io::{Read, Seek};
+use std::path::Path;
+
+/// What is read: a file, or bytes.
+pub(crate) trait Source: Read + Seek + Send {
+    /// The same once more, for another thread, where that is cheap.
+    fn again(&self) -> Option<Box<dyn Source>> {
+        None
+    }
+}
+
+/// What every reader gets.
+pub(crate) struct Input<'a> {
+    /// What errors call the file.
+    pub file: &'a str,
+    /// Its bytes.
+    pub source: &'a mut (dyn Source + 'a),
+    /// How many bytes.
+    pub bytes: u64,
+    /// How it is read.
+    pub options: &'a Options,
+    /// Text of the `.prj` beside it, if there is one.
+    pub projection: Option<String>,
+}
+
+impl Input<'_> {
+    /// An error of the system while reading.
+    pub fn failed(&self, error: &std::io::Error) -> ElevationError {
+        read_error(self.file, error)
+    }
+}
+
+pub(crate) fn read_error(file: &str, error: &std::io::Error) -> ElevationError {
+    ElevationError::Read {
+        file: file.to_owned(),
+        reason: error.to_string(),
+    }
+}
+
+/// The ending of a file's name, in small letters.
+pub(crate) fn ending(file: &str) -> String {
+    let ending = Path::new(file).extension().unwrap_or_default();
+    ending.to_string_lossy().to_lowercase()
+}

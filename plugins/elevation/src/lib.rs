@@ -1,0 +1,58 @@
+//! Files of elevation, read without a renderer and without Bevy.
+//!
+//! [`Elevation::read`] tells what a file is by its content first and by its ending then, and gives its
+//! samples as `f32` in rows from north to south, NaN where there is no data, with where they lie. A file is
+//! read as it streams in: besides the samples themselves little memory is taken, and none before the
+//! file's own length bears out what its header says.
+//!
+//! | kind | numbers |
+//! |---|---|
+//! | raw | u8, u16, i16, u32, f32, both byte orders, header, row padding, rows from south to north |
+//! | `.hgt` | 1 and 3 arc seconds; −32768 is no data |
+//! | ESRI ASCII | corner or centre, keys in any order and case, `dx` and `dy`, rows that wrap |
+//! | PNG | 1 to 16 bits, interlaced; tRNS is no data; one channel of a coloured one |
+//! | TIFF, GeoTIFF, BigTIFF | strips and tiles, LZW and deflate, predictors 2 and 3, 8 to 64 bits; absent tiles are no data |
+//!
+//! ```
+//! use dolomite_elevation::{Elevation, NumberType, Options, Raw};
+//!
+//! let options = Options {
+//!     raw: Some(Raw { size: Some([2, 1]), number: Some(NumberType::I16), ..Raw::default() }),
+//!     ..Options::default()
+//! };
+//! let map = Elevation::decode("two.raw", &[5, 0, 0xff, 0xff], &options)?;
+//! assert_eq!(map.samples, [5.0, -1.0]);
+//! # Ok::<(), dolomite_elevation::ElevationError>(())
+//! ```
+//!
+//! Conventions: columns run to the east, rows to the south; a place of a map is that of a sample's centre.
+
+mod about;
+mod ascii;
+mod error;
+mod geodesy;
+mod georeference;
+mod grid;
+mod hgt;
+mod hillshade;
+mod holes;
+mod input;
+mod mosaic;
+mod options;
+mod picture;
+mod raw;
+mod read;
+mod samples;
+mod tiff;
+mod write;
+
+pub use about::{About, FileKind, NumberType};
+pub use error::ElevationError;
+pub use geodesy::metres_per_degree;
+pub use georeference::{Crs, Georeference, Registration};
+pub use hillshade::hillshade;
+pub use holes::{Filled, fill_holes};
+pub use mosaic::{Tile, mosaic, place_by_georeference};
+pub use options::{ByteOrder, NoData, Options, Raw};
+pub use samples::Elevation;
+pub use write::write;

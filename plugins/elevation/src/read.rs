@@ -1,0 +1,159 @@
+//! From a file to samples: which kind it is, and who reads it.
+
+use crate::error::ElevationError;
+use crate::input::{Input, Source, ending, read_error};
+use crate::options::{Options, Raw};
+use crate::samples::Elevation;
+use crate::{ascii, hgt, picture, raw, tiff};
+use std::fs::File;
+use std::io::{Cursor, Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// A file that can be opened once more.
+struct Opened<'a> {
+    file: File,
+    path: &'a Path,
+}
+
+impl Read for Opened<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        self.file.read(buffer)
+    }
+}
+
+impl Seek for Opened<'_> {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+impl Source for Opened<'_> {
+    fn again(&self) -> Option<Box<dyn Source>> {
+        // A handle of its own: clones share one position.
+        let file = File::open(self.path).ok()?;
+        Some(Box::new(Again(file)))
+    }
+}
+
+struct Again(File);
+
+impl Read for Again {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        self.0.read(buffer)
+    }
+}
+
+impl Seek for Again {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        self.0.seek(to)
+    }
+}
+
+impl Source for Again {}
+impl Source for Cursor<&[u8]> {}
+
+/// The first bytes tell the kind; no header that is looked for is longer, blanks before it aside.
+const HEAD: usize = 512;
+
+impl Elevation {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`ElevationError`], naming the file, the place and a way out.
+    pub fn read(path: &Path, options: &Options) -> Result<Self, ElevationError> {
+        let name = path.display().to_string();
+        let file = File::open(path).map_err(|error| read_error(&name, &error))?;
+        let data = file.metadata().map_err(|error| read_error(&name, &error))?;
+        if !data.is_file() {
+            let error = std::io::Error::other("it is not a file");
+            return Err(read_error(&name, &error));
+        }
+        let projection = std::fs::File::open(path.with_extension("prj")).ok();
+        let projection = projection.and_then(|file| {
+            let mut text = String::new();
+            // The longest of the EPSG are some 3 000 bytes.
+            file.take(1 << 16).read_to_string(&mut text).ok()?;
+            Some(text)
+        });
+        let mut source = Opened { file, path };
+        read(Input {
+            file: &name,
+            source: &mut source,
+            bytes: data.len(),
+            options,
+            projection,
+        })
+    }
+
+    /// Reads the bytes of a file; `name` is what errors call it, and its ending counts.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn decode(name: &str, bytes: &[u8], options: &Options) -> Result<Self, ElevationError> {
+        read(Input {
+            file: name,
+            bytes: bytes.len() as u64,
+            source: &mut Cursor::new(bytes),
+            options,
+            projection: None,
+        })
+    }
+}
+
+/// The kind by the content, then by the ending.
+fn read(mut input: Input<'_>) -> Result<Elevation, ElevationError> {
+    if let Some(raw) = input.options.raw {
+        return raw::read(&mut input, &raw);
+    }
+    let mut head = Vec::new();
+    let read = (&mut input.source).take(HEAD as u64).read_to_end(&mut head);
+    read.and_then(|_| input.source.rewind())
+        .map_err(|error| input.failed(&error))?;
+    if head.starts_with(b"\x89PNG\r\n\x1a\n") {
+        return picture::read(&mut input);
+    }
+    if [
+        &b"II\x2a\0"[..],
+        b"MM\0\x2a",
+        b"II\x2b\0\x08\0\0\0",
+        b"MM\0\x2b\0\x08\0\0",
+    ]
+    .iter()
+    .any(|magic| head.starts_with(magic))
+    {
+        return tiff::read(&mut input);
+    }
+    if ascii::is_header(&head) {
+        return ascii::read(&mut input);
+    }
+    let ending = ending(input.file);
+    match ending.as_str() {
+        "hgt" => hgt::read(&mut input),
+        "raw" | "r16" | "r32" | "f32" => raw::read(&mut input, &Raw::default()),
+        other => Err(unknown(&input, &head, other)),
+    }
+}
+
+fn unknown(input: &Input<'_>, head: &[u8], ending: &str) -> ElevationError {
+    let found = match (head.len(), ending) {
+        (0, _) => "it is empty".to_owned(),
+        (_, "png" | "tif" | "tiff" | "asc") => {
+            let first = &head[..head.len().min(8)];
+            format!(
+                "its ending is .{ending}, but it begins with {}",
+                first.escape_ascii()
+            )
+        }
+        _ => format!("{} bytes", input.bytes),
+    };
+    let (size, number) = [(2, "i16"), (4, "f32"), (1, "u8")]
+        .into_iter()
+        .find_map(|(bytes, number)| Some((raw::square(input.bytes, bytes)?, number)))
+        .unwrap_or_else(|| ("COLUMNSxROWS".to_owned(), "u16"));
+    ElevationError::Kind {
+        file: input.file.to_owned(),
+        found,
+        size,
+        number,
+    }
+}

@@ -1,0 +1,75 @@
+//! The first directory of a TIFF, looked over before the decoder sees it: it makes room for as many values as a tag
+//! claims, 32 bytes each, before it finds that the file has fewer.
+
+use super::Failure;
+use crate::error::ElevationError;
+use crate::input::Input;
+use std::io::{Read, SeekFrom};
+
+/// Bytes a value of each type of field (TIFF 6.0, section 2; BigTIFF).
+const TYPE_BYTES: [u64; 19] = [1, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 1, 1, 8, 8, 8];
+
+/// Refuses a directory with a tag whose values do not lie in the file. Returns whether it is a BigTIFF.
+pub(super) fn check(input: &mut Input<'_>) -> Result<bool, ElevationError> {
+    let (file, bytes) = (input.file, input.bytes);
+    let failure = Failure { file };
+    let mut read = |at: u64, length: u64, place: &str| -> Result<Vec<u8>, ElevationError> {
+        let mut buffer = Vec::new();
+        let from = &mut *input.source;
+        from.seek(SeekFrom::Start(at))
+            .and_then(|_| from.take(length).read_to_end(&mut buffer))
+            .map_err(|error| crate::input::read_error(file, &error))?;
+        if (buffer.len() as u64) < length {
+            return Err(failure.damaged(place, "the file ends before it"));
+        }
+        Ok(buffer)
+    };
+    let head = read(0, 16.min(bytes), "its header")?;
+    let little = head.starts_with(b"II");
+    let number = |from: &[u8]| -> u64 {
+        let add = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
+        if little {
+            from.iter().rev().fold(0, add)
+        } else {
+            from.iter().fold(0, add)
+        }
+    };
+    let big = head.len() == 16 && number(&head[2..4]) == 43;
+    let ([count_bytes, entry_bytes], offset) = match (big, head.len()) {
+        (true, _) => ([8, 20], number(&head[8..16])),
+        (false, 8..) => ([2, 12], number(&head[4..8])),
+        _ => return Err(failure.damaged("its header", "the file ends before it")),
+    };
+    let place = "its directory";
+    let count = number(&read(offset, count_bytes, place)?);
+    let length = count.saturating_mul(entry_bytes);
+    if length > bytes {
+        return Err(failure.damaged(place, format!("{count} tags cannot be in {bytes} bytes")));
+    }
+    let entries = read(offset.saturating_add(count_bytes), length, place)?;
+    for entry in entries.chunks_exact(entry_bytes as usize) {
+        let (tag, kind) = (number(&entry[..2]), number(&entry[2..4]));
+        let room = if big { 8 } else { 4 };
+        let (count, value) = entry[4..].split_at(room);
+        let count = number(count);
+        let size = TYPE_BYTES.get(kind as usize).copied().unwrap_or(1);
+        let length = count.checked_mul(size);
+        let inside = length.is_some_and(|length| {
+            length <= room as u64
+                || number(value)
+                    .checked_add(length)
+                    .is_some_and(|end| end <= bytes)
+        });
+        if !inside {
+            return Err(failure.damaged(
+                format!("tag {tag}"),
+                format!("{count} values of {size} bytes do not lie in the file"),
+            ));
+        }
+    }
+    input
+        .source
+        .rewind()
+        .map_err(|error| input.failed(&error))?;
+    Ok(big)
+}
