@@ -1,0 +1,10 @@
+//! Tests of collision, as one program, since each more would link Bevy once more.
+//! `cargo nextest run -p dolomite_collision NAME::` runs one module.
+
+mod fit;
+mod moves;
+mod plugin;
+mod support;
+mod sweep;
+mod tree;
+mod volumes;

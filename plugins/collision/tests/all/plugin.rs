@@ -1,0 +1,210 @@
+//! The plugin in an app without a window: walkers, blockers, lifts, triggers, and an app without any of them.
+
+use crate::support::meshes::floor;
+use bevy::MinimalPlugins;
+use bevy::app::{App, FixedUpdate};
+use bevy::ecs::message::Messages;
+use bevy::ecs::prelude::*;
+use bevy::math::Vec3;
+use bevy::time::{Fixed, Time, TimeUpdateStrategy};
+use bevy::transform::components::Transform;
+use dolomite_collision::{
+    Blocker, CharacterBody, Collider, CollisionCounters, CollisionPlugin, CollisionSystems,
+    MoveState, MoveWish, TreeSettings, TriangleTree, Trigger, TriggerKind, TriggerMessage,
+};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// One fixed step an update.
+fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, CollisionPlugin));
+    app.add_plugins(CollisionPlugin);
+    let step = Duration::from_millis(16);
+    app.insert_resource(Time::<Fixed>::from_duration(step));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(step));
+    app.update();
+    app
+}
+
+fn ground(app: &mut App) {
+    let tree = TriangleTree::new(floor(20, 1.0, |_, _| 0.0), TreeSettings::default());
+    app.world_mut().spawn(Collider(Arc::new(tree)));
+}
+
+fn walk(app: &mut App, walker: Entity, wish: Vec3, steps: usize) {
+    for _ in 0..steps {
+        app.world_mut().entity_mut(walker).insert(MoveWish(wish));
+        app.update();
+        assert_eq!(
+            app.world().get::<MoveWish>(walker),
+            Some(&MoveWish(Vec3::ZERO))
+        );
+    }
+}
+
+fn place(app: &App, entity: Entity) -> Vec3 {
+    app.world()
+        .get::<Transform>(entity)
+        .expect("it was spawned with one")
+        .translation
+}
+
+#[test]
+fn a_walker_stands_and_slides_along_a_blocker() {
+    let mut app = app();
+    ground(&mut app);
+    app.world_mut().spawn((
+        Blocker {
+            half_size: Vec3::new(0.5, 2.0, 3.0),
+        },
+        Transform::from_xyz(2.5, 1.0, 0.0),
+    ));
+    let walker = app
+        .world_mut()
+        .spawn((CharacterBody::default(), Transform::from_xyz(0.0, 1.0, 0.0)))
+        .id();
+    walk(&mut app, walker, Vec3::new(0.0, -0.02, 0.0), 10);
+    assert!(app.world().get::<MoveState>(walker).unwrap().grounded());
+    walk(&mut app, walker, Vec3::new(0.1, -0.02, 0.05), 30);
+    let at = place(&app, walker);
+    assert!((at - Vec3::new(1.7, 0.9, 1.5)).length() < 1e-4, "{at}");
+    let counters = *app.world().resource::<CollisionCounters>();
+    assert_eq!((counters.moves, counters.bodies), (1, 2));
+    assert!(counters.casts > 1 && counters.bytes > 1000);
+    // Moved by somebody else, it goes on from there.
+    app.world_mut()
+        .get_mut::<Transform>(walker)
+        .unwrap()
+        .translation = Vec3::new(-3.0, 2.0, 0.0);
+    walk(&mut app, walker, Vec3::new(0.0, -0.1, 0.0), 20);
+    assert!((place(&app, walker) - Vec3::new(-3.0, 0.9, 0.0)).length() < 1e-4);
+    // What is no ellipsoid says so, and does not move.
+    app.world_mut()
+        .get_mut::<CharacterBody>(walker)
+        .unwrap()
+        .radii = Vec3::ZERO;
+    walk(&mut app, walker, Vec3::X, 1);
+    assert!(
+        app.world()
+            .get::<MoveState>(walker)
+            .unwrap()
+            .error()
+            .is_some()
+    );
+    assert!((place(&app, walker).x + 3.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_lift_carries() {
+    let mut app = app();
+    let lift = app
+        .world_mut()
+        .spawn((
+            Blocker {
+                half_size: Vec3::new(2.0, 0.1, 2.0),
+            },
+            Transform::default(),
+        ))
+        .id();
+    let walker = app
+        .world_mut()
+        .spawn((
+            CharacterBody::default(),
+            Transform::from_xyz(0.0, 1.02, 0.0),
+        ))
+        .id();
+    walk(&mut app, walker, Vec3::Y * -0.05, 3);
+    assert_eq!(
+        app.world().get::<MoveState>(walker).unwrap().stands_on,
+        Some(lift)
+    );
+    for _ in 0..50 {
+        app.world_mut()
+            .get_mut::<Transform>(lift)
+            .unwrap()
+            .translation += Vec3::new(0.1, 0.16, 0.05);
+        walk(&mut app, walker, Vec3::Y * -0.003, 1);
+    }
+    let (at, below) = (place(&app, walker), place(&app, lift));
+    assert!((at - below - Vec3::Y).length() < 1e-3, "{at} {below}");
+}
+
+fn drain(app: &mut App) -> Vec<TriggerMessage> {
+    app.world_mut()
+        .resource_mut::<Messages<TriggerMessage>>()
+        .drain()
+        .collect()
+}
+
+#[test]
+fn triggers_report_in_order() {
+    let mut app = app();
+    let box_at = |app: &mut App, x: f32| {
+        let trigger = Trigger {
+            half_size: Vec3::splat(0.5),
+        };
+        app.world_mut()
+            .spawn((trigger, Transform::from_xyz(x, 0.0, 0.0)))
+            .id()
+    };
+    let (far, near) = (box_at(&mut app, 5.0), box_at(&mut app, 2.0));
+    let mover = app.world_mut().spawn(CharacterBody::default()).id();
+    walk(&mut app, mover, Vec3::X, 1);
+    assert_eq!(drain(&mut app), []);
+    // Into the near one: its side at 1.5 is touched at 1.2, a fifth of the step.
+    walk(&mut app, mover, Vec3::X, 1);
+    let messages = drain(&mut app);
+    assert_eq!(messages.len(), 1);
+    assert_eq!(
+        (messages[0].trigger, messages[0].kind),
+        (near, TriggerKind::Enter)
+    );
+    assert!((messages[0].time - 0.2).abs() < 1e-6 && (messages[0].place.x - 1.2).abs() < 1e-6);
+    walk(&mut app, mover, Vec3::X * 0.1, 1);
+    assert_eq!(drain(&mut app)[0].kind, TriggerKind::Stay);
+    // Out of it and through the far one, at 500 m a second.
+    walk(&mut app, mover, Vec3::X * 7.9, 1);
+    let messages: Vec<_> = drain(&mut app)
+        .iter()
+        .map(|m| (m.trigger, m.kind))
+        .collect();
+    let expected = [
+        (near, TriggerKind::Leave),
+        (far, TriggerKind::Enter),
+        (far, TriggerKind::Leave),
+    ];
+    assert_eq!(messages, expected);
+    walk(&mut app, mover, Vec3::X, 1);
+    assert_eq!(drain(&mut app), []);
+}
+
+/// What ran is asked of a system that would see it.
+#[derive(Resource, Default)]
+struct Ran(u32);
+
+#[test]
+fn without_components_nothing_runs() {
+    let mut app = app();
+    app.init_resource::<Ran>();
+    let count = |mut ran: ResMut<Ran>, counters: Res<CollisionCounters>| {
+        ran.0 += u32::from(counters.is_changed() && !counters.is_added());
+    };
+    app.add_systems(FixedUpdate, count.after(CollisionSystems::Trigger));
+    for _ in 0..5 {
+        app.update();
+    }
+    assert_eq!(app.world().resource::<Ran>().0, 0);
+    ground(&mut app);
+    app.update();
+    assert_eq!(
+        app.world().resource::<Ran>().0,
+        0,
+        "ground alone moves nothing"
+    );
+    assert_eq!(app.world().resource::<CollisionCounters>().bytes, 0);
+    app.world_mut().spawn(CharacterBody::default());
+    app.update();
+    app.update();
+    assert!(app.world().resource::<Ran>().0 > 0);
+}

@@ -1,0 +1,5 @@
+//! What the tests share.
+
+pub mod convex;
+pub mod meshes;
+pub mod random;
