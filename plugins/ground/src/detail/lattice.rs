@@ -18,7 +18,7 @@ pub const MAX_DEPTH: u32 = 24;
 /// Most roots along a side.
 const MAX_ROOTS: u32 = 64;
 /// 2³²: fixed-point steps a metre.
-const STEPS: f64 = 4_294_967_296.0;
+pub(super) const STEPS: f64 = 4_294_967_296.0;
 
 /// A cell: its centre in lattice coordinates, and half its side, a power of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -165,6 +165,20 @@ pub struct DetailLattice {
     pub roots: UVec2,
     /// How often a root is halved.
     pub depth: u32,
+    /// The outermost columns and rows, where they are narrower or wider than the others.
+    pub border: Border,
+}
+
+/// Outermost columns and rows of a lattice whose lines stand on the samples of a map: all that is moved are the
+/// outermost lines, to the border of the extent, and what is finer within these columns evenly.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Border {
+    /// How many lattice steps wide they are, a power of two; 0: all are alike.
+    pub width: u32,
+    /// A lattice step in the first column and the first row, 2⁻³² m.
+    pub first: [u64; 2],
+    /// The same in the last ones.
+    pub last: [u64; 2],
 }
 
 impl DetailLattice {
@@ -190,7 +204,70 @@ impl DetailLattice {
             step: [step.x.ceil() as u64, step.y.ceil() as u64],
             roots,
             depth,
+            border: Border::default(),
         }
+    }
+
+    /// Fixed-point metres from the origin to a lattice line, which may lie outside.
+    const fn along(&self, axis: usize, at: i64) -> i64 {
+        let step = self.step[axis] as i64;
+        let width = self.border.width as i64;
+        if width == 0 {
+            return step.wrapping_mul(at);
+        }
+        let (first, last) = (
+            self.border.first[axis] as i64,
+            self.border.last[axis] as i64,
+        );
+        let roots = if axis == 0 {
+            self.roots.x
+        } else {
+            self.roots.y
+        };
+        let inner = ((roots as i64) << (self.depth + 1)) - width;
+        if at <= width {
+            first.wrapping_mul(at)
+        } else if at <= inner {
+            first * width + step * (at - width)
+        } else {
+            first * width + step * (inner - width) + last.wrapping_mul(at - inner)
+        }
+    }
+
+    /// World place of a lattice point that may lie outside, before the first line too.
+    #[must_use]
+    pub const fn signed_point(&self, at: [i64; 2]) -> GroundPoint {
+        let [x, z] = self.origin.to_fixed();
+        GroundPoint::from_fixed([
+            x.wrapping_add(self.along(0, at[0])),
+            z.wrapping_add(self.along(1, at[1])),
+        ])
+    }
+
+    /// Lattice coordinates of a place, in f64: for places on the lattice.
+    #[must_use]
+    pub fn coordinates(&self, place: GroundPoint) -> DVec2 {
+        let (at, origin) = (place.to_fixed(), self.origin.to_fixed());
+        let along = |axis: usize| {
+            let off = at[axis].wrapping_sub(origin[axis]);
+            let width = i64::from(self.border.width);
+            let from = |line: i64, step: u64| {
+                let rest = off.wrapping_sub(self.along(axis, line));
+                line as f64 + rest as f64 / step as f64
+            };
+            let roots = i64::from(self.roots.to_array()[axis]);
+            let inner = (roots << (self.depth + 1)) - width;
+            if width == 0 {
+                from(0, self.step[axis])
+            } else if off <= self.along(axis, width) {
+                from(0, self.border.first[axis])
+            } else if off <= self.along(axis, inner) {
+                from(width, self.step[axis])
+            } else {
+                from(inner, self.border.last[axis])
+            }
+        };
+        DVec2::new(along(0), along(1))
     }
 
     /// Half the side of a root.
@@ -226,14 +303,10 @@ impl DetailLattice {
     /// World place of a lattice point.
     #[must_use]
     pub const fn point(&self, at: UVec2) -> GroundPoint {
-        let [x, z] = self.origin.to_fixed();
-        GroundPoint::from_fixed([
-            x.wrapping_add(self.step[0].wrapping_mul(at.x as u64) as i64),
-            z.wrapping_add(self.step[1].wrapping_mul(at.y as u64) as i64),
-        ])
+        self.signed_point([at.x as i64, at.y as i64])
     }
 
-    /// Sides of a cell of this half side, metres.
+    /// Sides of a cell of this half side, metres; of those that the border does not change.
     #[must_use]
     pub fn sides(&self, half: u32) -> DVec2 {
         let side = |step: u64| step as f64 / STEPS * 2.0 * f64::from(half);

@@ -1,0 +1,7 @@
+//! What must hold of blocks, on small grounds and pictures; each with a version that does not.
+
+mod grounds;
+mod guarantee;
+mod nested;
+mod still;
+mod surface;

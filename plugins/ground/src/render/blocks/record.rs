@@ -1,0 +1,108 @@
+//! What is recorded for a choice, in wgpu's own types: Bevy's systems, tests and studies all call this.
+
+use crate::blocks::layout::{Groups, PASSES, Second, making, slot_groups};
+
+/// What the passes bind and read.
+#[derive(Clone, Copy)]
+pub struct BlockBound<'a> {
+    /// Group 0.
+    pub shared: &'a wgpu::BindGroup,
+    /// Group 1, by [`Second`].
+    pub looked: &'a wgpu::BindGroup,
+    /// See [`Second::Arguments`].
+    pub arguments: &'a wgpu::BindGroup,
+    /// See [`Second::Triangles`].
+    pub triangles: &'a wgpu::BindGroup,
+    /// See [`Second::Ground`].
+    pub ground: &'a wgpu::BindGroup,
+    /// See [`Second::Head`].
+    pub head: &'a wgpu::BindGroup,
+    /// Arguments of the pass that looks.
+    pub looked_arguments: &'a wgpu::Buffer,
+    /// Arguments of the others.
+    pub other_arguments: &'a wgpu::Buffer,
+    /// Slots that there are.
+    pub slots: u32,
+}
+
+impl BlockBound<'_> {
+    const fn second(&self, second: Second) -> Option<&wgpu::BindGroup> {
+        match second {
+            Second::Nothing => None,
+            Second::Looked => Some(self.looked),
+            Second::Arguments => Some(self.arguments),
+            Second::Triangles => Some(self.triangles),
+            Second::Ground => Some(self.ground),
+            Second::Head => Some(self.head),
+        }
+    }
+}
+
+/// One dispatch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// Its place among [`PASSES`].
+    pub pass: usize,
+    /// Workgroups; of those that are counted on the GPU `None`.
+    pub groups: Option<[u32; 3]>,
+}
+
+/// What a choice does beside what it always does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extras {
+    /// How many roots are made before the first choice of a ground.
+    pub roots: Option<u32>,
+    /// Blocks that nobody has looked at for long are dropped first.
+    pub sweeps: bool,
+    /// What nearer ground hides is looked for.
+    pub occluded: bool,
+}
+
+/// The dispatches of a choice.
+pub fn steps(extras: Extras) -> impl Iterator<Item = Step> {
+    let first = extras.roots.into_iter().flat_map(making);
+    let first = first.map(|(pass, groups)| Step {
+        pass,
+        groups: Some(groups),
+    });
+    let is_wanted = move |pass: &usize| match PASSES[*pass].3 {
+        Groups::Sweep => extras.sweeps,
+        Groups::Horizon(_) => extras.occluded,
+        _ => true,
+    };
+    let all = (0..PASSES.len()).filter(is_wanted);
+    first.chain(all.map(|pass| Step { pass, groups: None }))
+}
+
+/// Buffers that hold 0 before a choice: arguments of the pass that looks, and counts.
+pub fn record_clear(encoder: &mut wgpu::CommandEncoder, buffers: [&wgpu::Buffer; 2]) {
+    for buffer in buffers {
+        encoder.clear_buffer(buffer, 0, None);
+    }
+}
+
+/// Records a dispatch.
+pub fn record_step(
+    pass: &mut wgpu::ComputePass<'_>,
+    pipeline: &wgpu::ComputePipeline,
+    bound: &BlockBound<'_>,
+    step: Step,
+) {
+    let (_, _, second, groups) = PASSES[step.pass];
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, bound.shared, &[]);
+    if let Some(second) = bound.second(second) {
+        pass.set_bind_group(1, second, &[]);
+    }
+    match (step.groups, groups) {
+        (Some([x, y, z]), _) => pass.dispatch_workgroups(x, y, z),
+        (None, Groups::One) => pass.dispatch_workgroups(1, 1, 1),
+        (None, Groups::Slots | Groups::Sweep) => {
+            pass.dispatch_workgroups(slot_groups(bound.slots), 1, 1)
+        }
+        (None, Groups::Looked) => pass.dispatch_workgroups_indirect(bound.looked_arguments, 0),
+        (None, Groups::At(at) | Groups::Horizon(at)) => {
+            pass.dispatch_workgroups_indirect(bound.other_arguments, at)
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! What a picture does not show is left out, and nothing that it shows.
+
+use super::support::{MOST, params, terrain, view};
+use bevy::math::{DVec3, EulerRot, Mat4, Quat, Vec2, Vec3};
+use dolomite_ground::detail::{CullView, DetailCells, DetailView, HorizonView, Metric};
+use dolomite_testkit::blocks::{BlockRun, BlockStage};
+use dolomite_testkit::gpu::for_test;
+use std::collections::HashSet;
+
+type Triangle = [[u32; 3]; 3];
+
+/// Corners of triangles by their bits, from the least on.
+fn by_bits(run: &BlockRun, triangles: &[[u32; 3]]) -> HashSet<Triangle> {
+    let at = |k: u32| run.positions[k as usize].map(f32::to_bits);
+    let turned = triangles.iter().map(|corners| {
+        let mut corners = corners.map(at);
+        let least = (0..3).min_by_key(|&k| corners[k]).expect("three");
+        corners.rotate_left(least);
+        corners
+    });
+    turned.collect()
+}
+
+fn picture(view: &DetailView, yaw: f32) -> CullView {
+    let rotation = Quat::from_euler(EulerRot::YXZ, yaw, -0.15, 0.0);
+    let eye = Vec3::from(view.eye);
+    CullView {
+        clip: Mat4::perspective_infinite_reverse_rh(1.0, 16.0 / 9.0, 0.1)
+            * Mat4::from_rotation_translation(rotation, eye).inverse(),
+        half_size: Vec2::new(960.0, 540.0),
+        one_sided: true,
+    }
+}
+
+fn corners(triangle: &Triangle) -> [DVec3; 3] {
+    triangle.map(|corner| Vec3::from(corner.map(f32::from_bits)).as_dvec3())
+}
+
+/// Whether a triangle cuts the way from `eye` to `to`, before its end by a ten-thousandth.
+fn is_before(triangle: &[DVec3; 3], eye: DVec3, to: DVec3) -> bool {
+    let [a, b, c] = *triangle;
+    let (ab, ac, along) = (b - a, c - a, to - eye);
+    let across = along.cross(ac);
+    let size = ab.dot(across);
+    if size == 0.0 {
+        return false;
+    }
+    let from = eye - a;
+    let u = from.dot(across) / size;
+    let turned = from.cross(ab);
+    let v = along.dot(turned) / size;
+    let t = ac.dot(turned) / size;
+    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < 0.9999
+}
+
+#[test]
+fn gpu_blocks_leave_out_what_a_picture_does_not_show() {
+    let Some(gpu) = for_test() else { return };
+    let terrain = terrain();
+    let cells = DetailCells::new(terrain.clone(), 0.25);
+    let mut stage = BlockStage::new(&gpu, &cells, 4096).expect("passes");
+    let metric = Metric::ErrorBound { pixels: 4.0 };
+    for (yaw, above, most, least_behind) in [(0.0, 3.0, 0.8, 0.1), (2.0, 30.0, 0.9, 0.02)] {
+        let view = view(&terrain, yaw, above, metric);
+        let picture = picture(&view, yaw);
+        let given = params(&cells, view);
+        let (all, _) = stage.settle(given, 64, MOST).expect("runs");
+        assert!(all.others.is_empty());
+        let whole = by_bits(&all, &all.triangles);
+        let run = stage.run(given.cull(&picture, true), 64).expect("runs");
+        let (seen, others) = (by_bits(&run, &run.triangles), by_bits(&run, &run.others));
+        assert!(seen.is_disjoint(&others));
+        assert!(
+            whole == seen.union(&others).copied().collect(),
+            "none is lost or moved"
+        );
+        assert!(
+            (seen.len() as f32) < most * whole.len() as f32,
+            "{} of {}",
+            seen.len(),
+            whole.len()
+        );
+        // By the CPU reference. On the threshold, which has its margin, roundings may differ.
+        let hides = |triangle: &Triangle| {
+            picture.hides(triangle.map(|at| Vec3::from(at.map(f32::from_bits))))
+        };
+        let wrong =
+            seen.iter().filter(|t| hides(t)).count() + others.iter().filter(|t| !hides(t)).count();
+        assert!(wrong * 500 <= whole.len(), "{wrong} of {}", whole.len());
+        let alone = stage.run(given.cull(&picture, false), 64).expect("runs");
+        assert_eq!(by_bits(&alone, &alone.triangles), seen);
+        assert!(alone.others.is_empty() && alone.positions.len() < run.positions.len());
+
+        let horizon =
+            HorizonView::new(&cells, &view, &picture, 0.0).expect("level, over the ground");
+        let run = stage
+            .run(given.cull(&picture, true).occlude(horizon), 64)
+            .expect("runs");
+        let (left, behind) = (by_bits(&run, &run.triangles), by_bits(&run, &run.others));
+        assert!(
+            whole == left.union(&behind).copied().collect(),
+            "none is lost or moved"
+        );
+        let hidden: Vec<&Triangle> = seen.difference(&left).collect();
+        let share = hidden.len() as f32 / seen.len() as f32;
+        println!("{} of {} are behind others", hidden.len(), seen.len());
+        assert!(share > least_behind, "{share}");
+        // On the way to what is hidden, where it is in the picture, lies other ground.
+        let eye = Vec3::from(view.eye).as_dvec3();
+        let ground: Vec<[DVec3; 3]> = whole.iter().map(corners).collect();
+        let clip = picture.clip.as_dmat4();
+        let mut looked = 0;
+        for triangle in hidden.iter().step_by(1 + hidden.len() / 200) {
+            let [a, b, c] = corners(triangle);
+            for [x, y, z] in [[0.98, 0.01, 0.01], [0.01, 0.98, 0.01], [0.01, 0.01, 0.98]] {
+                let place = a * x + b * y + c * z;
+                let drawn = clip * place.extend(1.0);
+                if drawn.w <= 0.1 || drawn.x.abs() > drawn.w || drawn.y.abs() > drawn.w {
+                    continue;
+                }
+                looked += 1;
+                assert!(
+                    ground.iter().any(|t| is_before(t, eye, place)),
+                    "{place} is seen"
+                );
+            }
+        }
+        assert!(looked > 100, "{looked}");
+    }
+}

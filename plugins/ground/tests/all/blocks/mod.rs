@@ -1,0 +1,7 @@
+//! The level of detail in blocks through its passes, on whatever adapter there is.
+
+mod culled;
+mod reference;
+mod room;
+mod support;
+mod times;

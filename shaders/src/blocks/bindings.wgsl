@@ -1,0 +1,80 @@
+#define_import_path dolomite::blocks::bindings
+
+// What the passes of the blocks share: layout in plugins/ground/src/blocks/layout.rs. Bindings 0 and 5 of the group are
+// `detail` and `counts` of detail/bindings.wgsl.
+
+#import dolomite::blocks::record::{BlockHead, RECORD_WORDS}
+#import dolomite::detail::bindings::detail
+
+struct BlockNumbers {
+    // Most blocks that a frame makes.
+    budget: u32,
+    pad_a: u32,
+    pad_b: u32,
+    pad_c: u32,
+}
+
+// A block in a view.
+struct SeenBlock {
+    // DetailParams.stamp of the choice that looked at it.
+    stamp: u32,
+    // Bits of the largest error ratio of its mixed corners, and of the centres in each quarter.
+    mixed: atomic<u32>,
+    centres: array<atomic<u32>, 4>,
+    pad_a: u32,
+    pad_b: u32,
+    // How many of its own vertices appear, by the coarsenings of counting.wgsl, two a word.
+    appear: array<atomic<u32>, 8>,
+}
+
+@group(0) @binding(1) var<uniform> numbers: BlockNumbers;
+// Of a ground, for all views.
+@group(0) @binding(2) var<storage, read_write> records: array<u32>;
+@group(0) @binding(3) var<storage, read_write> heads: array<BlockHead>;
+// Of this view.
+@group(0) @binding(4) var<storage, read_write> seen: array<SeenBlock>;
+// By DetailParams.capacity = n: n blocks to look at, n that are drawn, n that are shown, n beside the eye, then blocks to make.
+@group(0) @binding(6) var<storage, read_write> lists: array<u32>;
+
+// Words of `counts`, all of them 0 before the first pass; from 352 on the map of the horizon.
+const VERTICES: u32 = 1u;
+const TRIANGLES: u32 = 2u;
+// Bits of what error ratios are divided by.
+const COARSENING: u32 = 4u;
+// Bits of the largest error ratio that the finest blocks leave.
+const LEFT: u32 = 5u;
+// Triangles that the camera does not see.
+const OTHERS: u32 = 8u;
+// Blocks that were looked at, that are drawn, that are made, and that would be made if there were time.
+const CANDIDATES: u32 = 9u;
+const DRAWN: u32 = 10u;
+const MADE: u32 = 11u;
+const WISHES: u32 = 12u;
+// Bits of the largest error ratio of a centre whose quarter has not been made.
+const MISSING: u32 = 13u;
+// How many vertices appear by coarsening.
+const CURVE: u32 = 16u;
+
+fn record_at(slot: u32) -> u32 {
+    return slot * RECORD_WORDS;
+}
+
+fn candidate_list() -> u32 {
+    return 0u;
+}
+
+fn drawn_list() -> u32 {
+    return detail.capacity;
+}
+
+fn shown_list() -> u32 {
+    return 2u * detail.capacity;
+}
+
+fn near_list() -> u32 {
+    return 3u * detail.capacity;
+}
+
+fn made_list() -> u32 {
+    return 4u * detail.capacity;
+}

@@ -1,0 +1,326 @@
+// Makes the records of blocks from their samples: a workgroup a block. Which numbers, and in which order:
+// plugins/ground/src/blocks/record.rs.
+
+#import dolomite::detail::bindings::detail
+#import dolomite::detail::lattice::{cell_sides, lattice_point, on_lattice}
+#import dolomite::detail::unseen::unseen
+#import dolomite::blocks::bindings::{heads, lists, made_list, record_at, records}
+#import dolomite::blocks::errors::{TAIL, bend, greater, twist}
+#import dolomite::blocks::nest::{Nest, centre_count, middle_count, nest_centre, nest_middle, tails, twists}
+#import dolomite::blocks::record::{ALWAYS, CELLS, CELL_HIGHS, CELL_LOWS, CORNERS, CORNER_COUNT, ERRORS, HEIGHTS, HIGHS, LOWS, NEST, NO_BLOCK, RINGED, RINGED_COUNT, RING_ERRORS, VERTICES, block_quarter, number_at, quarter_corner, ring_number, ringed_number}
+#import dolomite::blocks::samples::{BEFORE_BLOCK, SAMPLES, SAMPLE_COUNT, WIDE, WIDE_COUNT, sample_row, samples, surface}
+
+const GROUP: u32 = 128u;
+// Cells of the ring about the block.
+const AROUND: i32 = 3;
+// Corners of the block with a ring of one along a side.
+const RINGED_CORNERS: u32 = 19u;
+const EMPTY_LOW: f32 = 3e38;
+
+// Of each cell with its ring: lowest, highest.
+var<workgroup> lows: array<f32, 484>;
+var<workgroup> highs: array<f32, 484>;
+// Errors of mixed corners, -1 to 17 by rows.
+var<workgroup> mixed: array<f32, 361>;
+// Bits of the largest error of a mixed corner of the block; ordered bits of the lowest and the highest.
+var<workgroup> largest: atomic<u32>;
+var<workgroup> lowest: atomic<u32>;
+var<workgroup> highest: atomic<u32>;
+
+struct Made {
+    // Its first sample.
+    row: u32,
+    record: u32,
+    // Record of the parent; whether there is one.
+    parent: u32,
+    is_root: bool,
+    // North-western corner, lattice coordinates; half side of a cell.
+    origin: vec2<u32>,
+    cell_half: u32,
+    // Where it lies in its parent, cells.
+    inside: vec2<u32>,
+}
+
+// Centre of the square of `half` that begins so many cells from the north-western corner.
+fn square_centre(made: Made, cells: vec2<i32>, half: u32) -> vec2<u32> {
+    return made.origin + bitcast<vec2<u32>>(2 * cells) * made.cell_half + vec2(half);
+}
+
+fn parent_cell(made: Made, cell: vec2<i32>) -> vec2<i32> {
+    return (cell >> vec2(1u)) + vec2<i32>(made.inside);
+}
+
+// Error of the centre of a cell of the parent, its ring too.
+fn parent_error(made: Made, cell: vec2<i32>) -> f32 {
+    let inside = all(cell >= vec2(0)) && all(cell < vec2(i32(CELLS)));
+    let own = ERRORS + CORNER_COUNT + bitcast<u32>(cell.y) * CELLS + bitcast<u32>(cell.x);
+    let number = select(RING_ERRORS + ring_number(cell), own, inside);
+    return bitcast<f32>(records[made.parent + number]);
+}
+
+// Numbers of a cell; k counts those with the ring.
+fn make_cell(made: Made, k: u32) {
+    let cell = vec2(i32(k % WIDE), i32(k / WIDE)) - vec2(AROUND);
+    let first = made.row + 4u * (k / WIDE) * SAMPLES + 4u * (k % WIDE);
+    // sXZ.
+    let s00 = surface(first);
+    let s10 = surface(first + 1u);
+    let s20 = surface(first + 2u);
+    let s30 = surface(first + 3u);
+    let s40 = surface(first + 4u);
+    let s01 = surface(first + 1u * SAMPLES);
+    let s11 = surface(first + 1u + 1u * SAMPLES);
+    let s21 = surface(first + 2u + 1u * SAMPLES);
+    let s31 = surface(first + 3u + 1u * SAMPLES);
+    let s41 = surface(first + 4u + 1u * SAMPLES);
+    let s02 = surface(first + 2u * SAMPLES);
+    let s12 = surface(first + 1u + 2u * SAMPLES);
+    let s22 = surface(first + 2u + 2u * SAMPLES);
+    let s32 = surface(first + 3u + 2u * SAMPLES);
+    let s42 = surface(first + 4u + 2u * SAMPLES);
+    let s03 = surface(first + 3u * SAMPLES);
+    let s13 = surface(first + 1u + 3u * SAMPLES);
+    let s23 = surface(first + 2u + 3u * SAMPLES);
+    let s33 = surface(first + 3u + 3u * SAMPLES);
+    let s43 = surface(first + 4u + 3u * SAMPLES);
+    let s04 = surface(first + 4u * SAMPLES);
+    let s14 = surface(first + 1u + 4u * SAMPLES);
+    let s24 = surface(first + 2u + 4u * SAMPLES);
+    let s34 = surface(first + 3u + 4u * SAMPLES);
+    let s44 = surface(first + 4u + 4u * SAMPLES);
+    var finest = 0.0;
+    finest = greater(finest, greater(greater(bend(s10, s00, s20), bend(s30, s20, s40)), greater(bend(s01, s00, s02), bend(s03, s02, s04))));
+    finest = greater(finest, greater(greater(bend(s12, s02, s22), bend(s32, s22, s42)), greater(bend(s21, s20, s22), bend(s23, s22, s24))));
+    finest = greater(finest, greater(greater(bend(s14, s04, s24), bend(s34, s24, s44)), greater(bend(s41, s40, s42), bend(s43, s42, s44))));
+    var twisted = 0.0;
+    twisted = greater(twisted, greater(greater(twist(s00, s10, s01, s11), twist(s10, s20, s11, s21)), greater(twist(s20, s30, s21, s31), twist(s30, s40, s31, s41))));
+    twisted = greater(twisted, greater(greater(twist(s01, s11, s02, s12), twist(s11, s21, s12, s22)), greater(twist(s21, s31, s22, s32), twist(s31, s41, s32, s42))));
+    twisted = greater(twisted, greater(greater(twist(s02, s12, s03, s13), twist(s12, s22, s13, s23)), greater(twist(s22, s32, s23, s33), twist(s32, s42, s33, s43))));
+    twisted = greater(twisted, greater(greater(twist(s03, s13, s04, s14), twist(s13, s23, s14, s24)), greater(twist(s23, s33, s24, s34), twist(s33, s43, s34, s44))));
+    twists[k] = twisted;
+    // What may lie between samples.
+    let centre = square_centre(made, cell, made.cell_half);
+    let is_on = on_lattice(centre);
+    let sides = cell_sides(made.cell_half);
+    let alone = unseen(lattice_point(centre), sides, max(sides.x, sides.y) * 0.25);
+    let tail = TAIL * finest + select(0.0, alone, is_on);
+    tails[k] = tail;
+    if !is_on || any(cell < vec2(-2)) || any(cell > vec2(i32(CELLS) + 1)) {
+        lows[k] = EMPTY_LOW;
+        highs[k] = -EMPTY_LOW;
+        return;
+    }
+    var low = min(min(min(s00.x, s10.x), min(s20.x, s30.x)), s40.x);
+    low = min(low, min(min(min(s01.x, s11.x), min(s21.x, s31.x)), s41.x));
+    low = min(low, min(min(min(s02.x, s12.x), min(s22.x, s32.x)), s42.x));
+    low = min(low, min(min(min(s03.x, s13.x), min(s23.x, s33.x)), s43.x));
+    low = min(low, min(min(min(s04.x, s14.x), min(s24.x, s34.x)), s44.x));
+    var high = max(max(max(s00.x, s10.x), max(s20.x, s30.x)), s40.x);
+    high = max(high, max(max(max(s01.x, s11.x), max(s21.x, s31.x)), s41.x));
+    high = max(high, max(max(max(s02.x, s12.x), max(s22.x, s32.x)), s42.x));
+    high = max(high, max(max(max(s03.x, s13.x), max(s23.x, s33.x)), s43.x));
+    high = max(high, max(max(max(s04.x, s14.x), max(s24.x, s34.x)), s44.x));
+    low -= tail;
+    high += tail;
+    if !made.is_root {
+        let above = ringed_number(parent_cell(made, cell));
+        low = max(low, bitcast<f32>(records[made.parent + CELL_LOWS + above]));
+        high = min(high, bitcast<f32>(records[made.parent + CELL_HIGHS + above]));
+    }
+    lows[k] = low;
+    highs[k] = high;
+}
+
+// Error at a vertex as it is nested, its place in half cells.
+fn nested_at(made: Made, place: vec2<i32>) -> f32 {
+    let at = vec2<u32>(2 * place + vec2(i32(BEFORE_BLOCK)));
+    return samples[made.row + SAMPLE_COUNT + at.y * SAMPLES + at.x];
+}
+
+// Error of a mixed corner, in the ring too.
+fn mixed_error(made: Made, corner: vec2<i32>) -> f32 {
+    if made.is_root {
+        return ALWAYS;
+    }
+    var error = nested_at(made, 2 * corner);
+    // The cells of the parent before and after the side.
+    let after = corner >> vec2(1u);
+    let before = after - select(vec2(1, 0), vec2(0, 1), (corner.x & 1) == 1);
+    for (var k = 0u; k < 2u; k++) {
+        let own = select(before, after, k == 1u);
+        if on_lattice(square_centre(made, 2 * own, 2u * made.cell_half)) {
+            error = min(error, NEST * parent_error(made, own + vec2<i32>(made.inside)));
+        }
+    }
+    return error;
+}
+
+fn mixed_at(corner: vec2<i32>) -> f32 {
+    return mixed[(corner.y + 1) * i32(RINGED_CORNERS) + corner.x + 1];
+}
+
+// Error of the centre of a cell, of the ring of one too.
+fn centre_error(made: Made, cell: vec2<i32>) -> f32 {
+    if !on_lattice(square_centre(made, cell, made.cell_half)) {
+        return 0.0;
+    }
+    let odd = cell + vec2(1) - (cell & vec2(1));
+    let even = cell + (cell & vec2(1));
+    let most = NEST * min(mixed_at(vec2(odd.x, even.y)), mixed_at(vec2(even.x, odd.y)));
+    return min(nested_at(made, 2 * cell + vec2(1)), most);
+}
+
+// Lowest and highest of the n x n cells from one on.
+fn around(first: vec2<i32>, n: i32) -> vec2<f32> {
+    var low = EMPTY_LOW;
+    var high = -EMPTY_LOW;
+    for (var j = 0; j < n; j++) {
+        for (var i = 0; i < n; i++) {
+            let k = (first.y + j + AROUND) * i32(WIDE) + first.x + i + AROUND;
+            low = min(low, lows[k]);
+            high = max(high, highs[k]);
+        }
+    }
+    return vec2(low, high);
+}
+
+fn put(made: Made, word: u32, value: f32) {
+    records[made.record + word] = bitcast<u32>(value);
+}
+
+fn copy(made: Made, number: u32, from_number: u32) {
+    for (var field = HEIGHTS; field < RING_ERRORS; field += VERTICES) {
+        records[made.record + field + number] = records[made.parent + field + from_number];
+    }
+}
+
+fn ordered(value: f32) -> u32 {
+    let bits = bitcast<u32>(value);
+    return select(bits | 0x80000000u, ~bits, (bits >> 31u) != 0u);
+}
+
+fn unordered(bits: u32) -> f32 {
+    return bitcast<f32>(select(~bits, bits & 0x7fffffffu, (bits >> 31u) != 0u));
+}
+
+// Height of the bed at a vertex, in half cells.
+fn height_at(made: Made, place: vec2<u32>) -> f32 {
+    let sample = 2u * place + vec2(BEFORE_BLOCK);
+    return samples[made.row + sample.y * SAMPLES + sample.x];
+}
+
+// Errors of all vertices that stand on samples, in as many steps as halvings.
+fn nest_all(made: Made, thread: u32) {
+    // Samples on the lattice, from three cells before the block on.
+    let begin = bitcast<vec2<i32>>(made.origin) - vec2(i32(6u * made.cell_half));
+    let step = i32(made.cell_half / 2u);
+    let far = bitcast<vec2<i32>>(detail.roots << vec2(detail.depth + 1u));
+    let nest = Nest(made.row, max(-begin / step, vec2(0)), min((far - begin) / step, vec2(i32(SAMPLES) - 1)));
+    for (var k = thread; k < middle_count(1u); k += GROUP) {
+        nest_middle(nest, k, 1u);
+    }
+    storageBarrier();
+    for (var k = thread; k < centre_count(1u); k += GROUP) {
+        nest_centre(nest, k, 1u);
+    }
+    storageBarrier();
+    for (var k = thread; k < middle_count(2u); k += GROUP) {
+        nest_middle(nest, k, 2u);
+    }
+    storageBarrier();
+    for (var k = thread; k < centre_count(2u); k += GROUP) {
+        nest_centre(nest, k, 2u);
+    }
+    storageBarrier();
+    for (var k = thread; k < middle_count(4u); k += GROUP) {
+        nest_middle(nest, k, 4u);
+    }
+    storageBarrier();
+}
+
+@compute @workgroup_size(128)
+fn make_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let slot = lists[made_list() + group.x];
+    let head = heads[slot];
+    let quarter = block_quarter(head.centre, head.half);
+    let made = Made(
+        sample_row(group.x),
+        record_at(slot),
+        record_at(head.parent),
+        head.parent == NO_BLOCK,
+        head.centre - vec2(head.half),
+        head.half / CELLS,
+        quarter_corner(quarter),
+    );
+    if thread == 0u {
+        atomicStore(&largest, 0u);
+        atomicStore(&lowest, 0xffffffffu);
+        atomicStore(&highest, 0u);
+    }
+    for (var k = thread; k < WIDE_COUNT; k += GROUP) {
+        make_cell(made, k);
+    }
+    workgroupBarrier();
+    nest_all(made, thread);
+    for (var k = thread; k < 361u; k += GROUP) {
+        let corner = vec2(i32(k % RINGED_CORNERS), i32(k / RINGED_CORNERS)) - vec2(1);
+        var error = 0.0;
+        if ((corner.x ^ corner.y) & 1) == 1 {
+            error = mixed_error(made, corner);
+        }
+        mixed[k] = error;
+    }
+    workgroupBarrier();
+    for (var k = thread; k < RINGED_COUNT; k += GROUP) {
+        let cell = vec2(i32(k % RINGED), i32(k / RINGED)) - vec2(1);
+        let wide = (cell.y + AROUND) * i32(WIDE) + cell.x + AROUND;
+        put(made, CELL_LOWS + k, lows[wide]);
+        put(made, CELL_HIGHS + k, highs[wide]);
+        let error = centre_error(made, cell);
+        if all(cell >= vec2(0)) && all(cell < vec2(i32(CELLS))) {
+            let place = bitcast<vec2<u32>>(2 * cell + vec2(1));
+            let number = number_at(place);
+            let interval = around(cell - vec2(1), 3);
+            put(made, HEIGHTS + number, height_at(made, place));
+            put(made, ERRORS + number, error);
+            put(made, LOWS + number, interval.x);
+            put(made, HIGHS + number, interval.y);
+        } else {
+            put(made, RING_ERRORS + ring_number(cell), error);
+        }
+    }
+    var greatest = 0.0;
+    var low = EMPTY_LOW;
+    var high = -EMPTY_LOW;
+    for (var k = thread; k < CORNER_COUNT; k += GROUP) {
+        let corner = vec2(k % CORNERS, k / CORNERS);
+        let cell = vec2<i32>(corner);
+        let is_mixed = ((corner.x ^ corner.y) & 1u) == 1u;
+        if is_mixed || made.is_root {
+            let interval = around(cell - vec2(2), 4);
+            var error = ALWAYS;
+            if is_mixed {
+                error = mixed_at(cell);
+                greatest = greater(greatest, error);
+                low = min(low, interval.x);
+                high = max(high, interval.y);
+            }
+            put(made, HEIGHTS + k, height_at(made, 2u * corner));
+            put(made, ERRORS + k, error);
+            put(made, LOWS + k, interval.x);
+            put(made, HIGHS + k, interval.y);
+        } else {
+            let above = (corner >> vec2(1u)) + made.inside;
+            copy(made, k, number_at(2u * above + (corner & vec2(1u))));
+        }
+    }
+    atomicMax(&largest, bitcast<u32>(greatest));
+    atomicMin(&lowest, ordered(low));
+    atomicMax(&highest, ordered(high));
+    workgroupBarrier();
+    if thread == 0u {
+        heads[slot].mixed_error = bitcast<f32>(atomicLoad(&largest));
+        heads[slot].low = unordered(atomicLoad(&lowest));
+        heads[slot].high = unordered(atomicLoad(&highest));
+    }
+}

@@ -1,0 +1,23 @@
+// Gradients at the vertices that are new in the blocks that are made. A thread a vertex, a row of workgroups a block.
+
+#import dolomite::detail::bindings::detail
+#import dolomite::detail::lattice::lattice_point
+#import dolomite::blocks::bindings::{heads, lists, made_list, record_at, records}
+#import dolomite::blocks::record::{GRADIENTS, NO_BLOCK, OWN, VERTICES, number_at, own_vertex, pack_gradient, vertex_at}
+#import dolomite::terrain::height::terrain_height
+
+@compute @workgroup_size(64)
+fn slope_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let k = group.x * 64u + thread;
+    let slot = lists[made_list() + group.y];
+    let centre = heads[slot].centre;
+    let half = heads[slot].half;
+    // All vertices of a root are new.
+    let is_root = heads[slot].parent == NO_BLOCK;
+    if k >= select(OWN, VERTICES, is_root) {
+        return;
+    }
+    let place = select(own_vertex(k), vertex_at(k), is_root);
+    let gradient = terrain_height(lattice_point(centre - vec2(half) + place * (half / 16u))).yz;
+    records[record_at(slot) + GRADIENTS + number_at(place)] = pack_gradient(gradient);
+}

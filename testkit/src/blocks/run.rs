@@ -1,0 +1,154 @@
+//! A choice, recorded as in an app.
+
+use super::buffers::group;
+use super::{BlockRun, BlockStage, words};
+use crate::detail::{DetailError, Timer};
+use bytemuck::{bytes_of, pod_read_unaligned};
+use dolomite_geometry::layout::{GeometryHead, HEAD_WORDS, VERTEX_BYTES};
+use dolomite_ground::blocks::layout::{
+    BlockNumbers, HEAD_CANDIDATES, HEAD_COARSENING, HEAD_CURVE, HEAD_DRAWN, HEAD_LEFT, HEAD_MADE,
+    HEAD_USED, HEAD_WISHES, PASSES,
+};
+use dolomite_ground::detail::layout::{DetailParams, OCCLUDED};
+use dolomite_ground::render::blocks::record::{
+    BlockBound, Extras, record_clear, record_step, steps,
+};
+use std::time::Instant;
+use wgpu::{Buffer, BufferUsages, Features};
+
+impl BlockStage<'_> {
+    pub(super) fn choose(
+        &mut self,
+        params: DetailParams,
+        budget: u32,
+        read: bool,
+    ) -> Result<BlockRun, DetailError> {
+        let gpu = self.gpu;
+        self.stamp += 1;
+        let params = DetailParams {
+            stamp: self.stamp,
+            capacity: self.slots,
+            ..params
+        };
+        let numbers = BlockNumbers::new(budget);
+        let buffers = &self.buffers;
+        let queue = gpu.queue();
+        queue.write_buffer(&buffers.params, 0, bytes_of(&params));
+        queue.write_buffer(&buffers.numbers, 0, bytes_of(&numbers));
+        let out = |bytes: u64| {
+            gpu.device().create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size: bytes,
+                usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            })
+        };
+        let vertices = out(VERTEX_BYTES * u64::from(params.max_vertices));
+        let indices = out(12 * u64::from(params.max_triangles));
+        let head = out(4 * HEAD_WORDS);
+        let layouts = &self.layouts;
+        let shared = group(gpu, &layouts.shared, &buffers.shared());
+        let looked = group(gpu, &layouts.looked, &[(0, &buffers.looked)]);
+        let all = [
+            (0, &buffers.looked),
+            (1, &buffers.arguments),
+            (2, &buffers.stock),
+        ];
+        let arguments = group(gpu, &layouts.arguments, &all);
+        let triangles = group(gpu, &layouts.triangles, &[(0, &vertices), (1, &indices)]);
+        let [layers, data, uniform] = &buffers.terrain;
+        let ground = [(0, layers), (1, data), (2, uniform), (3, &buffers.samples)];
+        let ground = group(gpu, &layouts.ground, &ground);
+        let to_head = group(gpu, &layouts.head, &[(0, &head), (2, &buffers.stock)]);
+        let bound = BlockBound {
+            shared: &shared,
+            looked: &looked,
+            arguments: &arguments,
+            triangles: &triangles,
+            ground: &ground,
+            head: &to_head,
+            looked_arguments: &buffers.looked,
+            other_arguments: &buffers.arguments,
+            slots: self.slots,
+        };
+        let extras = Extras {
+            roots: (self.stamp == 1).then_some(self.beginning.made.len() as u32),
+            sweeps: params.oldest > 0,
+            occluded: params.flags & OCCLUDED != 0,
+        };
+        let steps: Vec<_> = steps(extras).collect();
+        let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        record_clear(&mut encoder, [&buffers.looked, &buffers.counts]);
+        let told = gpu.device().features().contains(Features::TIMESTAMP_QUERY);
+        let mut timer = (self.timed && told).then(|| Timer::new(gpu, steps.len()));
+        if let Some(timer) = &mut timer {
+            for &step in &steps {
+                let mut pass = timer.begin(&mut encoder, PASSES[step.pass].1, 0);
+                record_step(&mut pass, &self.passes[step.pass], &bound, step);
+            }
+            timer.end(&mut encoder);
+        } else {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            for &step in &steps {
+                record_step(&mut pass, &self.passes[step.pass], &bound, step);
+            }
+        }
+        let start = Instant::now();
+        queue.submit([encoder.finish()]);
+        gpu.finish()?;
+        let time = start.elapsed();
+        let mut run = self.read(&head, read.then_some([&vertices, &indices]))?;
+        run.time = time;
+        if let Some(timer) = timer {
+            run.passes = timer.times(gpu)?;
+        }
+        Ok(run)
+    }
+
+    fn read(&self, head: &Buffer, mesh: Option<[&Buffer; 2]>) -> Result<BlockRun, DetailError> {
+        let gpu = self.gpu;
+        let head: GeometryHead = pod_read_unaligned(&gpu.read(head)?);
+        let (vertices, triangles) = (head.vertices as usize, head.primitives as usize);
+        let others = head.others.map(|word| word as usize);
+        let counted = head;
+        let head: [u32; HEAD_WORDS as usize] = bytemuck::cast(head);
+        let [points, numbers] = match mesh {
+            Some([vertices, indices]) => [words(gpu, vertices)?, words(gpu, indices)?],
+            None => [Vec::new(), Vec::new()],
+        };
+        let listed = |first: usize, count: usize| {
+            let triples = numbers.chunks_exact(3).skip(first).take(count);
+            triples
+                .map(|corners| [corners[0], corners[1], corners[2]])
+                .collect()
+        };
+        assert!(
+            counted.wanted_vertices == counted.vertices
+                && counted.wanted_primitives == counted.primitives + head_others(&counted),
+            "a pool overflowed: {counted:?}"
+        );
+        Ok(BlockRun {
+            positions: points
+                .chunks_exact(5)
+                .take(vertices)
+                .map(|vertex| [vertex[0], vertex[1], vertex[2]].map(f32::from_bits))
+                .collect(),
+            triangles: listed(0, triangles),
+            others: listed(others[2] / 3, others[0] / 3),
+            coarsening: f32::from_bits(head[HEAD_COARSENING]),
+            left: f32::from_bits(head[HEAD_LEFT]),
+            used: head[HEAD_USED],
+            wishes: head[HEAD_WISHES],
+            made: head[HEAD_MADE],
+            candidates: head[HEAD_CANDIDATES],
+            drawn: head[HEAD_DRAWN],
+            curve: std::array::from_fn(|k| head[HEAD_CURVE + k]),
+            time: std::time::Duration::ZERO,
+            passes: Vec::new(),
+        })
+    }
+}
+
+const fn head_others(head: &GeometryHead) -> u32 {
+    head.others[0] / 3
+}
