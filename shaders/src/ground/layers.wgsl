@@ -2,7 +2,8 @@
 
 // Which layers lie at a place, by height, slope and the sea. Heights metres, slopes rise over run.
 
-#import dolomite::ground::types::{GroundBand, GroundLook}
+#import dolomite::ground::types::GroundBand
+#import dolomite::ground::bindings::look
 
 // Room for the layers of a material: whoever knows that there are few takes less of it.
 #ifdef GROUND_FEW_LAYERS
@@ -32,4 +33,15 @@ fn place_of(height: f32, sea_level: f32, slope: f32, noise: vec2<f32>) -> Place 
 fn band_share(band: GroundBand, place: Place) -> f32 {
     let at = dot(band.measure.xyz, place.measures) + band.noise.x * place.noise.x + band.noise.y * place.noise.y + band.measure.w * place.steep;
     return band.edge.z + band.edge.w * smoothstep(band.edge.x, band.edge.y, at);
+}
+
+// Of the layer `i` from above: its share of the ground, where `left` of it is left; and what it leaves. An upper
+// layer hides what lies below it.
+fn layer_share(i: u32, place: Place, left: f32) -> vec2<f32> {
+    let entry = look.order[i];
+    var share = 1.0;
+    for (var k = entry.y; k < entry.z; k++) {
+        share *= band_share(look.bands[k], place);
+    }
+    return vec2(left * share, left * (1.0 - share));
 }

@@ -39,7 +39,7 @@ struct GroundLook {
     tiles: vec4<f32>,
     // Extinction of the water, 1/m; then the greatest slope of a wave.
     water: vec4<f32>,
-    // Colour of deep water.
+    // Colour of deep water; then by how much blends of the cheaper way are narrowed at either end, 0 to 0.45.
     deep: vec4<f32>,
     // From the uppermost layer to the lowest: which layer, and its bands from the first to before the last.
     order: array<vec4<u32>, 32>,
@@ -55,6 +55,9 @@ struct GroundView {
     camera: vec3<f32>,
     // Seconds, wrapped at 3600: moves the waves.
     time: f32,
+    // Width of a pixel of a picture of 1080 rows, a metre away and anywhere: the one of pinholes, the other of parallel
+    // views.
+    pixel: vec2<f32>,
     // World position (x, z) of stage space's origin, metres.
     anchor: vec2<f32>,
     // Relief texture coordinates there.

@@ -3,7 +3,6 @@
 // The sea: an opaque surface whose colour follows the depth below it. Lengths metres.
 
 #import dolomite::ground::types::GroundView
-#import dolomite::ground::texturing::value_noise
 
 // What the water is; see the component Sea.
 struct Sea {
@@ -13,19 +12,31 @@ struct Sea {
     deep: vec3<f32>,
 }
 
+// Depth to which there is foam, metres.
+const FOAM_DEPTH: f32 = 0.9;
+
 struct Water {
     albedo: vec3<f32>,
     roughness: f32,
     normal: vec3<f32>,
 }
 
+// What noise does to the water at a place, each part from 0 to 1.
+struct Restless {
+    // Where crests bend.
+    bent: vec2<f32>,
+    // How much wind there is.
+    gust: f32,
+    // Where foam holds together.
+    foam: f32,
+}
+
 // Slope of a sum of travelling waves (deep water: omega^2 = g k). `pixel` is the size of a pixel
 // on the water: shorter waves than two of them turn into roughness.
-fn wave_slope(greatest: f32, at: vec2<f32>, time: f32, pixel: f32) -> vec3<f32> {
+fn wave_slope(greatest: f32, at: vec2<f32>, time: f32, pixel: f32, restless: Restless) -> vec3<f32> {
     // Crests bend, and gusts roughen the sea in patches: no regular grating shows.
-    let bent = vec2(value_noise(at / 31.0, 21u), value_noise(at / 37.0, 22u)) - 0.5;
-    let gust = 0.35 + 1.1 * value_noise(at / 160.0, 23u) * value_noise(at / 57.0, 24u);
-    let p = at + bent * 22.0;
+    let gust = 0.35 + 1.1 * restless.gust;
+    let p = at + (restless.bent - 0.5) * 22.0;
     var slope = vec2(0.0);
     var lost = 0.0;
     var k = 0.35;
@@ -45,8 +56,8 @@ fn wave_slope(greatest: f32, at: vec2<f32>, time: f32, pixel: f32) -> vec3<f32> 
     return vec3(slope, lost);
 }
 
-fn water_surface(sea: Sea, view: GroundView, place: vec2<f32>, depth: f32, pixel: f32, bed: vec3<f32>) -> Water {
-    let waves = wave_slope(sea.water.w, view.anchor + place, view.time, pixel);
+fn water_surface(sea: Sea, view: GroundView, place: vec2<f32>, depth: f32, pixel: f32, bed: vec3<f32>, restless: Restless) -> Water {
+    let waves = wave_slope(sea.water.w, view.anchor + place, view.time, pixel, restless);
     // Absorption by depth (Beer-Lambert); 1.4: light goes down and comes up aslant.
     let through = exp(-sea.water.xyz * depth * 1.4);
     var out: Water;
@@ -54,5 +65,10 @@ fn water_surface(sea: Sea, view: GroundView, place: vec2<f32>, depth: f32, pixel
     // Roughness from the variance of the slopes that the pixel averages (alpha^2 = 2 sigma^2).
     out.roughness = clamp(sqrt(sqrt(0.0016 + 2.0 * waves.z)), 0.05, 0.6);
     out.normal = normalize(vec3(-waves.x, 1.0, -waves.y));
+    // Foam where waves break: closed at the edge, in flakes further out, of a height of waves.
+    let shallow = 1.0 - smoothstep(0.0, FOAM_DEPTH * (0.4 + 1.2 * restless.gust), depth);
+    let foam = 0.85 * smoothstep(0.55, 0.95, shallow + 0.75 * (restless.foam - 0.5));
+    out.albedo = mix(out.albedo, vec3(0.68, 0.72, 0.73), foam);
+    out.roughness = mix(out.roughness, 0.85, foam);
     return out;
 }

@@ -8,10 +8,14 @@ use super::MaterialBands;
 /// What a terrain is made of; goes on the entity that carries the [`Terrain`](dolomite_terrain::Terrain).
 ///
 /// The default is [`MaterialBands::default`]: sand, grass, rock, snow and scree, in textures that come with
-/// the crate. A layer costs what its texture costs where it lies, and a few comparisons everywhere else.
+/// the crate. A layer costs a few comparisons; what a pixel reads of its textures is as
+/// [`GroundShading`](crate::GroundShading) says, however many layers there are.
 #[derive(Component, Clone, Debug, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Component, Default)]
-#[cfg_attr(feature = "render", require(crate::GroundTextures, Visibility))]
+#[cfg_attr(
+    feature = "render",
+    require(crate::GroundTextures, crate::GroundShading, Visibility)
+)]
 #[serde(deny_unknown_fields)]
 pub struct GroundMaterial {
     /// From the uppermost to the lowest: each one hides what lies below it where it lies, and the last one
@@ -51,7 +55,7 @@ pub struct GroundLayer {
     #[serde(default = "default_tile")]
     pub tile: f32,
     /// Whether the texture is laid on from the side where the ground is steep, so that it is not drawn out.
-    /// Such a layer samples its textures twice in between.
+    /// Where the one side goes over into the other, both are read.
     #[serde(default)]
     pub cliff: bool,
 }

@@ -5,12 +5,15 @@
 //! | [`GroundMaterial`] | the layers of a terrain, from the uppermost to the lowest |
 //! | [`Band`] | where a layer lies, by height, slope or the distance to the sea |
 //! | [`MaterialBands`] | six numbers that stand for the usual five layers |
+//! | [`GroundShading`] | how much is done for a pixel |
 //! | [`Sea`] | how the water looks |
 
 mod bands;
 mod layer;
 mod sea;
+mod shading;
 
 pub use bands::MaterialBands;
 pub use layer::{Band, GroundLayer, GroundMaterial, Measure, Surface};
 pub use sea::Sea;
+pub use shading::GroundShading;

@@ -36,6 +36,8 @@ pub struct GroundKind<const SLOT: usize> {
     pub(super) relief: Option<Handle<Image>>,
     #[uniform(8)]
     pub(super) look: GroundLook,
+    /// Whether every layer is shaded.
+    pub(super) full: bool,
     /// Least corner of the extent, which the relief map starts at, metres.
     pub(super) extent_min: DVec2,
     /// From the lowest to the highest ground of all, metres.
@@ -74,10 +76,8 @@ impl From<GpuTerrainUniform> for HeightUniform {
     }
 }
 
-/// Ratio of the far to the near texture scale, as `FAR_TILES` in `material.wgsl`.
-const FAR_TILES: f64 = 11.3;
-
-/// Definitions of the material's shader: there are [`FEW_LAYERS`] at most; there is no sea.
+/// Definitions of the material's shader: it is the full one; that has [`FEW_LAYERS`] at most; there is no sea.
+const FULL: &str = "GROUND_FULL";
 const FEW: &str = "GROUND_FEW_LAYERS";
 const DRY: &str = "GROUND_WITHOUT_SEA";
 
@@ -85,19 +85,9 @@ const DRY: &str = "GROUND_WITHOUT_SEA";
 const FEW_LAYERS: u32 = 8;
 
 impl<const SLOT: usize> GroundKind<SLOT> {
-    /// Texture coordinates of the anchor, as fractions of a tile: far from the origin f32 would not
-    /// hold them.
     fn numbers(&self, view: &Viewpoint) -> [Vec4; 4] {
         let anchor = DVec2::new(view.anchor.x, view.anchor.z);
-        let offset = |tile: f64| (anchor / tile - (anchor / tile).floor()).as_vec2();
-        let offsets = |tile: f32| {
-            let tile = f64::from(tile.max(0.01));
-            let (near, far) = (offset(tile), offset(tile * FAR_TILES));
-            Vec4::new(near.x, near.y, far.x, far.y)
-        };
-        let [a, b, c, _] = self.look.tiles.to_array().map(offsets);
-        let relief = (anchor - self.extent_min) * f64::from(self.look.relief_scale);
-        [a, b, c, relief.as_vec2().extend(0.0).extend(0.0)]
+        self.look.numbers(anchor, self.extent_min)
     }
 }
 
@@ -123,7 +113,14 @@ impl<const SLOT: usize> PatchKind for GroundKind<SLOT> {
 impl<const SLOT: usize> DetailKind for GroundKind<SLOT> {
     type Cameras = (With<TerrainView>, Without<PatchDetail>);
     const MATERIAL: &'static str = "dolomite::ground::surface";
-    const MATERIAL_DEFS: &[&[&'static str]] = &[&[], &[FEW], &[DRY], &[FEW, DRY]];
+    const MATERIAL_DEFS: &[&[&'static str]] = &[
+        &[],
+        &[DRY],
+        &[FULL],
+        &[FULL, FEW],
+        &[FULL, DRY],
+        &[FULL, FEW, DRY],
+    ];
 
     fn ground(&self) -> Option<&Terrain> {
         self.terrain.as_ref()
@@ -150,9 +147,10 @@ impl<const SLOT: usize> DetailKind for GroundKind<SLOT> {
     }
 
     fn material_defs(&self) -> Vec<&'static str> {
-        let few = self.look.count <= FEW_LAYERS;
+        let full = self.full;
+        let few = full && self.look.count <= FEW_LAYERS;
         let dry = self.look.sea_level == GpuTerrainUniform::NO_SEA;
-        let defs = [(few, FEW), (dry, DRY)];
+        let defs = [(full, FULL), (few, FEW), (dry, DRY)];
         let defs = defs.into_iter().filter(|(is, _)| *is);
         defs.map(|(_, name)| name).collect()
     }

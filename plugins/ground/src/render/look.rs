@@ -1,11 +1,11 @@
 //! The material of a ground as its shader reads it.
 
-use bevy::math::{UVec4, Vec4};
+use bevy::math::{DVec2, UVec4, Vec4};
 use bevy::render::render_resource::ShaderType;
 use dolomite_terrain::GpuTerrainUniform;
 
 use super::TerrainRelief;
-use crate::material::{Band, GroundLayer, GroundMaterial, Measure, Sea, Surface};
+use crate::material::{Band, GroundLayer, GroundMaterial, GroundShading, Measure, Sea, Surface};
 use crate::range::within;
 
 /// See `GroundBand` in `shaders/src/ground/types.wgsl`.
@@ -61,6 +61,9 @@ impl Default for GroundLook {
     }
 }
 
+/// Ratio of the far to the near texture scale, as `FAR_TILES` in `site.wgsl`.
+const FAR_TILES: f64 = 11.3;
+
 /// As `NO_TEXTURE` in `types.wgsl`.
 const NO_TEXTURE: u32 = u32::MAX;
 
@@ -90,7 +93,8 @@ pub enum LookLimit {
 impl GroundLook {
     /// The look of a material, beside the sea whose level is given and the relief map; with what of it is
     /// beyond the limits.
-    pub(crate) fn new(
+    #[must_use]
+    pub fn new(
         material: &GroundMaterial,
         sea: Option<(f32, Sea)>,
         relief: Option<&TerrainRelief>,
@@ -112,6 +116,28 @@ impl GroundLook {
         }
         let limits = look.lay(material);
         (look, limits)
+    }
+
+    /// The same, shaded in a way.
+    #[must_use]
+    pub fn shaded(mut self, shading: GroundShading) -> Self {
+        self.deep.w = shading.narrowing();
+        self
+    }
+
+    /// What a view with this anchor (x, z) is told, with the least corner of the terrain's extent: texture coordinates
+    /// of the anchor, as fractions of a tile, since far from the origin f32 would not hold them.
+    #[must_use]
+    pub fn numbers(&self, anchor: DVec2, extent_min: DVec2) -> [Vec4; 4] {
+        let offset = |tile: f64| (anchor / tile - (anchor / tile).floor()).as_vec2();
+        let offsets = |tile: f32| {
+            let tile = f64::from(tile.max(0.01));
+            let (near, far) = (offset(tile), offset(tile * FAR_TILES));
+            Vec4::new(near.x, near.y, far.x, far.y)
+        };
+        let [a, b, c, _] = self.tiles.to_array().map(offsets);
+        let relief = (anchor - extent_min) * f64::from(self.relief_scale);
+        [a, b, c, relief.as_vec2().extend(0.0).extend(0.0)]
     }
 
     /// Takes over the layers.
