@@ -2,21 +2,24 @@
 
 use std::path::Path;
 
+use bevy::log::warn;
 use bevy::math::{DVec2, DVec3};
 use dolomite::ground::{MaterialBands, Sea};
 use dolomite::sky::Sun;
+use dolomite::terrain::elevation::{Elevation, FileKind, NumberType};
 use dolomite::terrain::{
-    Filter, Fractal, GroundRect, HeightMapFile, Layer, MapFormat, Source, Terrain, TerrainData,
+    Fractal, GroundRect, HeightMap, HeightMapError, HeightMapFile, Holes, Layer, Mask, Source,
+    Terrain, TerrainData,
 };
 
 use super::file::{SceneFile, SourceFile, StartFile};
-use super::{
-    Files, LoadedScene, MapOptions, PITCH_LIMIT, Pose, SceneError, default_start, raw_format_of,
-    watch,
-};
+use super::{Files, LoadedScene, MapOptions, PITCH_LIMIT, Pose, SceneError, default_start, watch};
 
 /// Metres for one unit of a 16-bit PNG sample when `--height-scale` is left out.
 const PNG_SCALE: f32 = 0.1;
+
+/// Metres between samples where neither the file nor `--spacing` tells them.
+const SPACING: f64 = 30.0;
 
 /// Builds the scene of a scene file. `detail` replaces the amplitude of its detail, metres; `files`
 /// receives the files that it names.
@@ -37,20 +40,20 @@ pub(super) fn from_file(
     if file.layers.is_empty() {
         return Err(value("`layers` is empty: add a source".to_owned()));
     }
-    let mut first_map = None;
-    let mut layers = Vec::with_capacity(file.layers.len() + 1);
+    let mut layers = Layers::default();
     for layer in &file.layers {
         let source = source(&layer.source, path, files)?;
-        if let Source::Map(map) = &source
-            && first_map.is_none()
-        {
-            first_map = Some(map.rect());
-        }
-        layers.push(Layer {
-            source,
-            mask: layer.mask,
-        });
+        let name = match &layer.source {
+            SourceFile::Map(map) => map.paths().next().unwrap_or_default(),
+            _ => "",
+        };
+        layers.push(name, source, layer.mask, path)?;
     }
+    let mut layers = layers.done(path)?;
+    let first_map = layers.iter().find_map(|layer| match &layer.source {
+        Source::Map(map) => Some(map.rect()),
+        _ => None,
+    });
     layers.extend(detail_layer(file.detail, detail));
     let extent = match (file.extent, first_map) {
         (Some((min, max)), _) => GroundRect::new(DVec2::from(min), DVec2::from(max)),
@@ -103,12 +106,32 @@ pub(super) fn from_map(
     options: &MapOptions,
     files: &Files,
 ) -> Result<LoadedScene, SceneError> {
-    let file = map_file(path, options)?;
-    // The path is the player's own, relative to where they stand.
-    let map = file.load(Path::new("")).map_err(|source| SceneError::Map {
+    let refused = |source: HeightMapError| SceneError::Map {
         scene: None,
-        source,
-    })?;
+        source: Box::new(source),
+    };
+    // The path is the player's own, relative to where they stand.
+    let read = Elevation::read(path, &options.read).map_err(|error| refused(error.into()))?;
+    for note in &read.about.notes {
+        warn!("{}: {note}", path.display());
+    }
+    let deep = read.about.kind == FileKind::Png && read.about.number == NumberType::U16;
+    let told = read.spacing().is_some();
+    let file = HeightMapFile {
+        scale: options.scale.unwrap_or(if deep { PNG_SCALE } else { 1.0 }),
+        offset: options.offset,
+        spacing: match options.spacing {
+            Some(metres) => Some([metres; 2]),
+            None => (!told).then_some([SPACING; 2]),
+        },
+        holes: options.sea.map_or(Holes::Fill, Holes::Sea),
+        ..HeightMapFile::default()
+    };
+    let place = read.georeference.as_ref().map(|place| {
+        let [east, north] = place.middle(read.size);
+        format!(", its middle at {east}, {north} in {}", place.crs.name())
+    });
+    let map = file.make(read).map_err(refused)?;
     let (low, high) = map
         .samples()
         .iter()
@@ -122,7 +145,7 @@ pub(super) fn from_map(
             mask: None,
         }],
         base: 0.0,
-        sea_level: None,
+        sea_level: options.sea,
     })
     .map_err(|source| SceneError::Terrain {
         path: path.to_owned(),
@@ -137,7 +160,7 @@ pub(super) fn from_map(
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned(),
-        about: format!("height map {}", path.display()),
+        about: format!("height map {}{}", path.display(), place.unwrap_or_default()),
         terrain,
         bands: MaterialBands {
             sand_top: low,
@@ -157,32 +180,65 @@ pub(super) fn from_map(
     })
 }
 
-/// What the command line says of a height map.
-fn map_file(path: &Path, options: &MapOptions) -> Result<HeightMapFile, SceneError> {
-    let raw = options.raw.or_else(|| raw_format_of(path));
-    let format = match (raw, options.size) {
-        (None, _) => MapFormat::Png,
-        (Some(format), Some((width, height))) => MapFormat::Raw {
-            format,
-            width,
-            height,
-        },
-        (Some(_), None) => return Err(SceneError::NoSize(path.to_owned())),
-    };
-    let scale = if format == MapFormat::Png {
-        PNG_SCALE
-    } else {
-        1.0
-    };
-    Ok(HeightMapFile {
-        path: path.to_string_lossy().into_owned(),
-        format,
-        scale: options.scale.unwrap_or(scale),
-        offset: options.offset,
-        spacing: [options.spacing; 2],
-        centre: [0.0; 2],
-        filter: Filter::Bicubic,
-    })
+/// Layers in the making. Maps that follow each other and go on where one before them ends are one ground; others are added up.
+#[derive(Default)]
+struct Layers {
+    done: Vec<Layer>,
+    /// Maps without a mask that are one ground so far.
+    beside: Vec<(String, HeightMap)>,
+}
+
+impl Layers {
+    fn push(
+        &mut self,
+        name: &str,
+        source: Source,
+        mask: Option<Mask>,
+        path: &Path,
+    ) -> Result<(), SceneError> {
+        match source {
+            Source::Map(map) if mask.is_none() => {
+                if !self.beside.iter().any(|(_, other)| other.goes_on_in(&map)) {
+                    self.join(path)?;
+                }
+                self.beside.push((name.to_owned(), map));
+            }
+            source => {
+                self.join(path)?;
+                self.done.push(Layer { source, mask });
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes one layer of the maps beside each other.
+    fn join(&mut self, path: &Path) -> Result<(), SceneError> {
+        let beside = std::mem::take(&mut self.beside);
+        let map = match &beside[..] {
+            [] => return Ok(()),
+            [(_, map)] => map.clone(),
+            _ => {
+                let maps = beside
+                    .iter()
+                    .map(|(name, map)| (name.as_str(), map.clone()));
+                let maps: Vec<_> = maps.collect();
+                HeightMap::joined(&maps).map_err(|source| SceneError::Map {
+                    scene: Some(path.to_owned()),
+                    source: Box::new(source),
+                })?
+            }
+        };
+        self.done.push(Layer {
+            source: Source::Map(map),
+            mask: None,
+        });
+        Ok(())
+    }
+
+    fn done(mut self, path: &Path) -> Result<Vec<Layer>, SceneError> {
+        self.join(path)?;
+        Ok(self.done)
+    }
 }
 
 /// The detail below the sample spacing as a layer, if there is any.
@@ -205,10 +261,12 @@ fn source(source: &SourceFile, path: &Path, files: &mut Files) -> Result<Source,
         SourceFile::Hill(hill) => Source::Hill(*hill),
         SourceFile::Map(map) => {
             let folder = path.parent().unwrap_or(Path::new(""));
-            watch(files, &folder.join(&map.path));
+            for path in map.paths() {
+                watch(files, &folder.join(path));
+            }
             let map = map.load(folder).map_err(|source| SceneError::Map {
                 scene: Some(path.to_owned()),
-                source,
+                source: Box::new(source),
             })?;
             Source::Map(map)
         }

@@ -11,7 +11,7 @@ pub enum SceneError {
     /// Neither a name nor a file.
     #[error(
         "scene `{scene}`: neither a scene ({}), nor a scene file (.ron), nor a height map \
-         (.png, .raw, .r16, .f32)",
+         (.png, .tif, .asc, .hgt, .raw, .r16, .r32, .f32)",
         .names.join(", ")
     )]
     Unknown {
@@ -47,19 +47,13 @@ pub enum SceneError {
         /// The value, why it was refused, what to write.
         reason: String,
     },
-    /// A raw height map without a size.
-    #[error(
-        "height map {}: raw files do not tell their size; add `--size-of-raw COLUMNSxROWS`",
-        .0.display()
-    )]
-    NoSize(PathBuf),
     /// A height map was refused.
     #[error("{}{source}", .scene.as_ref().map_or(String::new(), |path| format!("scene file {}: ", path.display())))]
     Map {
         /// The scene file that names the map, if one does.
         scene: Option<PathBuf>,
         /// The map's file, the reason, and what to do.
-        source: HeightMapError,
+        source: Box<HeightMapError>,
     },
     /// A [`NamedScene`](super::NamedScene) was refused.
     #[error(transparent)]

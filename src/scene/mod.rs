@@ -24,7 +24,7 @@ use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 use dolomite::ground::{GroundMaterial, MaterialBands, Sea};
 use dolomite::sky::Sun;
-use dolomite::terrain::{Ground, RawFormat, Terrain};
+use dolomite::terrain::{Ground, Terrain};
 
 pub use error::SceneError;
 use file::SceneFile;
@@ -127,7 +127,7 @@ pub fn load_watched(
     if ending == "ron" {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         load_file(path, &name, request, files)
-    } else if ending == "png" || request.map.raw.is_some() || raw_format_of(path).is_some() {
+    } else if is_map(&ending) || path.is_file() {
         watch(files, path);
         build::from_map(path, &request.map, files)
     } else {
@@ -188,14 +188,12 @@ fn ending(path: &Path) -> String {
         .unwrap_or_default()
 }
 
-/// The numbers of a raw height map, by the ending of its name; `None` for other files.
-fn raw_format_of(path: &Path) -> Option<RawFormat> {
-    match ending(path).as_str() {
-        "raw" => Some(RawFormat::I16),
-        "r16" => Some(RawFormat::U16),
-        "f32" => Some(RawFormat::F32),
-        _ => None,
-    }
+/// Whether files with this ending hold elevation.
+fn is_map(ending: &str) -> bool {
+    let endings = [
+        "png", "tif", "tiff", "asc", "hgt", "raw", "r16", "r32", "f32",
+    ];
+    endings.contains(&ending)
 }
 
 /// When a file was changed last; `None` where that cannot be told.
@@ -299,6 +297,60 @@ mod tests {
         assert!((2.0..60.0).contains(&most), "{most}");
     }
 
+    /// Where files as people bring them lie.
+    fn brought(name: &str) -> String {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("plugins");
+        let folder = folder.join(if name.contains('-') {
+            "elevation"
+        } else {
+            "terrain"
+        });
+        folder.join("tests/files").join(name).display().to_string()
+    }
+
+    #[test]
+    fn maps_that_share_a_column_are_one_ground() {
+        let [whole, tiles] = ["whole.ron", "tiles.ron"].map(|name| {
+            load(&request(&brought(name)), &assets()).unwrap_or_else(|error| panic!("{error}"))
+        });
+        assert_eq!(tiles.terrain.data().layers.len(), 1);
+        for k in 0..20_000 {
+            let place = DVec2::new(f64::from(k % 163) * 6.1, f64::from(k / 163) * 5.3)
+                - DVec2::new(490.0, 320.0);
+            let [a, b] = [&whole, &tiles].map(|scene| scene.terrain.height(place));
+            assert_eq!(a.to_bits(), b.to_bits(), "{place}: {a} {b}");
+        }
+    }
+
+    #[test]
+    fn a_file_with_a_place_has_its_own_spacing_and_says_where_it_is() {
+        let scene = load(&request(&brought("h16-gdal-nodata.tif")), &assets()).unwrap();
+        let extent = scene.terrain.extent();
+        // 40 steps of 30 m, 36 of 25 m.
+        assert_eq!(extent.max - extent.min, DVec2::new(1200.0, 900.0));
+        assert!(
+            scene
+                .about
+                .contains("412955, 5122997.5 in metres (EPSG:32633"),
+            "{}",
+            scene.about
+        );
+        let mut wider = request(&brought("h16-gdal-nodata.tif"));
+        wider.map.spacing = Some(2.0);
+        wider.map.sea = Some(100.0);
+        let scene = load(&wider, &assets()).unwrap();
+        let extent = scene.terrain.extent();
+        assert_eq!(extent.max - extent.min, DVec2::new(80.0, 72.0));
+        assert_eq!(scene.terrain.sea_level(), Some(100.0));
+        // Column 10, row 8 is in a hole.
+        let hole = extent.min + DVec2::new(20.0, 16.0);
+        assert!((scene.terrain.height(hole) - 90.0).abs() < 1e-9);
+        let error = load(&request(&brought("h16-gdal-untold.tif")), &assets())
+            .err()
+            .unwrap();
+        assert!(error.to_string().contains("column 7, row 5"), "{error}");
+    }
+
     #[test]
     fn a_wrong_scene_is_an_error_that_names_it() {
         for (scene, words) in [
@@ -306,7 +358,7 @@ mod tests {
             ("mountains", ["mountains", "jacksboro)"]),
             ("no/such.ron", ["no/such.ron", "scene file"]),
             ("no/such.png", ["no/such.png", "check"]),
-            ("no/such.raw", ["no/such.raw", "--size-of-raw"]),
+            ("no/such.raw", ["no/such.raw", "check"]),
         ] {
             let error = load(&request(scene), &assets()).err().unwrap().to_string();
             for word in words {

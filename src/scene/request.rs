@@ -1,7 +1,7 @@
 //! What the player asked for.
 
 use bevy::prelude::*;
-use dolomite::terrain::RawFormat;
+use dolomite::terrain::elevation::Options;
 
 use super::NamedScene;
 
@@ -33,13 +33,13 @@ impl SceneRequest {
 /// How a height map that is named on the command line is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapOptions {
-    /// Metres between samples.
-    pub spacing: f64,
-    /// Columns and rows; needed for all but PNG.
-    pub size: Option<(u32, u32)>,
-    /// The numbers of a raw file; `None`: by the ending.
-    pub raw: Option<RawFormat>,
-    /// Metres for one unit of a sample; `None`: 1, and 0.1 for PNG, so that the 65 535 steps of
+    /// Metres between samples; `None`: what the file tells, else 30.
+    pub spacing: Option<f64>,
+    /// How the file is read.
+    pub read: Options,
+    /// Level of the sea where there is no data, metres; `None`: filled from the border.
+    pub sea: Option<f32>,
+    /// Metres for one unit of a sample; `None`: 1, and 0.1 for PNG of 16 bits, so that the 65 535 steps of
     /// a sample span the heights of the Earth.
     pub scale: Option<f32>,
     /// Metres added to the scaled sample.
@@ -49,9 +49,9 @@ pub struct MapOptions {
 impl Default for MapOptions {
     fn default() -> Self {
         Self {
-            spacing: 30.0,
-            size: None,
-            raw: None,
+            spacing: None,
+            read: Options::default(),
+            sea: None,
             scale: None,
             offset: 0.0,
         }

@@ -193,16 +193,11 @@ pub fn movable(seed: u32, centre: DVec2) -> Terrain {
 fn jacksboro(centre: DVec2) -> HeightMap {
     let file = HeightMapFile {
         path: "jacksboro_344x403_i16le_metres.raw".to_owned(),
-        format: MapFormat::Raw {
-            format: RawFormat::I16,
-            width: 403,
-            height: 344,
-        },
-        scale: 1.0,
-        offset: 0.0,
-        spacing: [74.574, 92.475],
+        format: MapFormat::raw(RawFormat::I16, 403, 344),
+        spacing: Some([74.574, 92.475]),
         centre: centre.to_array(),
         filter: Filter::Bicubic,
+        ..HeightMapFile::default()
     };
     let bytes = include_bytes!("../../../assets/dem/jacksboro_344x403_i16le_metres.raw");
     file.decode(&file.path, bytes)

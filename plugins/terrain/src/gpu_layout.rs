@@ -97,6 +97,16 @@ pub struct GpuTerrain {
 }
 
 impl Terrain {
+    /// Bytes of the height maps in [`GpuTerrain::data`], known before they are laid out.
+    #[must_use]
+    pub fn gpu_map_bytes(&self) -> u64 {
+        let maps = self.prepared().filter_map(|(source, _)| match source {
+            Prepared::Map(map) => Some(map.gpu_words()),
+            _ => None,
+        });
+        4 * maps.sum::<u64>()
+    }
+
     /// Lays out the terrain for the GPU. Copies the samples of height maps.
     #[must_use]
     pub fn gpu(&self) -> GpuTerrain {

@@ -32,12 +32,16 @@ mod plugin;
 mod probe;
 mod terrain;
 
+/// Files of elevation, read without a renderer.
+pub use dolomite_elevation as elevation;
+
 pub use batch::{BatchError, HeightTile, Planes};
 pub use bounds::HeightBounds;
 pub use gpu_layout::{GpuLayer, GpuTerrain, GpuTerrainUniform, LayerKind};
 pub use ground::{Ground, GroundPoint, GroundRect, GroundSample, Height};
 pub use height_map::{
-    Filter, HeightMap, HeightMapError, HeightMapFile, MapFormat, RawFormat, metres_per_degree,
+    Filter, HeightMap, HeightMapError, HeightMapFile, Holes, MapFormat, RawFormat,
+    metres_per_degree,
 };
 pub use hill::Hill;
 pub use noise::{Fractal, NoiseError, PermutationNoise, Sum, Warp};

@@ -20,6 +20,22 @@ pub(crate) struct Level {
     pub windows: Vec<f32>,
 }
 
+/// The level whose windows are as large as a map of so many samples.
+fn last_level([width, height]: [usize; 2]) -> usize {
+    let last = (1..).find(|&k| (1_usize << k) + 1 >= width.max(height));
+    last.unwrap_or(1)
+}
+
+impl HeightMap {
+    /// Words that a GPU holds of it: samples and windows.
+    pub(crate) fn gpu_words(&self) -> u64 {
+        let sides = [self.width(), self.height()].map(|n| n as usize);
+        let levels = (1..=last_level(sides)).map(|k| sides.map(|n| windows(n, k) as u64));
+        let windows: u64 = levels.map(|[columns, rows]| columns * rows).sum();
+        self.samples().len() as u64 + windows
+    }
+}
+
 /// Levels 1 and up; the last has windows as large as the map.
 #[derive(Debug)]
 pub(crate) struct Deviations(Vec<Level>);
@@ -32,8 +48,7 @@ const fn windows(samples: usize, k: usize) -> usize {
 impl Deviations {
     pub(super) fn new(map: &HeightMap) -> Self {
         let [width, height] = [map.width(), map.height()].map(|n| n as usize);
-        let last = (1..).find(|&k| (1_usize << k) + 1 >= width.max(height));
-        let levels = (1..=last.unwrap_or(1)).map(|k| {
+        let levels = (1..=last_level([width, height])).map(|k| {
             let [columns, rows] = [width, height].map(|n| windows(n, k));
             let mut windows = vec![0.0; columns * rows];
             let pool = ComputeTaskPool::get_or_init(TaskPool::default);

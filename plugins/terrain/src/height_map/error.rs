@@ -2,54 +2,38 @@
 
 use super::HeightMap;
 use bevy::math::DVec2;
+use dolomite_elevation::ElevationError;
 use thiserror::Error;
 
 /// A height map that cannot be used; every message names the file, the reason and the way out.
 #[derive(Debug, Error)]
 pub enum HeightMapError {
-    /// The file cannot be read: missing, a folder, not permitted.
-    #[error("{file}: cannot be read ({reason}); check the path and its permissions")]
-    Read {
-        /// The file.
-        file: String,
-        /// What the system said.
-        reason: String,
-    },
-    /// Not a PNG, or a damaged one.
-    #[error("{file}: not a complete PNG ({reason}); export it again as 16-bit grey PNG")]
-    Png {
-        /// The file.
-        file: String,
-        /// What the decoder said.
-        reason: String,
-    },
-    /// A PNG of another kind than 16-bit grey.
+    /// The file: missing, damaged, of a kind that is not read, with holes that nobody named.
+    #[error(transparent)]
+    File(#[from] ElevationError),
+    /// Nothing tells how far apart the samples are.
     #[error(
-        "{file}: found {found}, but heights need 16-bit grey; convert it, for instance with `magick {file} -colorspace gray -depth 16 PNG48:out.png` or export as 16-bit from the source"
+        "{file}: nothing in it tells how far apart its samples are; say it in metres: `--spacing 30`, or in a scene file `spacing: (30.0, 30.0)`"
     )]
-    Depth {
+    NoSpacing {
         /// The file.
         file: String,
-        /// The kind found.
-        found: &'static str,
     },
-    /// A raw file with too few or too many bytes.
-    #[error(
-        "{file}: {width} x {height} samples of {sample_bytes} bytes are {expected} bytes, but the file has {found}; check width, height and format"
-    )]
-    RawLength {
+    /// No sample has data.
+    #[error("{file}: no sample has data; check `--nodata`, or in a scene file `nodata`")]
+    AllHoles {
         /// The file.
         file: String,
-        /// Columns asked for.
-        width: u32,
-        /// Rows asked for.
-        height: u32,
-        /// Bytes a sample.
-        sample_bytes: u64,
-        /// Bytes that would be right.
-        expected: u64,
-        /// Bytes there are.
-        found: u64,
+    },
+    /// Maps that were to be joined but do not lie on one grid.
+    #[error(
+        "{file} and {other}: their samples do not lie on one grid; give both the same `spacing` and `filter`, and a `centre` a whole number of samples away"
+    )]
+    NotOneGrid {
+        /// One map.
+        file: String,
+        /// The other.
+        other: String,
     },
     /// A size of 0.
     #[error(
@@ -64,7 +48,7 @@ pub enum HeightMapError {
         height: u32,
     },
     /// More samples than we take.
-    #[error("{file}: {width} x {height} samples, but at most {side} a side and {total} in all are taken; scale it down or cut it", side = HeightMap::MAX_SIDE, total = HeightMap::MAX_SAMPLES)]
+    #[error("{file}: {width} x {height} samples, but at most {side} a side and {total} in all are taken; take fewer: `--every 2`, or in a scene file `every: 2`", side = HeightMap::MAX_SIDE, total = HeightMap::MAX_SAMPLES)]
     TooLarge {
         /// The file.
         file: String,

@@ -9,16 +9,18 @@ mod error;
 mod file;
 mod geodesy;
 mod interpolate;
+mod joined;
 mod pyramid;
 
 pub use error::HeightMapError;
-pub use file::{HeightMapFile, MapFormat, RawFormat};
+pub use file::{HeightMapFile, Holes, MapFormat, RawFormat};
 pub use geodesy::metres_per_degree;
 
 use crate::ground::{GroundPoint, GroundRect};
 use crate::noise::Frequency;
 use bevy::math::DVec2;
 use deviation::Deviations;
+use dolomite_elevation::Georeference;
 use noise::NoiseFn;
 use pyramid::Pyramid;
 use serde::{Deserialize, Serialize};
@@ -43,12 +45,14 @@ pub struct HeightMap(Arc<Inner>);
 struct Inner {
     width: u32,
     height: u32,
-    samples: Arc<[f32]>,
+    samples: Vec<f32>,
     origin: DVec2,
     spacing: DVec2,
     filter: Filter,
     lattice: Lattice,
     pyramid: Pyramid,
+    /// Where the samples lie on the Earth, if a file told it.
+    georeference: Option<Georeference>,
     /// Made when first asked for: it takes ten looks at each sample.
     deviations: OnceLock<Deviations>,
 }
@@ -64,9 +68,10 @@ pub(crate) struct Lattice {
 
 impl HeightMap {
     /// Most samples along a side.
-    pub const MAX_SIDE: u32 = 16_384;
-    /// Most samples of a map: 64 MiB of f32, half of what WebGPU grants a storage buffer.
-    pub const MAX_SAMPLES: usize = 1 << 24;
+    pub const MAX_SIDE: u32 = 65_537;
+    /// Most samples of a map: 16 385 × 16 385, 1 GiB of f32. What a GPU can bind is its own limit: 128 MiB (some 5 000 × 5 000
+    /// samples) is what WebGPU grants a storage buffer.
+    pub const MAX_SAMPLES: usize = 16_385 * 16_385;
     /// Smallest distance of samples, metres; with it every place within 1e8 m has its own cell.
     pub const MIN_SPACING: f64 = 0.1;
 
@@ -150,7 +155,6 @@ impl HeightMap {
             origin: GroundPoint::new(origin),
             frequency: [x, z],
         };
-        let samples = samples.into();
         Ok(Self(Arc::new(Inner {
             width,
             height,
@@ -160,8 +164,26 @@ impl HeightMap {
             filter,
             lattice,
             pyramid,
+            georeference: None,
             deviations: OnceLock::new(),
         })))
+    }
+
+    /// The same, with where it lies on the Earth.
+    fn lying_at(mut self, georeference: Option<Georeference>) -> Self {
+        // It was just made: nobody else has it.
+        if let Some(inner) = Arc::get_mut(&mut self.0) {
+            inner.georeference = georeference;
+        }
+        self
+    }
+
+    /// Where the first sample lies on the Earth and how far the next ones are, in the file's own
+    /// coordinates and to the bit, if a file told it: the offset of the ground, whose middle lies at
+    /// [`HeightMapFile::centre`].
+    #[must_use]
+    pub fn georeference(&self) -> Option<&Georeference> {
+        self.0.georeference.as_ref()
     }
 
     /// Samples any function of the `noise` crate over `rect`, every `spacing` metres or a little

@@ -13,6 +13,7 @@
 use super::{Filter, HeightMap};
 use crate::interval::{CellBounds, Interval, SecondOrder};
 use bevy::math::DVec2;
+use bevy::tasks::{ComputeTaskPool, TaskPool};
 
 /// Extremes of a block. The differences of a sample are those towards larger indices, the second
 /// differences those around it; the border samples go on beyond the border.
@@ -46,8 +47,11 @@ impl Extremes {
     }
 }
 
-/// Samples along the side of a lowest block.
-const BLOCK: usize = 4;
+/// Samples along the side of a lowest block: 4, and 8 of maps that are larger than a GPU is sure to bind, so that their
+/// pyramid takes a seventh of the samples' memory and not three fifths.
+const fn block_side(samples: usize) -> usize {
+    if samples > 1 << 25 { 8 } else { 4 }
+}
 
 #[derive(Debug)]
 struct Level {
@@ -56,16 +60,21 @@ struct Level {
     blocks: Vec<Extremes>,
 }
 
-/// Extremes of ever larger blocks. Takes 7/16 + 1/3 of that of the samples' memory.
+/// Extremes of ever larger blocks. Takes 7/16 + 1/3 of that of the samples' memory (7/64 + 1/3 of that of large maps).
 #[derive(Debug)]
-pub(super) struct Pyramid(Vec<Level>);
+pub(super) struct Pyramid {
+    /// Samples along the side of a lowest block.
+    block: usize,
+    levels: Vec<Level>,
+}
 
 impl Pyramid {
     pub(super) fn new(samples: &[f32], width: usize, height: usize) -> Self {
+        let block = block_side(samples.len());
         let lowest = Level {
-            width: width.div_ceil(BLOCK),
-            height: height.div_ceil(BLOCK),
-            blocks: lowest(samples, width, height),
+            width: width.div_ceil(block),
+            height: height.div_ceil(block),
+            blocks: lowest(samples, width, height, block),
         };
         let mut levels = vec![lowest];
         while let Some(below) = levels
@@ -84,16 +93,16 @@ impl Pyramid {
                 blocks,
             });
         }
-        Self(levels)
+        Self { block, levels }
     }
 
     /// Extremes over samples `low`..=`high` (column, row), which must lie in the map: of a cover
     /// of at most 3 × 3 blocks.
     fn query(&self, low: [usize; 2], high: [usize; 2]) -> Extremes {
-        let [x0, z0] = low.map(|i| i / BLOCK);
-        let [x1, z1] = high.map(|i| i / BLOCK);
+        let [x0, z0] = low.map(|i| i / self.block);
+        let [x1, z1] = high.map(|i| i / self.block);
         let mut result = Extremes::NONE;
-        for (k, level) in self.0.iter().enumerate() {
+        for (k, level) in self.levels.iter().enumerate() {
             let (x0, x1, z0, z1) = (x0 >> k, x1 >> k, z0 >> k, z1 >> k);
             if x1 - x0 > 2 || z1 - z0 > 2 {
                 continue;
@@ -109,31 +118,57 @@ impl Pyramid {
     }
 }
 
-/// The lowest blocks, from the samples.
-fn lowest(samples: &[f32], width: usize, height: usize) -> Vec<Extremes> {
-    let columns = width.div_ceil(BLOCK);
-    let mut blocks = vec![Extremes::NONE; columns * height.div_ceil(BLOCK)];
-    let last = [width - 1, height - 1];
-    for z in 0..height {
-        let row = |z: usize| &samples[z * width..][..width];
-        let (above, here, below) = (row(z.saturating_sub(1)), row(z), row((z + 1).min(last[1])));
-        for x in 0..width {
-            let (west, east) = (x.saturating_sub(1), (x + 1).min(last[0]));
-            let s = here[x];
-            let (dx, dz) = (here[east] - s, below[x] - s);
-            blocks[z / BLOCK * columns + x / BLOCK].join(&Extremes {
-                low: s,
-                high: s,
-                step: [dx.abs(), dz.abs()],
-                bend: [
-                    (dx - (s - here[west])).abs(),
-                    (dz - (s - above[x])).abs(),
-                    ((below[east] - below[x]) - dx).abs(),
-                ],
+/// The lowest blocks, from the samples; rows of blocks on all cores.
+fn lowest(samples: &[f32], width: usize, height: usize, block: usize) -> Vec<Extremes> {
+    let columns = width.div_ceil(block);
+    let mut blocks = vec![Extremes::NONE; columns * height.div_ceil(block)];
+    let pool = ComputeTaskPool::get_or_init(TaskPool::default);
+    // As many rows a task as make its cost small.
+    let share = (1 << 18) / width.max(1) / block + 1;
+    pool.scope(|scope| {
+        for (k, blocks) in blocks.chunks_mut(columns * share).enumerate() {
+            scope.spawn(async move {
+                for (row, line) in blocks.chunks_mut(columns).enumerate() {
+                    let row = (k * share + row) * block;
+                    for z in row..(row + block).min(height) {
+                        join_row(samples, [width, height], z, line, block);
+                    }
+                }
             });
         }
-    }
+    });
     blocks
+}
+
+/// Joins the samples of row `z` to their blocks.
+fn join_row(
+    samples: &[f32],
+    [width, height]: [usize; 2],
+    z: usize,
+    blocks: &mut [Extremes],
+    block: usize,
+) {
+    let row = |z: usize| &samples[z * width..][..width];
+    let (above, here, below) = (
+        row(z.saturating_sub(1)),
+        row(z),
+        row((z + 1).min(height - 1)),
+    );
+    for x in 0..width {
+        let (west, east) = (x.saturating_sub(1), (x + 1).min(width - 1));
+        let s = here[x];
+        let (dx, dz) = (here[east] - s, below[x] - s);
+        blocks[x / block].join(&Extremes {
+            low: s,
+            high: s,
+            step: [dx.abs(), dz.abs()],
+            bend: [
+                (dx - (s - here[west])).abs(),
+                (dz - (s - above[x])).abs(),
+                ((below[east] - below[x]) - dx).abs(),
+            ],
+        });
+    }
 }
 
 impl HeightMap {

@@ -1,8 +1,9 @@
 //! Height maps from files: what is read, and what is refused with which words.
 
 use bevy::math::DVec2;
+use dolomite_terrain::elevation::{ElevationError, NoData};
 use dolomite_terrain::{
-    Filter, Ground, GroundRect, HeightMap, HeightMapError, HeightMapFile, Layer, MapFormat,
+    Filter, Ground, GroundRect, HeightMap, HeightMapError, HeightMapFile, Holes, Layer, MapFormat,
     RawFormat, Source, Terrain, TerrainData, metres_per_degree,
 };
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
@@ -12,16 +13,13 @@ use std::path::Path;
 fn raw(format: RawFormat, width: u32, height: u32) -> HeightMapFile {
     HeightMapFile {
         path: "map.raw".into(),
-        format: MapFormat::Raw {
-            format,
-            width,
-            height,
-        },
+        format: MapFormat::raw(format, width, height),
         scale: 2.0,
         offset: -10.0,
-        spacing: [5.0, 4.0],
+        spacing: Some([5.0, 4.0]),
         centre: [100.0, -50.0],
         filter: Filter::Bilinear,
+        ..HeightMapFile::default()
     }
 }
 
@@ -43,7 +41,7 @@ fn png_file() -> HeightMapFile {
 
 #[test]
 fn every_format_gives_the_same_map() {
-    let numbers: [u16; 6] = [0, 1, 2, 300, 400, 65535];
+    let numbers: [u16; 6] = [0, 1, 2, 300, 400, 60_000];
     let little: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
     let native: Vec<u8> = numbers.iter().flat_map(|n| n.to_ne_bytes()).collect();
     let floats: Vec<u8> = numbers
@@ -66,7 +64,7 @@ fn every_format_gives_the_same_map() {
     let from_i16 = raw(RawFormat::I16, 3, 2)
         .decode("d", &signed)
         .expect("valid");
-    let expected = [-10.0, -8.0, -6.0, 590.0, 790.0, 131_060.0];
+    let expected = [-10.0, -8.0, -6.0, 590.0, 790.0, 119_990.0];
     for map in [&from_png, &from_u16, &from_f32] {
         assert_eq!(map.samples(), expected);
         assert_eq!((map.width(), map.height()), (3, 2));
@@ -90,70 +88,117 @@ fn assert_says(result: Result<HeightMap, HeightMapError>, words: &[&str]) {
 #[test]
 fn bad_files_are_refused_with_reasons() {
     let missing = png_file().load(Path::new("/nowhere"));
-    assert!(matches!(missing, Err(HeightMapError::Read { .. })));
+    assert!(matches!(
+        missing,
+        Err(HeightMapError::File(ElevationError::Read { .. }))
+    ));
     assert_says(missing, &["/nowhere/map.png", "cannot be read"]);
 
     let whole = png(&[0; 32 * 32 * 2], 32, 32, ExtendedColorType::L16);
-    for cut in [0, 7, 20, whole.len() / 2, whole.len() - 13] {
+    for cut in [8, 20, whole.len() / 2, whole.len() - 13] {
         let truncated = png_file().decode("cut.png", &whole[..cut]);
-        assert!(
-            matches!(truncated, Err(HeightMapError::Png { .. })),
-            "{cut}"
-        );
         assert_says(truncated, &["cut.png", "not a complete PNG"]);
     }
-    assert_says(
-        png_file().decode("x.png", b"not a picture at all"),
-        &["x.png", "PNG"],
-    );
+    for not_one in [&whole[..0], &whole[..7], b"not a picture at all"] {
+        assert_says(png_file().decode("x.png", not_one), &["x.png", "PNG"]);
+    }
 
     for (kind, bytes, name) in [
-        (ExtendedColorType::L8, 1, "8-bit grey"),
-        (ExtendedColorType::La8, 2, "8-bit grey with alpha"),
         (ExtendedColorType::Rgb8, 3, "8-bit colour"),
         (ExtendedColorType::Rgba8, 4, "8-bit colour with alpha"),
-        (ExtendedColorType::La16, 4, "16-bit grey with alpha"),
         (ExtendedColorType::Rgb16, 6, "16-bit colour"),
     ] {
-        let picture = png(&vec![0; 4 * bytes], 2, 2, kind);
+        let picture = png(&vec![1; 4 * bytes], 2, 2, kind);
         assert_says(
             png_file().decode("deep.png", &picture),
-            &["deep.png", name, "16-bit grey", "convert"],
+            &["deep.png", name, "`dolomite heights deep.png --band 1`"],
         );
+        let band = HeightMapFile {
+            band: 1,
+            ..png_file()
+        };
+        assert!(band.decode("deep.png", &picture).is_ok());
     }
+    // Eight bits are few, but heights.
+    let grey = png(&[0, 1, 2, 255], 2, 2, ExtendedColorType::L8);
+    let map = png_file().decode("grey.png", &grey).expect("valid");
+    assert_eq!(map.samples(), [-10.0, -8.0, -6.0, 500.0]);
 
     for (length, found) in [(0, "0"), (11, "11"), (13, "13")] {
         let result = raw(RawFormat::U16, 3, 2).decode("short.raw", &vec![0; length]);
         assert_says(result, &["short.raw", "12 bytes", found, "check width"]);
     }
 
+    let nothing: Vec<u8> = [f32::NAN; 6].iter().flat_map(|n| n.to_le_bytes()).collect();
+    let file = HeightMapFile {
+        nodata: NoData::Value(f64::NAN),
+        ..raw(RawFormat::F32, 3, 2)
+    };
+    let error = file.decode("void.raw", &nothing);
+    assert!(matches!(error, Err(HeightMapError::AllHoles { .. })));
+    let file = HeightMapFile {
+        spacing: None,
+        ..raw(RawFormat::U16, 3, 2)
+    };
+    assert_says(
+        file.decode("where.raw", &[0; 12]),
+        &["where.raw", "--spacing 30"],
+    );
+
     let mut gap: Vec<u8> = [0.0_f32; 6].iter().flat_map(|n| n.to_le_bytes()).collect();
-    for hole in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30] {
+    for hole in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         gap[16..20].copy_from_slice(&hole.to_le_bytes());
         let result = raw(RawFormat::F32, 3, 2).decode("gap.raw", &gap);
-        assert_says(result, &["gap.raw", "column 1, row 1", "finite"]);
+        assert_says(
+            result,
+            &["gap.raw", "column 1, row 1", "finite", "--nodata"],
+        );
+        // Named as no data it is filled from around: 0, scaled.
+        let named = HeightMapFile {
+            nodata: NoData::Value(hole.into()),
+            ..raw(RawFormat::F32, 3, 2)
+        };
+        assert_eq!(
+            named.decode("gap.raw", &gap).expect("filled").samples(),
+            [-10.0; 6]
+        );
+        let sea = HeightMapFile {
+            holes: Holes::Sea(3.0),
+            ..named
+        };
+        assert_eq!(
+            sea.decode("gap.raw", &gap).expect("under water").samples()[4],
+            -7.0
+        );
     }
+    gap[16..20].copy_from_slice(&1e7_f32.to_le_bytes());
+    let result = raw(RawFormat::F32, 3, 2).decode("gap.raw", &gap);
+    assert_says(result, &["gap.raw", "column 1, row 1", "1e6"]);
 }
 
 #[test]
 fn impossible_sizes_are_refused_before_anything_is_read() {
     for (width, height) in [(0, 5), (5, 0)] {
         let result = raw(RawFormat::U16, width, height).decode("none.raw", &[]);
-        assert!(matches!(result, Err(HeightMapError::Empty { .. })));
+        assert_says(result, &["none.raw", "at least one row"]);
     }
     for (width, height) in [
-        (16_385, 1),
-        (1, u32::MAX),
         (u32::MAX, u32::MAX),
-        (4097, 4096),
+        (1_000_000_000, 1_000_000_000),
+        (16_385, 16_386),
     ] {
         let result = raw(RawFormat::F32, width, height).decode("big.raw", &[]);
-        assert!(
-            matches!(result, Err(HeightMapError::TooLarge { .. })),
-            "{width} {height}"
-        );
-        assert_says(result, &["big.raw", "16384", "16777216"]);
+        assert_says(result, &["big.raw", "268468225", "--every"]);
     }
+    let long = HeightMap::new(
+        65_538,
+        1,
+        vec![0.0; 65_538],
+        DVec2::ZERO,
+        DVec2::ONE,
+        Filter::Bilinear,
+    );
+    assert!(matches!(long, Err(HeightMapError::TooLarge { .. })));
     // A PNG whose header promises a size that it does not have.
     let mut huge = png(&[0; 2], 1, 1, ExtendedColorType::L16);
     huge[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
@@ -171,7 +216,7 @@ fn unusable_placements_are_refused() {
         [1.0, 1e9],
     ] {
         let file = HeightMapFile {
-            spacing,
+            spacing: Some(spacing),
             ..raw(RawFormat::U16, 3, 2)
         };
         assert!(
@@ -221,9 +266,8 @@ fn the_real_elevation_has_its_true_size() {
         format: MapFormat::Png,
         scale: 0.012_817_578,
         offset: 236.0,
-        spacing: spacing.to_array(),
-        centre: [0.0; 2],
-        filter: Filter::Bicubic,
+        spacing: Some(spacing.to_array()),
+        ..HeightMapFile::default()
     };
     let map = file
         .load(&folder)
@@ -249,11 +293,7 @@ fn the_real_elevation_has_its_true_size() {
     // The raw file holds the same heights; the PNG's step is 1.3 cm.
     let file = HeightMapFile {
         path: "jacksboro_344x403_i16le_metres.raw".into(),
-        format: MapFormat::Raw {
-            format: RawFormat::I16,
-            width: 403,
-            height: 344,
-        },
+        format: MapFormat::raw(RawFormat::I16, 403, 344),
         scale: 1.0,
         offset: 0.0,
         ..file

@@ -1,6 +1,9 @@
 //! The WGSL structs lie in memory as Rust's do, and the bindings are those that are promised.
 
-use dolomite_terrain::{GpuLayer, GpuTerrainUniform, GroundPoint};
+use dolomite_terrain::{
+    Filter, GpuLayer, GpuTerrainUniform, GroundPoint, GroundRect, HeightMap, Layer, Source,
+    Terrain, TerrainData,
+};
 use naga::{AddressSpace, Module, TypeInner};
 use std::mem::offset_of;
 
@@ -28,6 +31,28 @@ macro_rules! same_layout {
         let ours = vec![$((stringify!($field).to_owned(), offset_of!($rust, $field) as u32)),*];
         assert_eq!(members, ours, "{}", $wgsl);
     }};
+}
+
+#[test]
+fn the_bytes_of_maps_are_known_before_they_are_laid_out() {
+    for (width, height) in [(1, 1), (2, 7), (61, 47), (64, 65)] {
+        let samples = vec![3.0; (width * height) as usize];
+        let at = bevy::math::DVec2::ZERO;
+        let step = bevy::math::DVec2::ONE;
+        let map = HeightMap::new(width, height, samples, at, step, Filter::Bicubic).expect("valid");
+        let layer = Layer {
+            source: Source::Map(map),
+            mask: None,
+        };
+        let terrain = Terrain::new(TerrainData {
+            extent: GroundRect::square(at, 100.0),
+            layers: vec![layer.clone(), layer],
+            base: 0.0,
+            sea_level: None,
+        });
+        let terrain = terrain.expect("valid");
+        assert_eq!(terrain.gpu_map_bytes(), 4 * terrain.gpu().data.len() as u64);
+    }
 }
 
 #[test]

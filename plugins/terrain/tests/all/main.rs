@@ -5,6 +5,7 @@ mod accuracy;
 mod adapter;
 mod batch;
 mod bounds;
+mod field;
 mod height_map;
 mod layout;
 mod permutation;
