@@ -1,4 +1,4 @@
-//! The command `dolomite`: play, shot, bench, settings, fbx2gltf.
+//! The command `dolomite`: play, shot, bench, settings, fbx2gltf, heights.
 
 mod command;
 
@@ -7,13 +7,15 @@ use std::process::ExitCode;
 use bevy::app::AppExit;
 use clap::Parser;
 use dolomite_game::bench::classic::matrix;
-use dolomite_game::bench::{self, BenchError};
-use dolomite_game::run::{shot, window};
+use dolomite_game::bench::path::Path;
+use dolomite_game::bench::{self, BenchError, parts, start};
+use dolomite_game::run::{began, shot, window};
 use dolomite_game::settings;
 
 use command::{Command, Line};
 
 fn main() -> ExitCode {
+    began::note();
     let line = match Line::try_parse() {
         Ok(line) => line,
         Err(message) => {
@@ -24,6 +26,15 @@ fn main() -> ExitCode {
     };
     if let Some(Command::Fbx2gltf(convert)) = &line.command {
         return match convert.run() {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("dolomite: {error}");
+                ExitCode::FAILURE
+            }
+        };
+    }
+    if let Some(Command::Heights(heights)) = &line.command {
+        return match heights.run() {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
                 eprintln!("dolomite: {error}");
@@ -58,27 +69,28 @@ fn run(line: Line) -> Result<AppExit, BenchError> {
         Command::Bench(bench) => {
             let (setup, size) = (bench.setup()?, bench.size());
             let (path, frames) = (bench.path(), bench.frames());
-            let file = match &bench.json {
-                Some(file) if !bench.matrix => file,
-                file => {
-                    let rows = matrix::matrix(setup, path, size, frames, file.as_deref())?;
-                    print!("{}", matrix::table(&rows));
-                    return Ok(AppExit::Success);
+            let file = bench.json.as_deref();
+            if bench.matrix {
+                let rows = matrix::matrix(setup, path, size, frames, file)?;
+                print!("{}", matrix::table(&rows));
+            } else if path == Path::Start {
+                let report = start::start(setup, size, bench.window, file)?;
+                eprintln!("dolomite: {report}");
+            } else {
+                let report = bench::bench(setup, path, size, frames, bench.turns(), file)?;
+                if !report.parts.is_empty() {
+                    eprint!("{}", parts::table(&report.parts));
                 }
-            };
-            let report = bench::bench(setup, path, size, frames, file)?;
-            let time = report.summary.frame_ms;
-            eprintln!(
-                "dolomite: wrote {} (median {:.2} ms, p99 {:.2} ms, {})",
-                file.display(),
-                time.median,
-                time.p99,
-                report.summary.device,
-            );
+                let time = report.summary.frame_ms;
+                eprintln!(
+                    "dolomite: median {:.2} ms, p99 {:.2} ms, {}",
+                    time.median, time.p99, report.summary.device,
+                );
+            }
             Ok(AppExit::Success)
         }
-        // Done before: it needs neither game nor Bevy.
-        Command::Fbx2gltf(_) => Ok(AppExit::Success),
+        // Done before: they need neither game nor Bevy.
+        Command::Fbx2gltf(_) | Command::Heights(_) => Ok(AppExit::Success),
         Command::Settings => {
             print!("{}", settings::DEFAULT_SETTINGS);
             Ok(AppExit::Success)

@@ -1,12 +1,17 @@
-//! Flies a fixed path without a window and writes what each frame cost, as JSON.
+//! What frames cost along a fixed path, and how long the first ones take, as JSON.
 //!
 //! | file | concern |
 //! |---|---|
 //! | [`mod@path`] | where the camera is at a moment |
+//! | [`mod@parts`], [`mod@spans`] | what each part of a frame costs |
+//! | [`mod@start`] | from the start of the process to the settled picture |
 //! | [`mod@classic`] | the scene to compare methods on |
 
 pub mod classic;
+pub mod parts;
 pub mod path;
+pub mod spans;
+pub mod start;
 
 use std::collections::BTreeMap;
 use std::path::{Path as FilePath, PathBuf};
@@ -24,6 +29,7 @@ use crate::run::{GameError, Setup};
 use crate::scene::CurrentScene;
 use crate::view::passes::{Clock, pass_of};
 use classic::methods::{MethodError, Methods};
+use parts::Part;
 use path::Path;
 
 /// How often a flight says where it is.
@@ -41,6 +47,12 @@ pub enum BenchError {
     /// No frame was asked for.
     #[error("0 frames: ask for at least 1 with `--frames`")]
     NoFrames,
+    /// The start cannot be measured so.
+    #[error("`--path start` {0}")]
+    Start(&'static str),
+    /// The start was not measured to its end.
+    #[error("the start was not measured to its end: {0}")]
+    NotStarted(String),
     /// The report cannot be written.
     #[error("report {}: {source}; check that the folder exists", .path.display())]
     Write {
@@ -152,12 +164,14 @@ pub struct Summary {
 pub struct Report {
     /// All frames in one view.
     pub summary: Summary,
+    /// The parts of a frame at the start of the path; none where they were not asked for.
+    pub parts: Vec<Part>,
     /// A row each.
     pub frames: Vec<Frame>,
 }
 
-/// Settles at the start of `path`, flies `frames` steps of a sixtieth of a second of it, and
-/// writes the report to `file`. Progress goes to standard error.
+/// Settles at the start of `path`, flies `frames` steps of a sixtieth of a second of it, measures the parts of a
+/// frame in so many `turns` off and on (0: not at all), and writes the report to `file`, or to standard output. Progress goes to standard error.
 ///
 /// # Errors
 /// [`BenchError`]: no device, a wrong size, no frames, a file that cannot be written.
@@ -166,24 +180,50 @@ pub fn bench(
     path: Path,
     size: UVec2,
     frames: u32,
-    file: &FilePath,
+    turns: u32,
+    file: Option<&FilePath>,
 ) -> Result<Report, BenchError> {
     if frames == 0 {
         return Err(BenchError::NoFrames);
     }
-    // Before minutes of work are lost to a wrong folder.
-    write(file, "{}")?;
+    check_file(file)?;
     let scene = setup.scene.clone();
     let mut offscreen = Offscreen::new(setup, size)?;
+    if turns > 0 {
+        parts::prepare(&mut offscreen.app);
+    }
     let rows = fly(&mut offscreen, path, &scene, frames)?;
+    let summary = summary(&rows, &offscreen, path, &scene, size);
+    let parts = match turns {
+        0 => Vec::new(),
+        turns => parts::measure(&mut offscreen, path, &scene, turns, &summary.passes)?,
+    };
     let report = Report {
-        summary: summary(&rows, &offscreen, path, &scene, size),
+        summary,
+        parts,
         frames: rows,
     };
-    let text = serde_json::to_string_pretty(&report)
-        .expect("numbers, strings and maps with string keys always become JSON");
-    write(file, &text)?;
+    tell(file, &report)?;
     Ok(report)
+}
+
+/// Fails before minutes of work are lost to a wrong folder.
+fn check_file(file: Option<&FilePath>) -> Result<(), BenchError> {
+    file.map_or(Ok(()), |file| write(file, "{}"))
+}
+
+/// Writes a report to a file, or to standard output.
+fn tell(file: Option<&FilePath>, report: &impl Serialize) -> Result<(), BenchError> {
+    let text = serde_json::to_string_pretty(report)
+        .expect("numbers, strings and maps with string keys always become JSON");
+    match file {
+        Some(file) => {
+            write(file, &text)?;
+            eprintln!("dolomite: wrote {}", file.display());
+        }
+        None => println!("{text}"),
+    }
+    Ok(())
 }
 
 /// Settles at the start of `path` and flies `frames` steps of it.
@@ -222,6 +262,15 @@ fn fly(
         }
     }
     Ok(rows)
+}
+
+/// Build of this program.
+const fn build() -> &'static str {
+    if cfg!(debug_assertions) {
+        "debug"
+    } else {
+        "release"
+    }
 }
 
 fn write(path: &FilePath, text: &str) -> Result<(), BenchError> {
@@ -347,11 +396,7 @@ fn summed(
         cull: methods.settings().culls(),
         size: size.to_array(),
         device,
-        build: if cfg!(debug_assertions) {
-            "debug"
-        } else {
-            "release"
-        },
+        build: build(),
         frames: rows.len() as u32,
         frame_ms: spread(rows.iter().map(|row| row.frame_ms)).unwrap_or(Spread {
             median: 0.0,

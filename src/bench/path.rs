@@ -8,6 +8,8 @@ use crate::scene::{LoadedScene, Pose};
 /// A path. All are functions of the scene and of virtual time alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Path {
+    /// From the start of the process to the first picture and to the settled one, at the scene's start.
+    Start,
     /// Stands at the scene's start: what is computed once must not be computed again.
     Still,
     /// Circles the middle of the scene, looking at it: once in 40 seconds.
@@ -31,6 +33,7 @@ impl Path {
     /// The name, as on the command line.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Start => "start",
             Self::Still => "still",
             Self::Orbit => "orbit",
             Self::Fly => "fly",
@@ -54,7 +57,7 @@ impl Path {
         let size = (extent.max - extent.min).min_element();
         let middle = (extent.min + extent.max) * 0.5;
         match self {
-            Self::Still => scene.camera,
+            Self::Still | Self::Start => scene.camera,
             Self::Orbit => {
                 let (sin, cos) = ops::sin_cos(std::f32::consts::TAU * seconds / CIRCLE);
                 let round = DVec2::new(f64::from(sin), f64::from(cos));

@@ -26,9 +26,20 @@ pub struct Bench {
     /// scene].
     #[arg(long)]
     frames: Option<u32>,
-    /// The report to write.
-    #[arg(long, value_name = "FILE", required_unless_present = "matrix")]
+    /// The report to write [default: standard output; with --matrix a table alone].
+    #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Turns in which each part of a frame is switched off and on, to say what it costs alone; 0: not at all.
+    #[arg(
+        long,
+        value_name = "TURNS",
+        default_value_t = 3,
+        conflicts_with = "matrix"
+    )]
+    parts: u32,
+    /// With `--path start`: start the game in a window of this size, as a player does.
+    #[arg(long, conflicts_with = "matrix")]
+    pub window: bool,
     /// Compare every way to make the triangles of the classic scene, filled and as lines, and print a
     /// table.
     #[arg(long, conflicts_with_all = ["mode", "lines", "no_fill"])]
@@ -56,6 +67,11 @@ impl Bench {
             .unwrap_or(if self.scene.is_classic() { 120 } else { 300 })
     }
 
+    /// Turns in which parts are switched.
+    pub const fn turns(&self) -> u32 {
+        self.parts
+    }
+
     /// Settings and scene.
     ///
     /// # Errors
@@ -65,7 +81,28 @@ impl Bench {
         if self.matrix && !self.scene.is_classic() {
             return Err(MethodError::OtherScene(setup.scene.name.clone()).into());
         }
-        setup.panels = false;
+        match self.path {
+            Some(path::Path::Start) if self.matrix => {
+                return Err(BenchError::Start(
+                    "measures one way to start; leave --matrix out",
+                ));
+            }
+            Some(path::Path::Start) => {}
+            _ if self.window => {
+                return Err(BenchError::Start(
+                    "alone is measured in a window; leave --window out",
+                ));
+            }
+            _ => {}
+        }
+        // Its part is measured by showing it.
+        let parts =
+            self.path != Some(path::Path::Start) && self.parts > 0 && setup.scene.own.is_none();
+        setup.panels = self.window || parts;
+        if self.window {
+            let size = self.size();
+            setup.settings.window = (size.x, size.y);
+        }
         Ok(setup)
     }
 }
@@ -110,8 +147,8 @@ mod tests {
         );
         assert_eq!((matrix.size(), matrix.frames()), (UVec2::new(64, 48), 12));
         for wrong in [
-            "--scene classic --path orbit",
             "--scene classic --json f.json",
+            "--scene classic --matrix --window",
             "--scene classic --matrix --mode cpu",
             "--scene classic --path orbit --json f.json --metric best",
         ] {
@@ -128,6 +165,7 @@ mod tests {
         for (arguments, words) in [
             ("--path fly --json f --mode cpu", "--scene classic"),
             ("--matrix", "--scene classic"),
+            ("--path fly --window", "--path start"),
             (
                 "--scene classic --data no/such --path orbit --json f",
                 "no/such/data/classic/heights",

@@ -1,7 +1,9 @@
 //! The command line: what can be asked for, and how it becomes a setup.
 
 mod bench;
+mod elevation;
 mod fbx2gltf;
+mod heights;
 mod scene;
 mod values;
 
@@ -14,6 +16,7 @@ use dolomite_game::run::Setup;
 
 use bench::Bench;
 use fbx2gltf::Fbx2gltf;
+use heights::Heights;
 use scene::SceneArgs;
 use values::Size;
 
@@ -63,6 +66,8 @@ pub enum Command {
     Bench(Bench),
     /// Convert an FBX file to glTF and say how exact the result is.
     Fbx2gltf(Fbx2gltf),
+    /// Say what a file of elevation is, picture it, convert it.
+    Heights(Heights),
     /// Print the default settings as a file, with a comment on each.
     Settings,
 }

@@ -3,40 +3,39 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use dolomite::terrain::RawFormat;
 use dolomite_game::bench::BenchError;
 use dolomite_game::bench::classic::args::ClassicArgs;
 use dolomite_game::bench::classic::{self, view::FIELD_OF_VIEW};
 use dolomite_game::run::{GameError, Setup};
 use dolomite_game::scene::{MapOptions, SceneRequest};
 use dolomite_game::settings::Settings;
+use dolomite_game::settings::quality::Preset;
 
-use super::values::{Camera, Degrees2, RawType, Size};
+use super::elevation::ReadArgs;
+use super::values::{Camera, Degrees2};
 
 /// What is shown; the same for every command.
 #[derive(Args)]
 pub struct SceneArgs {
     /// `mountain`, `jacksboro`, `classic` (to compare methods; needs the shared data), a scene file
-    /// (.ron), or a height map (.png, .raw, .r16, .f32).
+    /// (.ron), or a height map (.png, .tif, .asc, .hgt, .raw, .r16, .r32, .f32).
     #[arg(long, default_value = "mountain")]
     pub scene: String,
     #[command(flatten)]
     pub classic: ClassicArgs,
-    /// Height map: metres between samples.
+    /// Height map: metres between samples [default: what the file tells, else 30].
+    #[arg(long, value_name = "METRES", help_heading = "Height map")]
+    spacing: Option<f64>,
+    #[command(flatten)]
+    read: ReadArgs,
+    /// Height map: leave samples without data as a sea of this level [default: fill them from their border].
     #[arg(
         long,
         value_name = "METRES",
-        default_value_t = 30.0,
+        allow_negative_numbers = true,
         help_heading = "Height map"
     )]
-    spacing: f64,
-    /// Height map: columns and rows, needed for all but PNG.
-    #[arg(long, value_name = "COLUMNSxROWS", help_heading = "Height map")]
-    size_of_raw: Option<Size>,
-    /// Height map: the little-endian numbers of a raw file, where the ending does not tell (.raw is
-    /// i16, .r16 is u16, .f32 is f32).
-    #[arg(long, value_enum, help_heading = "Height map")]
-    raw_type: Option<RawType>,
+    sea_in_holes: Option<f32>,
     /// Height map: metres for one unit of a sample [default: 1; 0.1 for PNG].
     #[arg(
         long,
@@ -98,6 +97,14 @@ pub struct SceneArgs {
         conflicts_with = "max_error"
     )]
     budget: Option<f32>,
+    /// What pictures are drawn with, where the settings do not say it by hand [default: auto: that of the device
+    /// in a window, full in pictures and measurements].
+    #[arg(long, value_enum, help_heading = "Settings")]
+    preset: Option<Preset>,
+    /// Sides of the picture that is drawn over those of the one that is shown, 0.25 to 2; the errors above are in
+    /// pixels of what is drawn [default: that of the preset].
+    #[arg(long, value_name = "SCALE", help_heading = "Settings")]
+    resolution: Option<f32>,
     /// Start at this camera: metres, and degrees. Yaw 0 looks north and grows to the left, pitch
     /// grows upwards. [default: that of the scene; for play, behind the figure]
     #[arg(long, value_name = "X,Y,Z,YAW,PITCH", allow_hyphen_values = true)]
@@ -135,6 +142,8 @@ impl SceneArgs {
         settings.fov = self.fov.or(fov).unwrap_or(settings.fov);
         settings.pixels_per_edge = self.pixels_per_edge.unwrap_or(settings.pixels_per_edge);
         settings.finest_patch = self.finest_patch.unwrap_or(settings.finest_patch);
+        settings.preset = self.preset.unwrap_or(settings.preset);
+        settings.resolution = self.resolution.or(settings.resolution);
         self.rule(&mut settings);
         change(&mut settings);
         settings
@@ -144,8 +153,8 @@ impl SceneArgs {
             scene: self.scene.clone(),
             map: MapOptions {
                 spacing: self.spacing,
-                size: self.size_of_raw.map(|Size(size)| (size.x, size.y)),
-                raw: self.raw_type.map(RawFormat::from),
+                read: self.read.options(self.spacing.is_some()),
+                sea: self.sea_in_holes,
                 scale: self.height_scale,
                 offset: self.height_offset,
             },

@@ -3,32 +3,10 @@
 use std::str::FromStr;
 
 use bevy::math::{DVec3, UVec2};
-use dolomite::terrain::RawFormat;
 use dolomite_game::scene::{PITCH_LIMIT, Pose};
 use dolomite_game::settings::MAX_SIDE;
 
-/// The numbers of a raw height map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum RawType {
-    /// Signed 16-bit.
-    I16,
-    /// Unsigned 16-bit.
-    U16,
-    /// 32-bit float.
-    F32,
-}
-
-impl From<RawType> for RawFormat {
-    fn from(raw: RawType) -> Self {
-        match raw {
-            RawType::I16 => Self::I16,
-            RawType::U16 => Self::U16,
-            RawType::F32 => Self::F32,
-        }
-    }
-}
-
-/// Width and height in pixels, or columns and rows: `1280x720`.
+/// Width and height in pixels: `1280x720`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size(pub UVec2);
 

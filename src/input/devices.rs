@@ -79,6 +79,8 @@ fn read_keyboard_and_mouse(
         switch_fill: keys.just_pressed(KeyCode::KeyF),
         switch_focus: keys.just_pressed(KeyCode::Tab),
         switch_keys: keys.just_pressed(KeyCode::F1),
+        resolution_steps: i32::from(keys.just_pressed(KeyCode::Equal))
+            - i32::from(keys.just_pressed(KeyCode::Minus)),
         leave: keys.just_pressed(KeyCode::Escape),
     };
 }

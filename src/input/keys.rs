@@ -47,6 +47,7 @@ pub const KEYS: &[Key] = &[
         "next rule of detail: patches, error; classic, edge, error",
     ),
     key("M", "", "classic scene: next of GPU, CPU, static on each"),
+    key("- =", "", "draw fewer, more pixels; the panel stays sharp"),
     key("F1", "start", "these keys on, off"),
     key("Esc", "select", "leave"),
 ];

@@ -41,6 +41,8 @@ pub struct PlayerInput {
     pub switch_follow: bool,
     /// Switches the panel of keys.
     pub switch_keys: bool,
+    /// Steps of the resolution in this frame: above 0 more pixels are drawn.
+    pub resolution_steps: i32,
     /// Leaves the game.
     pub leave: bool,
 }

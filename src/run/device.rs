@@ -5,6 +5,8 @@ use bevy::tasks::block_on;
 use thiserror::Error;
 use wgpu::{DeviceType, DownlevelFlags, Limits};
 
+use crate::settings::quality::DeviceKind;
+
 /// Why there is no device to draw with.
 #[derive(Debug, Error)]
 pub enum DeviceError {
@@ -42,8 +44,8 @@ pub enum DeviceError {
 pub struct Device {
     /// Its name, as the driver gives it.
     pub name: String,
-    /// It is a program on the CPU.
-    pub software: bool,
+    /// What it is.
+    pub kind: DeviceKind,
     /// Largest side of a texture, pixels.
     pub max_texture: u32,
 }
@@ -171,7 +173,13 @@ pub fn probe() -> Result<Device, DeviceError> {
     }
     Ok(Device {
         name: info.name,
-        software: info.device_type == DeviceType::Cpu,
+        kind: match info.device_type {
+            DeviceType::Cpu => DeviceKind::Software,
+            DeviceType::DiscreteGpu => DeviceKind::Discrete,
+            DeviceType::IntegratedGpu | DeviceType::VirtualGpu | DeviceType::Other => {
+                DeviceKind::Integrated
+            }
+        },
         max_texture: limits.max_texture_dimension_2d,
     })
 }

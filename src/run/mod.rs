@@ -2,10 +2,12 @@
 //!
 //! | file | concern |
 //! |---|---|
+//! | [`began`] | when the process began |
 //! | [`device`] | is there a device that can draw this |
 //! | [`window`], [`patient`] | play in a window, which answers from its first frame on |
 //! | [`offscreen`], [`mod@shot`] | an app without a window; one picture from it |
 
+pub mod began;
 pub mod device;
 pub mod offscreen;
 pub mod patient;

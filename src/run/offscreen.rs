@@ -200,8 +200,8 @@ impl Offscreen {
                 stats.patches > 0 && stats.dispatches == 0 && stats.uploaded == 0
             });
             // The relief map arrives from the background when it is done; both are the game's own view's.
-            let relief = self.draws_itself() || self.has_relief();
-            let person = self.draws_itself() || hero::is_there(self.app.world_mut());
+            let relief = has_relief(self.app.world_mut());
+            let person = has_person(self.app.world_mut());
             if pending.is_empty() && relief && person && at_rest && stats == last {
                 calm += 1;
                 if calm == CALM {
@@ -223,17 +223,6 @@ impl Offscreen {
             };
         }
         Err(OffscreenError::NotSettled(waiting))
-    }
-
-    fn draws_itself(&self) -> bool {
-        let scene = self.app.world().get_resource::<CurrentScene>();
-        scene.is_some_and(|scene| scene.own.is_some())
-    }
-
-    fn has_relief(&mut self) -> bool {
-        let world = self.app.world_mut();
-        let mut with = world.query_filtered::<(), (With<Landscape>, With<TerrainRelief>)>();
-        with.iter(world).next().is_some()
     }
 
     /// Labels of pipelines that are not there yet.
@@ -293,6 +282,22 @@ impl Offscreen {
         }
         Err(OffscreenError::NoPicture)
     }
+}
+
+fn draws_itself(world: &World) -> bool {
+    let scene = world.get_resource::<CurrentScene>();
+    scene.is_some_and(|scene| scene.own.is_some())
+}
+
+/// Whether the relief map of the ground has come, where the scene has one.
+pub fn has_relief(world: &mut World) -> bool {
+    let mut with = world.query_filtered::<(), (With<Landscape>, With<TerrainRelief>)>();
+    draws_itself(world) || with.iter(world).next().is_some()
+}
+
+/// Whether the figure looks as it will, where the scene has one.
+pub fn has_person(world: &mut World) -> bool {
+    draws_itself(world) || hero::is_there(world)
 }
 
 fn check_size(size: UVec2, most: u32) -> Result<(), OffscreenError> {

@@ -6,9 +6,12 @@ use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::window::{PresentMode, PrimaryWindow, Window, WindowPlugin, WindowResolution};
 
+use super::device::Device;
 use super::patient::PatientRenderingPlugin;
 use super::{GameError, Setup, device, log_plugin};
 use crate::input::devices::InputPlugin;
+use crate::settings::quality::DeviceKind;
+use crate::view::quality::DrawnBy;
 use crate::view::start::Hidden;
 
 /// Opens the window and plays until the player leaves.
@@ -16,9 +19,19 @@ use crate::view::start::Hidden;
 /// # Errors
 /// [`GameError`] when there is no display or no device.
 pub fn play(setup: Setup) -> Result<AppExit, GameError> {
+    let (mut app, _) = app(setup)?;
+    Ok(app.run())
+}
+
+/// The game in its window, not yet running, and what draws it.
+///
+/// # Errors
+/// [`GameError`] when there is no display or no device.
+pub fn app(setup: Setup) -> Result<(App, Device), GameError> {
     device::display()?;
     let device = device::probe()?;
-    if device.software {
+    let software = device.kind == DeviceKind::Software;
+    if software {
         eprintln!(
             "dolomite: `{}` draws on the CPU; expect a few frames a second",
             device.name
@@ -54,13 +67,12 @@ pub fn play(setup: Setup) -> Result<AppExit, GameError> {
             })
             .set(log_plugin()),
     );
-    app.add_plugins(PatientRenderingPlugin {
-        always: device.software,
-    });
+    app.add_plugins(PatientRenderingPlugin { always: software });
+    app.insert_resource(DrawnBy(Some(device.kind)));
     setup.add_behind_start_screen(&mut app);
     app.add_systems(PreStartup, hide_until_drawn);
     app.add_plugins(InputPlugin);
-    Ok(app.run())
+    Ok((app, device))
 }
 
 /// The window was made unseen; the start screen shows it.

@@ -1,6 +1,8 @@
-//! What the player may set, from a RON file; and where files lie ([`paths`]).
+//! What the player may set, from a RON file; what pictures are drawn with ([`quality`]); where files lie
+//! ([`paths`]).
 
 pub mod paths;
+pub mod quality;
 
 use std::path::{Path, PathBuf};
 
@@ -8,6 +10,8 @@ use bevy::prelude::*;
 use dolomite::ground::detail::settings::LEAST_PIXELS;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+use quality::{AntiAliasing, MOST_CASCADES, Preset, RESOLUTION_RANGE, SHADOW_MAP_RANGE};
 
 /// The default settings as a file, with a comment on each; `dolomite settings` prints it.
 pub const DEFAULT_SETTINGS: &str = include_str!("default.ron");
@@ -52,6 +56,19 @@ pub struct Settings {
     /// Time in which the ground's detail is to be chosen and drawn, milliseconds of the GPU; above 0, at most
     /// 1000. The error in the picture follows it; `max_error` then does not count.
     pub budget: Option<f32>,
+    /// What pictures are drawn with, where the five fields below do not say it.
+    pub preset: Preset,
+    /// Bright places glow.
+    pub bloom: Option<bool>,
+    /// How edges are smoothed.
+    pub anti_aliasing: Option<AntiAliasing>,
+    /// Maps of the sun's shadow, 0 (no shadows) to [`MOST_CASCADES`].
+    pub shadow_cascades: Option<u32>,
+    /// Side of each, texels, in [`SHADOW_MAP_RANGE`].
+    pub shadow_map: Option<u32>,
+    /// Sides of the picture that is drawn over those of the display, in [`RESOLUTION_RANGE`]; the errors above are
+    /// in pixels of what is drawn.
+    pub resolution: Option<f32>,
     /// Sun as (azimuth, elevation) in degrees instead of the scene's own: azimuth clockwise from
     /// north, elevation above the horizon, −90 to 90.
     pub sun: Option<(f32, f32)>,
@@ -78,6 +95,12 @@ impl Default for Settings {
             finest_patch: 16.0,
             max_error: Some(1.0),
             budget: None,
+            preset: Preset::Auto,
+            bloom: None,
+            anti_aliasing: None,
+            shadow_cascades: None,
+            shadow_map: None,
+            resolution: None,
             sun: None,
             detail: None,
             panel: true,
@@ -213,6 +236,27 @@ impl Settings {
             ("budget", self.budget.unwrap_or(1.0), 0.0, false, 1000.0),
             ("detail", self.detail.unwrap_or(0.0), 0.0, true, 1000.0),
             (
+                "shadow_cascades",
+                self.shadow_cascades.unwrap_or(0) as f32,
+                0.0,
+                true,
+                MOST_CASCADES as f32,
+            ),
+            (
+                "shadow_map",
+                self.shadow_map.unwrap_or(SHADOW_MAP_RANGE.0) as f32,
+                SHADOW_MAP_RANGE.0 as f32,
+                true,
+                SHADOW_MAP_RANGE.1 as f32,
+            ),
+            (
+                "resolution",
+                self.resolution.unwrap_or(1.0),
+                RESOLUTION_RANGE.0,
+                true,
+                RESOLUTION_RANGE.1,
+            ),
+            (
                 "sun azimuth",
                 self.sun.map_or(0.0, |sun| sun.0),
                 -360.0,
@@ -298,6 +342,10 @@ mod tests {
             "(pixels_per_edge: 0.0)",
             "(sun: (0.0, 91.0))",
             "(detail: -1.0)",
+            "(resolution: 0.2)",
+            "(resolution: NaN)",
+            "(shadow_cascades: 5)",
+            "(shadow_map: 8192)",
         ] {
             assert!(
                 matches!(parse(text), Err(SettingsError::Range { .. })),

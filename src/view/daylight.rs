@@ -1,15 +1,13 @@
 //! The sun of the scene, or the player's; and the colours of the picture by day and by night.
 
-use bevy::light::CascadeShadowConfigBuilder;
 use bevy::prelude::*;
 use bevy::render::view::ColorGrading;
 use dolomite::sky::{SeenSky, Sky, SkySystems, Sun};
 
+use super::quality;
 use crate::scene::CurrentScene;
 use crate::settings::Settings;
-
-/// How far from the camera things cast shadows, metres: across a valley.
-const SHADOW_DISTANCE: f32 = 5_000.0;
+use crate::settings::quality::Quality;
 
 /// AgX trades saturation for highlights; by day this gives grass and sky theirs back.
 pub const SATURATION: f32 = 1.3;
@@ -32,18 +30,13 @@ impl Plugin for DaylightPlugin {
     }
 }
 
-fn spawn(mut commands: Commands, scene: Res<CurrentScene>, settings: Res<Settings>) {
-    commands.spawn((
-        place(&scene, &settings),
-        CascadeShadowConfigBuilder {
-            num_cascades: 4,
-            minimum_distance: 0.2,
-            first_cascade_far_bound: 60.0,
-            maximum_distance: SHADOW_DISTANCE,
-            ..default()
-        }
-        .build(),
-    ));
+fn spawn(
+    mut commands: Commands,
+    scene: Res<CurrentScene>,
+    settings: Res<Settings>,
+    chosen: Res<Quality>,
+) {
+    commands.spawn((place(&scene, &settings), quality::cascades(&chosen)));
 }
 
 /// Where the sun stands.

@@ -7,7 +7,10 @@
 //! | [`panel`], [`passes`] | figures over the picture; times of render passes |
 //! | [`start`], [`progress`] | the start screen; what has been made of the first picture |
 //! | [`sharpen`] | the first ground in a window is coarse |
+//! | [`quality`] | bloom, anti-aliasing and shadows as they were chosen |
+//! | [`scaled`] | the scene in a resolution of its own |
 //! | [`bloom`] | bloom in views of any shape |
+//! | [`unlit`] | a view without its lighting, for the bench |
 //! | [`daylight`] | the place of the sun; colours by day and by night |
 
 pub mod bloom;
@@ -16,17 +19,18 @@ pub mod hero;
 pub mod panel;
 pub mod passes;
 pub mod progress;
+pub mod quality;
+pub mod scaled;
 pub mod sharpen;
 pub mod start;
 pub mod textures;
+pub mod unlit;
 
-use bevy::anti_alias::smaa::Smaa;
 use bevy::camera::{Hdr, RenderTarget};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::pbr::DefaultOpaqueRendererMethod;
-use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
 use dolomite::ground::detail::TerrainLod;
@@ -40,10 +44,12 @@ use crate::play::figure::Figure;
 use crate::play::{DetailFocus, Landscape, Switches};
 use crate::scene::CurrentScene;
 use crate::settings::Settings;
+use crate::settings::quality::Quality;
 use bloom::BloomFitPlugin;
 use daylight::{DaylightPlugin, SATURATION};
 use hero::HeroPlugin;
-use panel::UiCamera;
+use quality::QualityPlugin;
+use scaled::{Scaled, ScaledPlugin};
 use sharpen::Widened;
 
 /// Distances that the camera sees, metres. Depth is infinite; `far` bounds culling only.
@@ -53,6 +59,10 @@ const FAR: f32 = 100_000.0;
 /// Where the camera draws to when there is no window.
 #[derive(Resource, Clone)]
 pub struct OffscreenTarget(pub Handle<Image>);
+
+/// The camera that panels are drawn over.
+#[derive(Component)]
+pub struct UiCamera;
 
 /// Makes the scene visible: gives cameras and ground what they are drawn with, and spawns panels. Runs
 /// once: at the start, or after the first frames of the [`start`] screen.
@@ -105,7 +115,13 @@ impl Plugin for ViewPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(DefaultOpaqueRendererMethod::deferred())
             .insert_resource(ClearColor(Color::BLACK))
-            .add_plugins((DaylightPlugin, HeroPlugin, BloomFitPlugin))
+            .add_plugins((
+                DaylightPlugin,
+                HeroPlugin,
+                BloomFitPlugin,
+                QualityPlugin,
+                ScaledPlugin,
+            ))
             .add_systems(
                 Dress,
                 (dress_camera, dress_landscape).in_set(DressSystems::Scene),
@@ -132,6 +148,7 @@ fn dress_camera(
     settings: Res<Settings>,
     scene: Res<CurrentScene>,
     widened: Option<Res<Widened>>,
+    chosen: Res<Quality>,
     cameras: Query<(Entity, &FreeCamera)>,
 ) {
     for (entity, camera) in &cameras {
@@ -160,8 +177,7 @@ fn dress_camera(
                 },
                 ..default()
             },
-            Bloom::NATURAL,
-            Smaa::default(),
+            Scaled,
             TerrainView,
             Widened::detail(widened.as_deref(), settings.max_error.unwrap_or(1.0)),
             GeometryCamera {
@@ -171,6 +187,7 @@ fn dress_camera(
             daylight::sky(&scene),
             UiCamera,
         ));
+        quality::effects(&mut entity, &chosen);
         if let Some(target) = &target {
             entity.insert(RenderTarget::Image(target.0.clone().into()));
         }

@@ -12,12 +12,14 @@ use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::tessellation::render::GeometryStats;
 
 use super::passes::{self, Clock};
-use super::{Dress, DressSystems};
+use super::scaled::PictureSize;
+use super::{Dress, DressSystems, OffscreenTarget, UiCamera};
 use crate::input::keys;
 use crate::play::{DetailFocus, Switches};
 use crate::scene::CurrentScene;
 use crate::scene::reload::SceneFault;
 use crate::settings::Settings;
+use crate::settings::quality::{AntiAliasing, Quality};
 
 /// How often the figures change: four times a second can still be read.
 const PERIOD: Duration = Duration::from_millis(250);
@@ -27,10 +29,6 @@ const PASSES: usize = 9;
 
 /// Size of the letters, logical pixels.
 const LETTERS: f32 = 13.0;
-
-/// The camera that the panel is drawn over.
-#[derive(Component)]
-pub struct UiCamera;
 
 /// Panels over the view.
 pub struct PanelPlugin;
@@ -58,7 +56,9 @@ impl Plugin for PanelPlugin {
             .add_systems(
                 Update,
                 (
-                    write_figures.run_if(on_real_timer(PERIOD)),
+                    // Without a window time stands still but for the steps that are asked for.
+                    write_figures
+                        .run_if(on_real_timer(PERIOD).or_else(resource_exists::<OffscreenTarget>)),
                     show_keys.run_if(resource_changed::<Switches>),
                     show_fault.run_if(resource_changed::<SceneFault>),
                 ),
@@ -128,6 +128,8 @@ fn write_figures(
     scene: Res<CurrentScene>,
     switches: Res<Switches>,
     own: Option<Res<PanelRows>>,
+    quality: Option<Res<Quality>>,
+    size: Option<Res<PictureSize>>,
     detail: Option<Single<(&TerrainLod, Option<&BudgetReport>), Without<PatchDetail>>>,
     text: Option<Single<&mut Text, With<Figures>>>,
 ) {
@@ -173,6 +175,20 @@ fn write_figures(
             row(&mut lines, "budget", held.to_owned());
         }
     }
+    if let Some(quality) = quality {
+        row(&mut lines, "quality", quality.preset.name().to_owned());
+        row(&mut lines, "glow, edges, shadows", effects(&quality));
+    }
+    if let Some(PictureSize { drawn, shown }) = size.as_deref().copied()
+        && drawn != UVec2::ZERO
+    {
+        let part = 100.0 * drawn.y as f32 / shown.y as f32;
+        row(
+            &mut lines,
+            "drawn",
+            format!("{}x{} {part:.0} %", drawn.x, drawn.y),
+        );
+    }
     let mut gpu = passes::newest(&diagnostics, Clock::Gpu);
     gpu.sort_by(|a, b| b.1.total_cmp(&a.1));
     for (name, milliseconds) in gpu.into_iter().take(PASSES) {
@@ -182,6 +198,17 @@ fn write_figures(
     if text.0 != lines {
         lines.clone_into(&mut text.0);
     }
+}
+
+/// What is on, in short.
+fn effects(quality: &Quality) -> String {
+    let edges = match quality.anti_aliasing {
+        AntiAliasing::Off => "off",
+        AntiAliasing::Fxaa => "fxaa",
+        AntiAliasing::Smaa => "smaa",
+    };
+    let glow = if quality.bloom { "on" } else { "off" };
+    format!("{glow}, {edges}, {}", quality.shadow_cascades)
 }
 
 /// A row of 34 letters: a name to the left, a figure to the right.

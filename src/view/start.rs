@@ -86,9 +86,11 @@ fn spawn(mut commands: Commands, scene: Res<CurrentScene>) {
         .spawn((
             Screen,
             Camera2d,
+            // As the camera that shows a scaled scene: cameras of one window share its depth texture.
+            Msaa::Off,
             Camera {
                 // Over the scene, which is drawn below it before it is whole.
-                order: 1,
+                order: 2,
                 ..default()
             },
         ))

@@ -5,6 +5,9 @@
 //! | [`gpu`] | | compute shaders on whatever adapter there is, without a window |
 //! | [`metrics`] | | errors, medians, hashes |
 //! | [`random`] | | inputs that are the same everywhere |
+//! | [`double_double`] | | numbers of 106 bits |
+//! | [`sweeps`] | | when a moving ellipsoid touches a triangle, in those |
+//! | [`hostile`], [`places`] | | sweeps that are hard to get right, and what random geometry is made of |
 //! | [`cores`] | | work on all cores, results in order |
 //! | [`mesh`] | | is a mesh closed: edges without a counterpart |
 //! | [`logs`] | | warnings and errors of an app, to be counted |
@@ -12,22 +15,28 @@
 //! | `draw` | `stage` | what they emitted, drawn, stored or evaluated by the draw |
 //! | `raster` | `stage` | pixels that triangles leave uncovered |
 //! | `detail` | `detail` | the passes that choose the ground's detail, and answer places |
+//! | `blocks` | `detail` | the same in blocks |
 //! | `skinning` | `skinning` | skinning from a palette on the adapter, by the CPU reference, and in f64 |
 //! | `flip` | `flip` | how far apart two pictures are |
 //!
-//! `stage/record.rs` and `detail/record.rs` are all that records passes.
+//! `stage/record.rs`, `detail/record.rs` and `blocks/run.rs` are all that records passes.
 
+#[cfg(feature = "detail")]
+pub mod blocks;
 pub mod cores;
 #[cfg(feature = "detail")]
 pub mod detail;
+pub mod double_double;
 #[cfg(feature = "stage")]
 pub mod draw;
 #[cfg(feature = "flip")]
 pub mod flip;
 pub mod gpu;
+pub mod hostile;
 pub mod logs;
 pub mod mesh;
 pub mod metrics;
+pub mod places;
 pub mod random;
 #[cfg(feature = "stage")]
 pub mod raster;
@@ -35,3 +44,4 @@ pub mod raster;
 pub mod skinning;
 #[cfg(feature = "stage")]
 pub mod stage;
+pub mod sweeps;

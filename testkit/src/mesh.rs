@@ -1,5 +1,7 @@
 //! Whether a mesh of triangles is closed.
 
+use crate::random::Random;
+use bevy::math::Vec3;
 use bevy::platform::collections::HashSet;
 
 /// Edges that a mesh uses in one direction alone, and how often an edge is used twice in one direction.
@@ -28,6 +30,42 @@ pub fn edges(triangles: &[[u32; 3]]) -> Edges {
         .collect();
     found.open.sort_unstable();
     found
+}
+
+/// A closed surface: a sphere whose vertices are pushed in and out, so that edges are ridges and valleys.
+#[must_use]
+pub fn bumpy_sphere(random: &mut Random, rings: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let sectors = 2 * rings;
+    let mut vertices = vec![Vec3::Y * 2.0, Vec3::NEG_Y * 2.0];
+    for ring in 1..rings {
+        for sector in 0..sectors {
+            let up = 1.0 - 2.0 * ring as f32 / rings as f32;
+            let out = (1.0 - up * up).sqrt();
+            // Around a square in place of a circle: no sine is needed.
+            let turn = 4.0 * sector as f32 / sectors as f32;
+            let (side, along) = (turn as u32, turn.fract());
+            let (x, z) = [
+                (1.0 - along, along),
+                (-along, 1.0 - along),
+                (along - 1.0, -along),
+                (along, along - 1.0),
+            ][side as usize % 4];
+            let scale = 1.0 + 0.3 * random.unit_f32();
+            vertices.push(Vec3::new(x * out, up, z * out) * scale);
+        }
+    }
+    let at = |ring: u32, sector: u32| 2 + (ring - 1) * sectors + sector % sectors;
+    let mut triangles = Vec::new();
+    for sector in 0..sectors {
+        triangles.push([0, at(1, sector + 1), at(1, sector)]);
+        triangles.push([1, at(rings - 1, sector), at(rings - 1, sector + 1)]);
+        for ring in 1..rings - 1 {
+            let (a, b) = (at(ring, sector), at(ring, sector + 1));
+            let (c, d) = (at(ring + 1, sector), at(ring + 1, sector + 1));
+            triangles.extend([[a, b, d], [a, d, c]]);
+        }
+    }
+    (vertices, triangles)
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use bevy::math::DVec2;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use dolomite::DolomitePlugins;
-use dolomite::ground::detail::budget::{Budget, BudgetReport, FrameTime};
+use dolomite::ground::detail::budget::{Budget, BudgetReport, FrameTime, ViewWork, WorkCurve};
 use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::ground::{GroundPlugin, TerrainView};
 use dolomite::terrain::{Fractal, Ground};
@@ -186,4 +186,57 @@ fn gpu_a_budget_that_can_be_met_is_met_from_both_sides() {
     println!("back: {least:.3} to {greatest:.3} of the budget, {third:?}");
     assert!(least > 0.85 && greatest <= 1.0, "{least} {greatest}");
     assert!(third.tau < second.tau, "{third:?}");
+}
+
+/// The work curve that the ground has counted for the camera.
+fn curve(scene: &Scene) -> Option<WorkCurve> {
+    scene.app.world().entity(scene.camera).get::<ViewWork>()?.0
+}
+
+#[test]
+fn gpu_the_ground_counts_what_each_tolerance_asks_for() {
+    let Some(mut scene) = Scene::new() else {
+        return;
+    };
+    let tolerances = [1.0, 2.0, 4.0, 8.0, 16.0];
+    let drawn = tolerances.map(|pixels| {
+        scene.settled(Metric::ErrorBound { pixels });
+        f64::from(scene.app.world().resource::<GeometryStats>().vertices)
+    });
+    assert_eq!(curve(&scene), None, "nobody asks without a budget");
+    // Without times the tolerance is nobody's but the test's.
+    let budget = Budget {
+        least: 0.5,
+        greatest: 32.0,
+        ..Budget::default()
+    };
+    scene
+        .app
+        .world_mut()
+        .entity_mut(scene.camera)
+        .insert(budget);
+    for (k, pixels) in tolerances.into_iter().enumerate() {
+        scene.settled(Metric::ErrorBound { pixels });
+        let curve = curve(&scene).expect("the ground has counted");
+        for (j, other) in tolerances.into_iter().enumerate() {
+            let off = f64::from(curve.at(other)) / drawn[j];
+            println!(
+                "counted at {pixels} px, of {other} px: {off:.3} of {}",
+                drawn[j]
+            );
+            // Counts of an eighth of an octave are taken as spread evenly over it, and the curve has six points an
+            // octave between which it is straight: 4 % each. Finer than counted, it goes on as steeply as it comes,
+            // which holds to some tenths an octave.
+            let most = if j >= k { 0.1 } else { 0.3 * (k - j) as f64 };
+            assert!((off - 1.0).abs() <= most, "{off} is farther than {most}");
+        }
+    }
+    // Who has lost the budget is no longer counted for.
+    scene
+        .app
+        .world_mut()
+        .entity_mut(scene.camera)
+        .remove::<(Budget, ViewWork)>();
+    scene.settled(Metric::ErrorBound { pixels: 3.0 });
+    assert_eq!(curve(&scene), None);
 }

@@ -15,7 +15,9 @@ mod night;
 #[expect(dead_code, reason = "only its body is drawn here")]
 #[path = "../../plugins/character/tests/all/support/person.rs"]
 mod person;
+mod quality;
 mod stage;
+mod start;
 mod strangers;
 mod support;
 mod tint;

@@ -5,6 +5,7 @@ pub mod budget;
 pub mod fbx;
 pub mod ground;
 pub mod lod;
+pub mod material;
 pub mod noise;
 pub mod tessellation;
 pub mod tessellation_speed;
@@ -19,6 +20,7 @@ pub const STUDIES: &[Study] = &[
     ground::STUDY,
     fbx::STUDY,
     lod::STUDY,
+    material::STUDY,
     noise::STUDY,
     tessellation::STUDY,
     tessellation_speed::STUDY,

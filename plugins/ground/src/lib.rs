@@ -23,6 +23,7 @@
 //!
 //! | part | what it does |
 //! |---|---|
+//! | [`blocks`] | level of detail in blocks, chosen by numbers that are kept with them |
 //! | [`cover`] | the ground as patches of the tessellation stage: a balanced quadtree around the focus |
 //! | [`detail`] | the ground with its error bounded in pixels, chosen on the GPU |
 //! | [`material`] | what the ground is made of, and how the sea looks: data |
@@ -38,6 +39,7 @@ macro_rules! tell {
     }};
 }
 
+pub mod blocks;
 pub mod cover;
 pub mod detail;
 mod idle_budget;
@@ -50,7 +52,9 @@ mod sets;
 mod shown;
 
 pub use cover::{PatchDetail, TerrainCover, TerrainCoverSystems, TerrainView};
-pub use material::{Band, GroundLayer, GroundMaterial, MaterialBands, Measure, Sea, Surface};
+pub use material::{
+    Band, GroundLayer, GroundMaterial, GroundShading, MaterialBands, Measure, Sea, Surface,
+};
 pub use plugin::GroundPlugin;
 #[cfg(feature = "render")]
 pub use render::GroundTextures;

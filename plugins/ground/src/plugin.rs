@@ -7,7 +7,7 @@ use crate::cover::{PatchBounds, PatchDetail, TerrainCoverSystems, TerrainView, u
 use crate::detail::budget::{Budget, DetailBudgetPlugin};
 use crate::detail::{DrawnProbes, TerrainLod};
 use crate::idle_budget;
-use crate::material::{GroundMaterial, MaterialBands, Sea};
+use crate::material::{GroundMaterial, GroundShading, MaterialBands, Sea};
 use crate::sets::GroundSystems;
 use crate::shown::{ShownTerrains, follow_terrains};
 use dolomite_terrain::TerrainPlugin;
@@ -44,6 +44,7 @@ impl Plugin for GroundPlugin {
             .register_type::<TerrainLod>()
             .register_type::<PatchDetail>()
             .register_type::<GroundMaterial>()
+            .register_type::<GroundShading>()
             .register_type::<MaterialBands>()
             .register_type::<Sea>()
             .register_type::<DrawnProbes>();

@@ -59,17 +59,13 @@ fn clear_horizon(thread: u32, threads: u32) {
     }
 }
 
-// Whether a triangle is behind drawn ground wherever it is in view.
-fn is_behind(a: Mapped, b: Mapped, c: Mapped) -> bool {
-    let depth = min(min(a.depth, b.depth), c.depth);
+// Whether all is behind drawn ground that lies at a depth and beyond, between two u, and no higher than `top`; no |s| in it is
+// greater than `steepness`.
+fn is_behind_all(depth: f32, left: f32, right: f32, top: f32, steepness: f32) -> bool {
     let layer = floor(layer_of(depth) - LAYER_ROUNDING);
     if !(depth >= detail.horizon.nearest && layer >= 0.0) || atomicLoad(&counts[BLIND]) != 0u {
         return false;
     }
-    let left = min(min(a.u, b.u), c.u);
-    let right = max(max(a.u, b.u), c.u);
-    let top = max(max(a.s, b.s), c.s);
-    let steepness = max(max(abs(a.s), abs(b.s)), abs(c.s));
     if !(steepness < MOST && abs(left) < MOST && abs(right) < MOST) {
         return false;
     }
@@ -85,4 +81,24 @@ fn is_behind(a: Mapped, b: Mapped, c: Mapped) -> bool {
         }
     }
     return true;
+}
+
+// Whether a triangle is behind drawn ground wherever it is in view.
+fn is_behind(a: Mapped, b: Mapped, c: Mapped) -> bool {
+    let depth = min(min(a.depth, b.depth), c.depth);
+    let left = min(min(a.u, b.u), c.u);
+    let right = max(max(a.u, b.u), c.u);
+    let top = max(max(a.s, b.s), c.s);
+    let steepness = max(max(abs(a.s), abs(b.s)), abs(c.s));
+    return is_behind_all(depth, left, right, top, steepness);
+}
+
+// The same of what is in a flat square or below it, with these corners.
+fn is_below_behind(a: Mapped, b: Mapped, c: Mapped, d: Mapped) -> bool {
+    let depth = min(min(a.depth, b.depth), min(c.depth, d.depth));
+    let left = min(min(a.u, b.u), min(c.u, d.u));
+    let right = max(max(a.u, b.u), max(c.u, d.u));
+    let top = max(max(a.s, b.s), max(c.s, d.s));
+    let steepness = max(max(abs(a.s), abs(b.s)), max(abs(c.s), abs(d.s)));
+    return is_behind_all(depth, left, right, top, steepness);
 }

@@ -7,6 +7,9 @@
 #import dolomite::detail::lattice::{cell_half, on_lattice, side_direction}
 #import dolomite::detail::room::room
 
+// Bit of the flags: vertices are counted by their error ratio, for a budget.
+const COUNTED: u32 = 16u;
+
 // The greatest error ratio of the quarters of a cell that touch one of its sides.
 fn touching(at: u32, side: u32) -> f32 {
     let first = links[at].children;
@@ -55,8 +58,8 @@ fn find_middles(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
         }
         seen[at].middles = error_ratios;
         // In halves: a centre counts two, a middle one for each of the cells beside it. Where all of them
-        // have room anyway nobody asks.
-        if 10u * last > room() {
+        // have room anyway a budget alone asks.
+        if 10u * last > room() || (detail.flags & COUNTED) != 0u {
             count(seen[at].centre, 2u);
             for (var side = 0u; side < 4u; side++) {
                 count(error_ratios[side], select(1u, 2u, beside[side] == NO_CELL));

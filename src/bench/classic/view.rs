@@ -16,7 +16,8 @@ use crate::input::PlayerInput;
 use crate::play::Switches;
 use crate::play::camera::{CameraSystems, FreeCamera};
 use crate::settings::Settings;
-use crate::view::panel::{PanelRows, UiCamera};
+use crate::view::UiCamera;
+use crate::view::panel::PanelRows;
 use crate::view::{Dress, DressSystems, OffscreenTarget};
 
 /// Vertical field of view of the scene's definition, degrees.

@@ -24,6 +24,7 @@ use std::borrow::Cow;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 pub use times::PassTime;
+pub(crate) use times::Timer;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, Buffer, BufferUsages, ComputePipeline};
 

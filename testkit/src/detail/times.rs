@@ -22,7 +22,7 @@ pub struct PassTime {
 }
 
 /// Timestamps before and after each dispatch.
-pub(super) struct Timer {
+pub(crate) struct Timer {
     set: QuerySet,
     resolved: Buffer,
     passes: Vec<(&'static str, u32)>,
@@ -69,6 +69,20 @@ impl Timer {
         let count = 2 * self.passes.len() as u32;
         encoder.resolve_query_set(&self.set, 0..count, &self.resolved, 0);
     }
+
+    /// What each of them took, after all was submitted.
+    pub fn times(&self, gpu: &Gpu) -> Result<Vec<PassTime>, DetailError> {
+        let ticks: Vec<u64> = pod_collect_to_vec(&gpu.read(&self.resolved)?);
+        let nanoseconds = f64::from(gpu.queue().get_timestamp_period());
+        let times = self.passes.iter().zip(ticks.chunks_exact(2));
+        Ok(times
+            .map(|(&(entry, depth), ticks)| {
+                let taken = ticks[1].saturating_sub(ticks[0]) as f64 * nanoseconds;
+                let time = Duration::from_nanos(taken as u64);
+                PassTime { entry, depth, time }
+            })
+            .collect())
+    }
 }
 
 impl DetailStage<'_> {
@@ -91,16 +105,7 @@ impl DetailStage<'_> {
         let Some(timer) = self.times.take() else {
             return Ok((run, Vec::new()));
         };
-        let ticks: Vec<u64> = pod_collect_to_vec(&gpu.read(&timer.resolved)?);
-        let nanoseconds = f64::from(gpu.queue().get_timestamp_period());
-        let times = timer.passes.iter().zip(ticks.chunks_exact(2));
-        let times = times
-            .map(|(&(entry, depth), ticks)| {
-                let taken = ticks[1].saturating_sub(ticks[0]) as f64 * nanoseconds;
-                let time = Duration::from_nanos(taken as u64);
-                PassTime { entry, depth, time }
-            })
-            .collect();
+        let times = timer.times(gpu)?;
         Ok((run, times))
     }
 }

@@ -20,8 +20,8 @@ const PATIENCE: u32 = 240;
 /// A frame goes: [`BudgetSystems`] decide by the times that [`FrameTime`] names; who owns the tolerance takes
 /// [`BudgetReport::tau`] over after them, where it is above 0. It is 0 until a time has come, so that a tolerance
 /// that somebody set stays as long as nothing is measured; after some seconds a warning says what is missing.
-/// [`ViewWork`] is for producers that can count their work on the CPU before they draw; none of Dolomite's writes
-/// it, for the ground is selected on the GPU. May be added any number of times.
+/// [`ViewWork`] is written by producers that know what their view asks for at each tolerance: Dolomite's ground counts
+/// it on the GPU. May be added any number of times.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BudgetPlugin;
 
@@ -65,8 +65,8 @@ fn forget(removed: On<Remove, Budget>, mut commands: Commands) {
         .try_remove::<(Controlled, BudgetReport, TimeSamples)>();
 }
 
-/// What the camera's view of this frame asks for, by who can count it before [`BudgetSystems`]. Without it, work is
-/// taken as 1/τ.
+/// What the camera's view asks for at each tolerance, by who can count it, written before [`BudgetSystems`]: of this
+/// frame, or of one some frames ago. Without it, work is taken as 1/τ.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct ViewWork(pub Option<WorkCurve>);
 

@@ -85,6 +85,12 @@ impl<T: Pod> Counters<T> {
         self.wanted
     }
 
+    /// Whether [`Self::newest`] is of what was made last: nothing is wanted and nothing is under way.
+    #[must_use]
+    pub fn is_current(&self) -> bool {
+        !self.wanted && !self.ring.under_way()
+    }
+
     /// Records the copy, where one is wanted and a buffer is free.
     pub fn copy(&mut self, device: &RenderDevice, encoder: &mut CommandEncoder, from: &Buffer) {
         let make = || Mapped::new(device, "geometry_counters", Self::BYTES);

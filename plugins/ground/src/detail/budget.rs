@@ -1,5 +1,8 @@
 //! The ground's tolerance under a time budget: [`dolomite_geometry::budget`] decides, the metric follows.
 //!
+//! What a view asks for at every tolerance is counted on the GPU as the ground is chosen ([`work`]), so that the
+//! controller knows what a tolerance will cost in this view.
+//!
 //! The GPU's times come from Bevy's `RenderDiagnosticsPlugin`, which the app adds. Until there is one, the tolerance
 //! that the metric has stays.
 //!
@@ -16,6 +19,7 @@ use bevy::prelude::*;
 
 pub use dolomite_geometry::budget::*;
 
+use super::work::{self, GroundWork};
 use super::{Metric, TerrainLod};
 use crate::sets::GroundSystems;
 
@@ -61,12 +65,14 @@ impl Plugin for DetailBudgetPlugin {
             return;
         }
         app.insert_resource(Added)
+            .init_resource::<GroundWork>()
             .add_plugins(BudgetPlugin)
             .add_systems(
                 PostUpdate,
-                follow
-                    .in_set(GroundSystems::Budget)
-                    .after(BudgetSystems)
+                (
+                    work::supply.before(BudgetSystems),
+                    follow.in_set(GroundSystems::Budget).after(BudgetSystems),
+                )
                     .run_if(any_with_component::<Budget>),
             );
     }

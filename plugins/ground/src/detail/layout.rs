@@ -48,6 +48,9 @@ pub const KEEP_OTHERS: u32 = 4;
 /// Bit of [`DetailParams::flags`]: triangles behind nearer ground are left out as well.
 pub const OCCLUDED: u32 = 8;
 
+/// Bit of [`DetailParams::flags`]: vertices are counted by their error ratio, for a budget.
+pub const COUNTED: u32 = 16;
+
 impl DetailParams {
     /// For a view of the cells' ground, with room for so many cells, vertices and triangles. Nothing is left
     /// out of view; see [`Self::cull`].
@@ -151,6 +154,12 @@ pub const RECORD_BYTES: u64 = 20;
 pub const COUNT_WORDS: usize = 352;
 /// Words of the counts in all: behind those the map of the horizon, and whether it is blind.
 pub const ALL_COUNT_WORDS: usize = COUNT_WORDS + COLUMNS * LAYERS + 1;
+/// Word of the counts at which the histogram of error ratios begins, in halves of a vertex.
+pub const HISTOGRAM: usize = 96;
+/// Its steps.
+pub const BINS: usize = 256;
+/// Its steps in an octave.
+pub const STEPS_AN_OCTAVE: f32 = 8.0;
 /// Word of the counts: blocks to look at, of each depth.
 pub const LOOK: usize = 32;
 /// Word of the counts: blocks to make, of each depth.

@@ -22,6 +22,7 @@
 //! | [`budget`] | holds a time by the tolerance |
 //! | [`settings`] | metrics and their knobs |
 //! | [`lattice`] | places, cells and their neighbours, in integers |
+//! | [`aligned`] | a lattice on the samples of a height map |
 //! | [`mod@cell`] | heights and error bounds of a cell, from a few samples |
 //! | [`errors`] | how far the meshes of a cell are from its samples |
 //! | [`view`] | what a vertical metre is in pixels, at most |
@@ -30,10 +31,12 @@
 //! | `cull` | which of these a view shows nothing of |
 //! | `horizon` | which of these other ground hides |
 //! | [`layout`] | the same on the GPU: records and passes |
+//! | [`work`] | what a view asks for at every tolerance: the work curve of its budget |
 //! | [`probe`] | the triangle under a place: height queries |
 //!
 //! What only the passes, their tests and studies use is not in the pages: `select`, `mesh`, `cull`, `horizon`.
 
+pub mod aligned;
 pub mod budget;
 pub mod cell;
 #[doc(hidden)]
@@ -50,6 +53,7 @@ pub mod probe;
 pub mod select;
 pub mod settings;
 pub mod view;
+pub mod work;
 
 pub use cell::{Cell, DetailCells};
 #[doc(hidden)]

@@ -4,8 +4,10 @@
 //! Nothing exists on the GPU until the world has a visible terrain with its material, its textures have
 //! arrived, and a camera has a [`TerrainView`].
 
+pub mod blocks;
 mod builtin;
 pub mod detail;
+mod drawn;
 mod kind;
 mod look;
 mod noise;
@@ -18,9 +20,10 @@ use std::sync::Arc;
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
-use bevy::render::RenderApp;
+use bevy::render::{Render, RenderApp, RenderSystems};
 
 pub use detail::probe::{AnswerCensus, DrawnProbeStats, answer_census};
+pub use drawn::{DrawnGround, GroundProgress};
 #[doc(hidden)]
 pub use kind::{GroundKind, HeightUniform};
 #[doc(hidden)]
@@ -29,6 +32,7 @@ pub use relief::TerrainRelief;
 pub use texture::GroundTextures;
 
 use crate::cover::{PatchDetail, TerrainCover, TerrainView};
+use crate::detail::work::GroundWork;
 use crate::sets::GroundSystems;
 use dolomite_geometry::GeometryPlugin;
 use dolomite_tessellation::render::PatchPlugin;
@@ -48,6 +52,20 @@ pub(crate) fn build(app: &mut App, relief_side: u32) {
 pub(crate) fn finish(app: &mut App) {
     if app.get_sub_app(RenderApp).is_none() || app.world().contains_resource::<ReadyArrays>() {
         return;
+    }
+    let progress = GroundProgress::default();
+    app.insert_resource(progress.clone());
+    let work = app.world().get_resource::<GroundWork>().cloned();
+    if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+        render_app
+            .insert_resource(work.unwrap_or_default())
+            .insert_resource(progress)
+            .add_systems(
+                Render,
+                drawn::end
+                    .in_set(RenderSystems::Cleanup)
+                    .after(drawn::Telling),
+            );
     }
     app.init_resource::<ReadyArrays>()
         .add_systems(

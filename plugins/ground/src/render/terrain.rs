@@ -4,6 +4,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
 use bevy::render::render_resource::ShaderType;
+use bevy::render::renderer::RenderDevice;
 use bevy::render::storage::ShaderBuffer;
 use dolomite_terrain::Terrain;
 use dolomite_tessellation::render::PatchPool;
@@ -14,13 +15,14 @@ use super::relief::{TerrainRelief, drawn};
 use super::texture::{GroundTextures, ReadyArrays, textured};
 use super::told::is_news;
 use crate::cover::{PatchDetail, TerrainView};
-use crate::material::{GroundMaterial, Sea};
+use crate::material::{GroundMaterial, GroundShading, Sea};
 use crate::shown::ShownTerrains;
 
 type GroundQuery<'a> = (
     Ref<'a, Terrain>,
     Ref<'a, GroundMaterial>,
     Ref<'a, GroundTextures>,
+    Ref<'a, GroundShading>,
     Option<Ref<'a, Sea>>,
     Option<Ref<'a, TerrainRelief>>,
     Option<&'a RenderLayers>,
@@ -37,6 +39,28 @@ pub(super) struct Due {
     had: [bool; 2],
 }
 
+/// Whether the device can bind the height maps of a terrain; says once where it cannot. Such a terrain is not drawn.
+fn fits(device: Option<&RenderDevice>, terrain: &Terrain, told: &mut Option<u64>) -> bool {
+    let bytes = terrain.gpu_map_bytes();
+    let most = device.map_or(u64::MAX, |device| {
+        let limits = device.limits();
+        limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size)
+    });
+    if bytes <= most {
+        *told = None;
+        return true;
+    }
+    if told.replace(bytes) != Some(bytes) {
+        error!(
+            "the ground is not drawn: its height maps take {bytes} bytes on the GPU, which binds {most}; \
+             take fewer samples (`--every 2`, or in a scene file `every: 2`)"
+        );
+    }
+    false
+}
+
 /// Takes over the terrain of a slot and its look where they changed.
 pub(super) fn follow<const SLOT: usize>(
     mut kind: ResMut<GroundKind<SLOT>>,
@@ -48,11 +72,14 @@ pub(super) fn follow<const SLOT: usize>(
     ready: Res<ReadyArrays>,
     mut due: Local<Due>,
     mut told: Local<Vec<LookLimit>>,
+    device: Option<Res<RenderDevice>>,
+    mut too_large: Local<Option<u64>>,
 ) {
     // Without a view nothing is kept on the GPU.
     let entity = shown.slot(SLOT).filter(|_| !views.is_empty());
     let found = entity.and_then(|entity| terrains.get(entity).ok());
-    let Some((terrain, material, textures, sea, relief, layers)) = found else {
+    let found = found.filter(|(terrain, ..)| fits(device.as_deref(), terrain, &mut too_large));
+    let Some((terrain, material, textures, shading, sea, relief, layers)) = found else {
         if kind.terrain.is_some() {
             *kind = GroundKind::default();
         }
@@ -70,6 +97,7 @@ pub(super) fn follow<const SLOT: usize>(
     due.look |= due.terrain
         || material.is_changed()
         || textures.is_changed()
+        || shading.is_changed()
         || relief_changed
         || sea_changed;
     let is_shown = ready.has(&material, &textures);
@@ -107,7 +135,8 @@ pub(super) fn follow<const SLOT: usize>(
         kind.relief = relief.as_ref().map(|relief| relief.image.clone());
         let sea = terrain.sea_level().zip(sea.as_deref().copied());
         let (look, limits) = GroundLook::new(&material, sea, relief.as_deref());
-        kind.look = look;
+        kind.look = look.shaded(*shading);
+        kind.full = *shading == GroundShading::Full;
         for limit in limits {
             if is_news(&mut told, &limit) {
                 warn!("{limit}");

@@ -3,6 +3,8 @@
 
 mod adapter;
 mod app;
+#[cfg(feature = "render")]
+mod blocks;
 mod cover;
 mod plugin;
 #[cfg(feature = "render")]

@@ -104,6 +104,137 @@ fn ground_without_a_sea_calls_nothing_of_one() {
     assert_eq!(calls(&["GROUND_FEW_LAYERS"]), with);
 }
 
+/// Expressions that read a texture, in each function.
+fn reads(defs: &[&str]) -> Vec<(String, usize)> {
+    let module = dolomite_shaders::compose("ground/material.wgsl", defs).expect("valid");
+    let functions = module.functions.iter().map(|(_, function)| {
+        let read = |(_, expression): &(_, &naga::Expression)| {
+            matches!(
+                expression,
+                naga::Expression::ImageSample { .. } | naga::Expression::ImageLoad { .. }
+            )
+        };
+        let name = function.name.clone().unwrap_or_default();
+        (name, function.expressions.iter().filter(read).count())
+    });
+    functions.filter(|(_, count)| *count > 0).collect()
+}
+
+#[cfg(feature = "render")]
+#[test]
+fn a_pixel_reads_a_fixed_number_of_texels_whatever_lies_there() {
+    use dolomite_ground::GroundShading;
+    let reads = reads(&[]);
+    let of = |name: &str| {
+        let of = reads.iter().filter(|(full, _)| full.contains(name));
+        of.map(|(_, count)| *count).sum::<usize>()
+    };
+    // Two textures a tap, in a loop over taps; the relief map once. No other function reads: no loop over layers does.
+    assert_eq!((of("layers_at"), of("ground_surface")), (2, 1), "{reads:?}");
+    assert_eq!(reads.iter().map(|(_, count)| count).sum::<usize>(), 3);
+    let source = dolomite_shaders::find("ground/taps.wgsl").source;
+    let bound = "for (var n = 0u; n < MOST_TAPS && left != 0u; n++)";
+    assert_eq!(source.matches(bound).count(), 1);
+    assert_eq!(source.matches("textureSample").count(), 2);
+    let most: u32 = source
+        .lines()
+        .find_map(|line| line.strip_prefix("const MOST_TAPS: u32 = "))
+        .and_then(|rest| rest.trim_end_matches("u;").parse().ok())
+        .expect("it is stated");
+    assert_eq!(2 * most + 1, GroundShading::MOST_READS);
+    // A tap for each combination of copy, scale, side and layer.
+    assert_eq!(most, 1 << 4);
+}
+
+#[test]
+fn the_full_material_reads_the_same_textures_elsewhere() {
+    let reads = reads(&["GROUND_FULL"]);
+    assert!(
+        reads.iter().any(|(name, _)| name.contains("sample_once")),
+        "{reads:?}"
+    );
+}
+
+#[test]
+fn the_records_of_blocks_lie_as_in_rust() {
+    use dolomite_ground::blocks::choose::AHEAD;
+    use dolomite_ground::blocks::errors::{BED_SHARE, TAIL};
+    use dolomite_ground::blocks::layout::{
+        BlockNumbers, GpuHead as BlockHead, RECORD_WORDS, SAMPLE_COUNT, SEEN_BYTES,
+    };
+    use dolomite_ground::blocks::place::{CORNER_COUNT, LEAST_HALF, VERTICES};
+    use dolomite_ground::blocks::record::{ALWAYS, GROWTH, NEST, RING, RINGED_COUNT, WINDOW};
+    let fit = composed("blocks/fit.wgsl");
+    same_layout!(
+        &fit,
+        BlockHead {
+            centre,
+            half,
+            parent,
+            children,
+            looked,
+            mixed_error,
+            low,
+            high,
+        }
+    );
+    same_layout!(&fit, BlockNumbers { budget });
+    let (size, members) = wgsl_struct(&fit, "SeenBlock");
+    assert_eq!(u64::from(size), SEEN_BYTES, "{members:?}");
+    // Constants of the files that the passes import, by their text.
+    let constant = |file: &str, name: &str| {
+        let source = dolomite_shaders::find(file).source;
+        let begins = format!("const {name}: u32 = ");
+        let line = source.lines().find_map(|line| line.strip_prefix(&begins));
+        let value = line.unwrap_or_else(|| panic!("no {name}"));
+        value
+            .trim_end_matches("u;")
+            .parse::<usize>()
+            .expect("a number")
+    };
+    let record = |name: &str| constant("blocks/record.wgsl", name);
+    let mut at = 0;
+    for (name, words) in [
+        ("HEIGHTS", VERTICES),
+        ("GRADIENTS", VERTICES),
+        ("ERRORS", VERTICES),
+        ("LOWS", VERTICES),
+        ("HIGHS", VERTICES),
+        ("RING_ERRORS", RING),
+        ("CELL_LOWS", RINGED_COUNT),
+        ("CELL_HIGHS", RINGED_COUNT),
+    ] {
+        assert_eq!(record(name), at, "{name}");
+        at += words;
+    }
+    assert_eq!((record("RECORD_WORDS"), RECORD_WORDS), (at, at));
+    assert_eq!(record("CORNER_COUNT"), CORNER_COUNT);
+    assert_eq!(record("LEAST_HALF"), LEAST_HALF as usize);
+    let number = |file: &str, name: &str| {
+        let begins = format!("const {name}: f32 = ");
+        let source = dolomite_shaders::find(file).source;
+        let line = source.lines().find_map(|line| line.strip_prefix(&begins));
+        let value = line.unwrap_or_else(|| panic!("no {name}"));
+        value
+            .trim_end_matches(';')
+            .parse::<f32>()
+            .expect("a number")
+    };
+    for (file, name, value) in [
+        ("blocks/record.wgsl", "WINDOW", WINDOW),
+        ("blocks/record.wgsl", "NEST", NEST),
+        ("blocks/record.wgsl", "GROWTH", GROWTH),
+        ("blocks/record.wgsl", "ALWAYS", ALWAYS),
+        ("blocks/errors.wgsl", "TAIL", TAIL),
+        ("blocks/errors.wgsl", "BED_SHARE", BED_SHARE),
+        ("blocks/fit.wgsl", "AHEAD", AHEAD),
+    ] {
+        assert_eq!(number(file, name), value, "{name}");
+    }
+    let samples = constant("blocks/samples.wgsl", "SAMPLE_COUNT");
+    assert_eq!(samples, SAMPLE_COUNT as usize);
+}
+
 #[test]
 fn the_records_of_the_level_of_detail_lie_as_in_rust() {
     use dolomite_ground::detail::layout::{DetailParams, DetailPass, Link, VIEW_CELL_BYTES};

@@ -4,11 +4,14 @@
 //! A camera's [`TerrainLod`] says how fine. What it takes is made when the first such camera looks; a view that
 //! did not change dispatches nothing.
 
+mod counted;
+mod hand_in;
 mod host;
 mod pass;
 mod pipeline;
 mod prepare;
 pub(crate) mod probe;
+mod progress;
 pub mod record;
 mod state;
 mod store;
@@ -23,9 +26,10 @@ use bevy::ecs::query::QueryFilter;
 use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, BindGroupLayoutDescriptor};
 use bevy::render::sync_world::RenderEntity;
-use bevy::render::{Extract, ExtractSchedule, Render, RenderApp};
+use bevy::render::{Extract, ExtractSchedule, Render, RenderApp, RenderSystems};
 use bevy::shader::{Shader, ShaderDefVal};
 use dolomite_geometry::GeometryCamera;
+use dolomite_geometry::budget::Budget;
 use dolomite_geometry::render::{
     DrawShader, DrawTraits, GeometrySystems, ModuleShaders, Producer, ProducerKey, Producers,
     ShaderVariant, Viewpoint, build_render, draw_variants, shader_asset,
@@ -33,6 +37,7 @@ use dolomite_geometry::render::{
 use dolomite_terrain::Terrain;
 
 use crate::detail::TerrainLod;
+use crate::render::drawn::Telling;
 
 /// A ground whose triangles the level of detail makes: what is bound, what it looks like, who sees it. A
 /// resource of the main world.
@@ -113,6 +118,8 @@ struct ExtractedGround<K> {
     data_bytes: u64,
     /// Who sees it, and how.
     cameras: Vec<(Entity, TerrainLod)>,
+    /// Those of them whose vertices are counted, for their budgets.
+    counted: Vec<Entity>,
 }
 
 impl<K> Default for ExtractedGround<K> {
@@ -125,6 +132,7 @@ impl<K> Default for ExtractedGround<K> {
             on_host: false,
             data_bytes: 0,
             cameras: Vec::new(),
+            counted: Vec::new(),
         }
     }
 }
@@ -181,6 +189,10 @@ pub fn build<K: DetailKind>(app: &mut App) {
             (
                 prepare::want::<K>.in_set(GeometrySystems::Want),
                 prepare::prepare::<K>.in_set(GeometrySystems::Bind),
+                hand_in::hand_in::<K>.in_set(RenderSystems::Cleanup),
+                progress::report::<K>
+                    .in_set(RenderSystems::Cleanup)
+                    .in_set(Telling),
             ),
         )
         .add_systems(Core3d, pass::choose::<K>.in_set(GeometrySystems::Make));
@@ -233,6 +245,7 @@ type Seeing<'a> = (
     RenderEntity,
     Option<&'a TerrainLod>,
     Option<&'a RenderLayers>,
+    Has<Budget>,
 );
 
 fn extract<K: DetailKind>(
@@ -241,6 +254,7 @@ fn extract<K: DetailKind>(
     cameras: Extract<Query<Seeing, (With<GeometryCamera>, K::Cameras)>>,
 ) {
     ground.cameras.clear();
+    ground.counted.clear();
     let Some(kind) = kind.as_ref() else {
         ground.terrain = None;
         ground.data_bytes = 0;
@@ -264,12 +278,14 @@ fn extract<K: DetailKind>(
         let layers = kind.layers();
         let seen = cameras
             .iter()
-            .filter(|(.., own)| own.unwrap_or(&RenderLayers::default()).intersects(&layers));
-        // Who has lost its detail sees the ground by the default.
-        let seen = seen.map(|(entity, detail, _)| {
+            .filter(|(_, _, own, _)| own.unwrap_or(&RenderLayers::default()).intersects(&layers));
+        for (entity, detail, _, budget) in seen {
+            // Who has lost its detail sees the ground by the default.
             let detail = detail.copied().unwrap_or_default();
-            (entity, detail.clamped())
-        });
-        ground.cameras.extend(seen);
+            ground.cameras.push((entity, detail.clamped()));
+            if budget {
+                ground.counted.push(entity);
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::render::render_resource::{ComputePassDescriptor, PipelineCache};
-use bevy::render::renderer::{RenderContext, ViewQuery};
+use bevy::render::renderer::{RenderContext, RenderDevice, ViewQuery};
 use dolomite_geometry::render::{ExtractedGeometryCamera, GeometryShared, Producers};
 
 use super::prepare::DetailViews;
@@ -17,6 +17,7 @@ pub fn choose<K: DetailKind>(
     mut details: ResMut<DetailViews<K>>,
     cache: Res<PipelineCache>,
     shared: Res<GeometryShared>,
+    device: Res<RenderDevice>,
     mut ctx: RenderContext,
 ) {
     let entity = view.into_inner();
@@ -68,6 +69,10 @@ pub fn choose<K: DetailKind>(
     }
     span.end(&mut pass);
     drop(pass);
+    let (always, metric) = (own.always(), own.detail.metric);
+    if let Some(counted) = &mut own.counted {
+        counted.copy(&device, ctx.command_encoder(), &own.kept[3], metric, always);
+    }
     shared.count_dispatches(dispatches);
     if let Some(store) = details.stores.get_mut(&own.detail.finest.to_bits()) {
         store.fresh = false;

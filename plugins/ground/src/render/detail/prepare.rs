@@ -10,6 +10,7 @@ use bevy::render::render_resource::{AsBindGroup, AsBindGroupError, PipelineCache
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::view::ExtractedView;
 
+use super::counted::Counted;
 use super::pipeline::DetailPipelines;
 use super::state::DetailState;
 use super::store::{CellStore, capacity_for};
@@ -252,6 +253,12 @@ pub fn prepare<K: DetailKind>(
         let [solid, _] = state.shown;
         let seen = detail_view(view, &state.frame, ground.relief, detail);
         let chosen = Some((seen, ground.on_host));
+        let counted = ground.counted.contains(entity);
+        if counted != own.counted.is_some() {
+            own.counted = counted.then(Counted::default);
+            // What is drawn stays as it is, and is counted.
+            state.settled &= !counted;
+        }
         if own.detail != *detail
             || own.culled != culled
             || own.solid != solid

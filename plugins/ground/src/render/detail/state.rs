@@ -7,12 +7,13 @@ use bevy::render::render_resource::{
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bytemuck::{bytes_of, cast_slice};
 
+use super::counted::Counted;
 use super::pipeline::DetailPipelines;
 use super::record::{Extras, SLOT};
 use super::store::CellStore;
 use crate::detail::lattice::MAX_DEPTH;
 use crate::detail::layout::{
-    ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DetailParams, DetailPass,
+    ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, COUNTED, DetailParams, DetailPass,
     LIST_BYTES, RECORD_BYTES, VIEW_CELL_BYTES,
 };
 use crate::detail::{CullView, DetailCells, DetailView, HorizonView, TerrainLod};
@@ -47,6 +48,8 @@ pub(super) struct DetailState {
     pub solid: bool,
     /// What the newest choice does beside what it always does.
     pub extras: Extras,
+    /// Histograms on their way to the budget of the view's camera, where it has one.
+    pub counted: Option<Counted>,
     /// The view that was chosen for, and whether by the CPU.
     pub chosen: Option<(DetailView, bool)>,
     pub depth: u32,
@@ -96,7 +99,11 @@ impl DetailState {
             store.cells.clone(),
             store.links.clone(),
             empty("detail_seen", VIEW_CELL_BYTES * room),
-            empty("detail_counts", 4 * ALL_COUNT_WORDS as u64),
+            buffer(
+                "detail_counts",
+                4 * ALL_COUNT_WORDS as u64,
+                BufferUsages::COPY_SRC,
+            ),
             empty("detail_lists", LIST_BYTES * room),
         ];
         Self {
@@ -126,7 +133,13 @@ impl DetailState {
             solid: true,
             extras: Extras::default(),
             chosen: None,
+            counted: None,
         }
+    }
+
+    /// Vertices that are there whatever the tolerance: the corners of the roots.
+    pub fn always(&self) -> f32 {
+        (self.corners.size() / 16) as f32
     }
 
     /// Bytes of its own buffers, without those of the store.
@@ -170,7 +183,10 @@ impl DetailState {
             Some((picture, others)) => params.cull(picture, *others),
             None => params,
         };
-        let params = horizon.map_or(params, |horizon| params.occlude(horizon));
+        let mut params = horizon.map_or(params, |horizon| params.occlude(horizon));
+        if self.counted.is_some() {
+            params.flags |= COUNTED;
+        }
         self.extras = Extras {
             sweeps: sweep.is_some(),
             occluded: horizon.is_some(),

@@ -1,0 +1,53 @@
+#define_import_path dolomite::detail::square
+
+// Flat squares in the map of the horizon: the drawn ground is nowhere below them.
+
+#import dolomite::detail::bindings::{counts, detail, HORIZON}
+#import dolomite::detail::horizon::{COLUMNS, LAYERS, LAYER_ROUNDING, Mapped, column_of, layer_of, map_place, margin_at, ordered}
+
+// s of a flat square, `lift` above the eye, at u: see side_of in horizon.rs.
+fn side_of(corners: array<Mapped, 4>, lift: f32, u: f32) -> f32 {
+    var all = corners;
+    var highest = -1e30;
+    for (var k = 0u; k < 4u; k++) {
+        let a = all[k];
+        let b = all[(k + 1u) & 3u];
+        if (a.u - u) * (b.u - u) <= 0.0 && a.u != b.u {
+            let qa = 1.0 / a.depth;
+            let qb = 1.0 / b.depth;
+            highest = max(highest, lift * (qa + (qb - qa) * ((u - a.u) / (b.u - a.u))));
+        }
+    }
+    return highest;
+}
+
+// Relative to the stage's anchor.
+fn draw_square(low: vec3<f32>, high: vec2<f32>) {
+    let lift = low.y - detail.horizon.eye.y;
+    let corners = array(
+        map_place(low),
+        map_place(vec3(high.x, low.yz)),
+        map_place(vec3(high.x, low.y, high.y)),
+        map_place(vec3(low.xy, high.y)),
+    );
+    let depths = vec4(corners[0].depth, corners[1].depth, corners[2].depth, corners[3].depth);
+    let nearest = min(min(depths.x, depths.y), min(depths.z, depths.w));
+    let farthest = max(max(depths.x, depths.y), max(depths.z, depths.w));
+    let layer = ceil(layer_of(farthest) + LAYER_ROUNDING);
+    if !(nearest >= detail.horizon.nearest && layer < f32(LAYERS) && abs(lift) < 1e30) {
+        return;
+    }
+    let us = vec4(corners[0].u, corners[1].u, corners[2].u, corners[3].u);
+    let left = min(min(us.x, us.y), min(us.z, us.w));
+    let right = max(max(us.x, us.y), max(us.z, us.w));
+    let margin = margin_at(max(abs(left), abs(right)), abs(lift) / nearest);
+    let first = u32(max(ceil(column_of(left + margin)), 0.0));
+    let last = u32(clamp(floor(column_of(right - margin)), 0.0, f32(COLUMNS)));
+    let width = 2.0 * detail.horizon.reach / f32(COLUMNS);
+    let row = HORIZON + u32(max(layer, 0.0)) * COLUMNS;
+    for (var k = first; k < last; k++) {
+        let u = f32(k) * width - detail.horizon.reach;
+        let s = min(side_of(corners, lift, u - margin), side_of(corners, lift, u + width + margin));
+        atomicMax(&counts[row + k], ordered(s - margin));
+    }
+}
