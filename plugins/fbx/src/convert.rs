@@ -20,7 +20,7 @@ use crate::read::{
 };
 use crate::report::{Lost, Report};
 use crate::skinning::{SkinJob, write_weights};
-use crate::verify::doubts;
+use crate::verify::{Bodies, doubts};
 use crate::write::document::animation_bytes;
 use glam::{DMat4, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -122,6 +122,18 @@ pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conve
     }
     // What rounded vertices are off by comes on top of what keys are.
     let bound = report.bound - report.rounding_error;
+    let moved: BTreeSet<usize> = takes
+        .iter()
+        .flat_map(|take| &take.moving)
+        .copied()
+        .collect();
+    let moved = shells.moved_by(moved.into_iter());
+    let morphed: BTreeSet<usize> = takes
+        .iter()
+        .flat_map(|take| &take.meshes)
+        .copied()
+        .collect();
+    let bodies = Bodies::of(&model, &moved, &morphed);
     let mut reduced = Vec::with_capacity(count);
     for (number, (take, samples)) in takes.iter().zip(clips).enumerate() {
         options.report("keys", number as f64 / count as f64);
@@ -130,6 +142,7 @@ pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conve
             model: &model,
             options,
             budget: &budget,
+            bodies: &bodies,
         };
         let samples = take.is_whole().then_some(samples);
         let mut made = clip(&source, samples, &shells, bound)?;

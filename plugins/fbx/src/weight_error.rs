@@ -1,19 +1,26 @@
-//! How far refitted weights leave vertices from the file's own deformation, at times of its own.
+//! How far refitted weights leave vertices from the file's own deformation, at any time.
 //!
-//! Weights are fitted to a few poses; in others they may be further off. So the file's curves are asked at
-//! pseudo-random times between its keys and on them, and around the largest distances for the largest.
+//! Weights are fitted to a few poses; in others they may be further off. So the largest distance is bounded between the
+//! file's keys, as the errors of keys are ([`Found`]). Where vertices and keys are too many for that it is looked for at pseudo-random
+//! times between keys and on them, and around the largest distances.
 
 use crate::clips::{MorphCurves, Pose, Shells, Stretch, Take};
-use crate::curves::{NodeCurves, Reading};
+use crate::curves::{Majorant, NodeCurves, Over, Rates, Reading};
 use crate::error::FbxError;
 use crate::model::{Model, Skin};
 use crate::options::Budget;
-use crate::verify::dice;
+use crate::verify::{Chain, Found, Span, Subject, dice, down};
 use glam::{DAffine3, DVec3, Vec3};
 use std::collections::BTreeMap;
 
 /// Poses of vertices that are looked at, of all clips together, about.
 const LOOKS: usize = 300_000;
+
+/// The same where distances are bounded: products of vertices and spans between keys.
+const BOUNDED: usize = 100_000;
+
+/// A distance that does not matter, metres.
+const NOTHING: f64 = 1e-8;
 
 /// Times of a clip that are looked at, at least and at most.
 const TIMES: (usize, usize) = (16, 300);
@@ -71,29 +78,72 @@ pub(crate) fn weight_error(
     shells.world(&pose, &mut world);
     let mut farthest = off(&vertices, skin, &world, &rest);
     let count = (LOOKS / (vertices.len() * takes.len()).max(1)).clamp(TIMES.0, TIMES.1);
+    let mut searched = 0.0_f64;
     for take in takes {
-        let mut poser = Poser::of(take, refitted.mesh, &shells, pose.clone(), rest.clone());
-        let mut at = |time: f64| {
-            poser.to(time);
-            off(&vertices, skin, &poser.world, &poser.weights)
-        };
         let stretches: Vec<Stretch> = take.plan.gaps().collect();
-        let mut peaks: Vec<Look> = Vec::new();
-        for mut look in looks(&stretches, count) {
-            if budget.is_late() {
-                break;
-            }
-            look.error = at(look.time);
-            let place = peaks.partition_point(|known| known.error >= look.error);
-            peaks.insert(place, look);
-            peaks.truncate(PEAKS);
-        }
-        budget.in_time("weights")?;
-        for look in &mut peaks {
-            farthest = farthest.max(search(look, &mut at));
+        let mut poser = Poser::of(
+            take,
+            refitted,
+            (model, &vertices),
+            &shells,
+            pose.clone(),
+            rest.clone(),
+        );
+        match stretches.len() * vertices.len() <= BOUNDED {
+            true => farthest = farthest.max(bounded(&stretches, &mut poser, farthest)),
+            false => searched = searched.max(sampled(&stretches, count, &mut poser, budget)?),
         }
     }
-    Ok(farthest * MISSED)
+    Ok(farthest.max(searched * MISSED))
+}
+
+/// Work that a bound may cost, in places of vertices: at most, and for each vertex and each span between keys.
+const WORK: (usize, usize) = (1_000_000, 100);
+
+/// A bound of the largest distance in a clip; what is above `expected` is of interest.
+fn bounded(stretches: &[Stretch], poser: &mut Poser, expected: f64) -> f64 {
+    let mut found = Found::new(expected, NOTHING, f64::INFINITY);
+    let most = WORK.0 + WORK.1 * stretches.len() * poser.vertices.len();
+    for stretch in stretches {
+        for time in [stretch.begin, stretch.end] {
+            found.key(poser, time);
+        }
+        if stretch.end > stretch.begin {
+            let span = Span {
+                from: stretch.begin,
+                to: stretch.end,
+                skew: 0.0,
+                within: false,
+                depth: 0,
+            };
+            found.first(poser, span, most);
+        }
+    }
+    found.finish(poser, most);
+    found.bounds()[0]
+}
+
+/// The largest distance at about `count` times of a clip, and around the largest of these.
+fn sampled(
+    stretches: &[Stretch],
+    count: usize,
+    poser: &mut Poser,
+    budget: &Budget,
+) -> Result<f64, FbxError> {
+    let mut peaks: Vec<Look> = Vec::new();
+    let mut at = |time: f64| poser.look(time, 0.0);
+    for mut look in looks(stretches, count) {
+        if budget.is_late() {
+            break;
+        }
+        look.error = at(look.time);
+        let place = peaks.partition_point(|known| known.error >= look.error);
+        peaks.insert(place, look);
+        peaks.truncate(PEAKS);
+    }
+    budget.in_time("weights")?;
+    let around = peaks.iter().map(|look| search(look, &mut at));
+    Ok(around.fold(0.0, f64::max))
 }
 
 fn vertices<'a>(refitted: &'a Refitted, model: &Model) -> Vec<Vertex<'a>> {
@@ -195,19 +245,61 @@ fn search(look: &Look, at: &mut impl FnMut(f64) -> f64) -> f64 {
     error
 }
 
-/// Puts all nodes to where the file has them.
+/// Puts all nodes to where the file has them, and holds the vertices.
 struct Poser<'a> {
     curves: Vec<(usize, NodeCurves<'a>)>,
     morph: Option<MorphCurves<'a>>,
     shells: &'a Shells,
+    vertices: &'a [Vertex<'a>],
+    skin: &'a Skin,
+    /// How far each morph target reaches.
+    reaches: Vec<f64>,
+    /// For each joint that weights differ of: the node, how far vertices are from it, and how much longer a way of a morph
+    /// target is there.
+    joints: Vec<(usize, f64, f64)>,
+    /// The largest sum of differences of one vertex.
+    differences: f64,
+    moving: Vec<bool>,
+    movers: Vec<usize>,
     pose: Pose,
     world: Vec<DAffine3>,
     weights: Vec<f64>,
+    rates: Vec<Rates>,
+    chains: Vec<Chain>,
+    work: usize,
 }
 
 impl<'a> Poser<'a> {
-    fn of(take: &Take<'a>, mesh: usize, shells: &'a Shells, pose: Pose, rest: Vec<f64>) -> Self {
-        let layers = take.layers(Reading::Usual);
+    fn of(
+        take: &Take<'a>,
+        refitted: &Refitted,
+        (model, vertices): (&'a Model, &'a [Vertex<'a>]),
+        shells: &'a Shells,
+        pose: Pose,
+        rest: Vec<f64>,
+    ) -> Self {
+        let (layers, mesh) = (take.layers(Reading::Usual), refitted.mesh);
+        let skin = &model.skins[refitted.skin];
+        let mut joints: BTreeMap<usize, f64> = BTreeMap::new();
+        let mut differences = 0.0_f64;
+        for vertex in vertices {
+            let all = vertex.differences.iter();
+            differences = differences.max(all.map(|(_, weight)| weight.abs()).sum());
+            for &(joint, _) in vertex.differences {
+                let far = skin.inverse_bind[joint].transform_point3(vertex.position);
+                let known = joints.entry(joint).or_default();
+                *known = known.max(far.length());
+            }
+        }
+        let longer = |joint: usize| {
+            let m = skin.inverse_bind[joint];
+            let columns = [m.x_axis, m.y_axis, m.z_axis].map(|c| c.truncate().length_squared());
+            columns.iter().sum::<f64>().sqrt()
+        };
+        let moving = shells.moved_by(take.moving.iter().copied());
+        let order = shells.in_order().iter().copied();
+        let mut world = Vec::new();
+        shells.world(&pose, &mut world);
         Self {
             curves: take
                 .moving
@@ -219,13 +311,27 @@ impl<'a> Poser<'a> {
                 .contains(&mesh)
                 .then(|| take.morph(&layers, mesh)),
             shells,
+            vertices,
+            skin,
+            reaches: model.meshes[mesh].targets.iter().map(|t| t.reach).collect(),
+            joints: joints
+                .into_iter()
+                .map(|(joint, far)| (joint, far, longer(joint)))
+                .collect(),
+            differences,
+            movers: order.filter(|&node| moving[node]).collect(),
+            moving,
+            rates: vec![Rates::UNKNOWN; pose.len()],
+            chains: vec![Chain::ROOT; pose.len()],
             pose,
-            world: Vec::new(),
+            world,
             weights: rest,
+            work: 0,
         }
     }
 
     fn to(&mut self, time: f64) {
+        self.work += 4 * self.movers.len() + self.vertices.len();
         for (node, curves) in &mut self.curves {
             self.pose[*node] = curves.at(time);
         }
@@ -233,6 +339,64 @@ impl<'a> Poser<'a> {
             self.weights.clear();
             morph.at(time, &mut self.weights);
         }
-        self.shells.world(&self.pose, &mut self.world);
+        let moves = |node: usize| self.moving[node];
+        self.shells.world_where(&self.pose, &mut self.world, moves);
+    }
+}
+
+impl Subject for Poser<'_> {
+    fn look(&mut self, time: f64, floor: f64) -> f64 {
+        self.to(time);
+        off(self.vertices, self.skin, &self.world, &self.weights).max(floor)
+    }
+
+    /// A vertex is off by a sum of where its joints would have it, times differences of weights.
+    fn rate(&mut self, from: f64, to: f64) -> Majorant {
+        let over = Over {
+            from,
+            to,
+            slack: 1e-9,
+        };
+        self.to(over.middle());
+        for &node in &self.movers {
+            self.rates[node] = Rates::still(&self.pose[node]);
+        }
+        for (node, curves) in &mut self.curves {
+            self.rates[*node] = curves.over(over);
+        }
+        let place = (&self.world[..], &self.pose);
+        let (movers, moving) = (&self.movers, &self.moving);
+        down(
+            self.shells,
+            movers,
+            moving,
+            &self.rates,
+            place,
+            &mut self.chains,
+        );
+        let mut parts: Vec<Majorant> = self.weights.iter().map(|&w| Majorant::still(w)).collect();
+        if let Some(morph) = &mut self.morph {
+            parts.clear();
+            morph.over(over, &mut parts);
+        }
+        let morphs = self.reaches.iter().zip(&parts);
+        let morphs = morphs.fold(Majorant::ZERO, |sum, (reach, part)| {
+            sum.plus(&part.scaled(*reach))
+        });
+        let mut out = Majorant::ZERO;
+        for &(joint, far, longer) in &self.joints {
+            let node = self.skin.joints[joint];
+            let chain = match self.moving[node] {
+                true => self.chains[node],
+                false => Chain::still(&self.world[node]),
+            };
+            let reach = Majorant::still(far).plus(&morphs.scaled(longer));
+            out = out.max(&chain.origin.plus(&chain.axes.product(&reach)));
+        }
+        out.scaled(self.differences)
+    }
+
+    fn work(&self) -> usize {
+        self.work
     }
 }

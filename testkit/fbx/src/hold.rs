@@ -88,7 +88,8 @@ pub fn converted(scene: &Scene) -> Result<Result<Conversion, FbxError>, Failure>
         },
         threads: 1,
         limits: Some(Limits {
-            seconds: 20.0,
+            // Of a core that others use too.
+            seconds: 60.0,
             ..Limits::of_file(bytes.len())
         }),
         ..Options::default()

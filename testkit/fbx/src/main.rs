@@ -42,6 +42,10 @@ fn main() -> ExitCode {
         "poses": outcome.poses,
         "refused": outcome.refused,
         "slowest": outcome.slowest,
+        "stated_over_true": {
+            "median": outcome.stated_over_true(0.5),
+            "95 %": outcome.stated_over_true(0.95),
+        },
         "true_error_over_stated": outcome.worst,
     });
     println!("{summary:#}");

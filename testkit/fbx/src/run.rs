@@ -31,12 +31,22 @@ pub struct Outcome {
     pub slowest: Vec<(f64, u64)>,
     /// The largest true error over what is stated and allowed, of those that hold.
     pub worst: f64,
+    /// For each file that holds and moves: the largest true error over what is stated and allowed, growing.
+    pub shares: Vec<f64>,
     /// How many failed in each way.
     pub kinds: BTreeMap<&'static str, u64>,
     /// All that failed: seed, and how.
     pub failed: Vec<(u64, Failure)>,
     /// The first of each way, shrunk.
     pub failures: Vec<Failed>,
+}
+
+impl Outcome {
+    /// How many times the true error what is stated and allowed is at most, for a share of all files.
+    pub fn stated_over_true(&self, share: f64) -> f64 {
+        let at = (self.shares.len() as f64 * (1.0 - share)) as usize;
+        self.shares.get(at).map_or(1.0, |worst| 1.0 / worst)
+    }
 }
 
 /// A file that does not hold.
@@ -100,6 +110,7 @@ pub fn run_by(property: Property, first: u64, count: u64, each: u64, folder: &Pa
     let mut outcome = outcome
         .into_inner()
         .unwrap_or_else(|broken| broken.into_inner());
+    outcome.shares.sort_by(f64::total_cmp);
     outcome.failed.sort_by_key(|(seed, _)| *seed);
     outcome
         .failures
@@ -134,6 +145,7 @@ fn take(
                 all.poses += seen.poses;
                 all.refused.extend(seen.refused.map(|why| (seed, why)));
                 all.worst = all.worst.max(seen.worst);
+                all.shares.extend((seen.worst > 0.0).then_some(seen.worst));
                 return;
             }
             Err(failure) => {

@@ -11,11 +11,11 @@ use crate::model::{Channel, Interpolation, Property};
 use crate::verify::{Checked, check};
 use std::ops::Range;
 
-/// Times that a clip is made again because its check found too much.
+/// Times that a clip is made again, with samples where its check found too much.
 const AGAIN: usize = 3;
 
 /// Another try that does not come nearer by this factor is the last.
-const NEARER: f64 = 0.9;
+const NEARER: f64 = 0.7;
 
 /// Passes over the parts of a clip until all have the same kinds of keys.
 const PASSES: usize = 4;
@@ -34,15 +34,26 @@ pub(crate) fn clip(
 ) -> Result<Reduced, FbxError> {
     let mut target = bound;
     let mut made = first(source, samples, shells, bound)?;
-    let mut best = check(source, shells, &made.clip)?;
-    let mut finer = 1.0;
-    for _ in 0..AGAIN {
-        if best.keyed_error <= bound || made.clip.duration <= 0.0 {
+    // Its work is counted, so that the clock stands meanwhile.
+    let held = |made: &Reduced| {
+        let expected = made.report.error;
+        let check = || check(source, shells, &made.clip, (expected, bound));
+        source.budget.aside(check)
+    };
+    let mut best = held(&made);
+    let mut plan = source.take.plan.clone();
+    for attempt in 0..AGAIN {
+        if best.keyed_error <= bound || !best.keyed_error.is_finite() || made.clip.duration <= 0.0 {
             break;
         }
-        finer *= 2.0;
-        target = (target * 0.9 * bound / best.keyed_error).clamp(0.3 * target, 0.9 * target);
-        let plan = source.take.plan.clone().finer(finer);
+        if best.loose > 0.0 && (attempt > 0 || best.peaks.is_empty()) {
+            // Nothing is known to be too far off, and keys at other places would not make it better known.
+            break;
+        }
+        plan = plan.with(&best.peaks);
+        if attempt > 0 || best.peaks.is_empty() {
+            target = (target * 0.9 * bound / best.keyed_error).clamp(0.3 * target, 0.9 * target);
+        }
         let whole = plan.samples() <= source.take.most as f64;
         let again = match whole {
             true => whole_clip(source, &plan, None, shells, target)?,
@@ -50,14 +61,16 @@ pub(crate) fn clip(
         };
         let again = match again {
             Some(again) => again,
-            None => in_parts(source, plan, shells, target, PART / finer)?,
+            None => in_parts(source, plan.clone(), shells, target, PART)?,
         };
-        let checked = check(source, shells, &again.clip)?;
+        let checked = held(&again);
         let is_nearer = checked.keyed_error < NEARER * best.keyed_error;
-        if checked.keyed_error < best.keyed_error {
+        let is_better = checked.keyed_error < best.keyed_error;
+        best.peaks.clone_from(&checked.peaks);
+        if is_better {
             (made, best) = (again, checked);
         }
-        if !is_nearer {
+        if attempt > 0 && !is_nearer {
             break;
         }
     }
@@ -69,7 +82,7 @@ fn say(made: &mut Reduced, checked: &Checked) {
     made.report.error = checked.error;
     made.report.keyed_error = checked.keyed_error;
     made.report.samples = checked.times;
-    made.report.unseen = (3.0 / checked.times.max(1) as f64).min(1.0);
+    made.report.unseen = checked.loose;
 }
 
 fn first(

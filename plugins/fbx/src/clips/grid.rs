@@ -52,8 +52,6 @@ struct Rate {
     samples: f64,
     /// Seconds of a frame; what lies within one does not count.
     frame: f64,
-    /// How many times as many pieces as usual.
-    finer: f64,
 }
 
 impl Rate {
@@ -71,7 +69,6 @@ impl Rate {
             } else {
                 1.0 / frames
             },
-            finer: 1.0,
         }
     }
 
@@ -108,7 +105,7 @@ impl Rate {
         let by_time = (length * self.samples - 1e-6).ceil().min(MOST_BY_TIME);
         let by_angle = (pair[0].swing / SWING).ceil().min(SWINGS);
         let on_and_on = (pair[0].swing / LONG_SWING).ceil();
-        (by_time.max(by_angle).max(on_and_on).max(2.0) * self.finer).ceil()
+        by_time.max(by_angle).max(on_and_on).max(2.0)
     }
 }
 
@@ -119,10 +116,10 @@ impl Grid {
 
     /// The grid through some of a plan's marks.
     pub(crate) fn of(plan: &Plan, window: Range<usize>) -> Self {
-        Self::through(&plan.marks[window], plan.begin, plan.rate)
+        Self::through(&plan.marks[window], &plan.more, plan.begin, plan.rate)
     }
 
-    fn through(marks: &[Mark], begin: f64, rate: Rate) -> Self {
+    fn through(marks: &[Mark], more: &[f64], begin: f64, rate: Rate) -> Self {
         let mut grid = Self::default();
         for (i, mark) in marks.iter().enumerate() {
             let label = (mark.time - begin) as f32;
@@ -158,8 +155,15 @@ impl Grid {
             if count == 1 && !mark.after {
                 grid.whole[first] = false;
             }
-            for piece in 1..count {
-                let time = mark.time + (next.time - mark.time) * (piece as f64 / count as f64);
+            let piece = |piece| mark.time + (next.time - mark.time) * (piece as f64 / count as f64);
+            let after = more.partition_point(|&time| time <= mark.time);
+            let until = more.partition_point(|&time| time < next.time).max(after);
+            let mut times: Vec<f64> = (1..count).map(piece).collect();
+            if until > after {
+                times.extend(&more[after..until]);
+                times.sort_by(f64::total_cmp);
+            }
+            for time in times {
                 let label = (time - begin) as f32;
                 if seen(label) > mark.time && seen(label) < next.time {
                     grid.push(seen(label), label, false, false);
@@ -243,6 +247,8 @@ impl Grid {
 pub(crate) struct Plan {
     marks: Vec<Mark>,
     rate: Rate,
+    /// Times between marks at which it is looked at too, growing.
+    more: Vec<f64>,
     /// On the file's clock, seconds.
     pub(crate) begin: f64,
     pub(crate) end: f64,
@@ -261,7 +267,7 @@ impl Plan {
         budget: &Budget,
     ) -> Result<Self, FbxError> {
         let rate = Rate::of(scene, asked);
-        let keys = keys(layers, (stack.time_begin, stack.time_end), budget)?;
+        let keys = keys(scene, layers, (stack.time_begin, stack.time_end), budget)?;
         let (spinning, keys) = (keys.spinning, keys.all);
         let (begin, end) = range(stack, &keys);
         let mut marks = vec![Mark::at(begin)];
@@ -293,6 +299,7 @@ impl Plan {
         Ok(Self {
             marks,
             rate,
+            more: Vec::new(),
             begin,
             end,
             spinning,
@@ -304,18 +311,18 @@ impl Plan {
         self.marks.len()
     }
 
-    /// The same at so many times as many samples a second.
-    pub(crate) fn finer(mut self, times: f64) -> Self {
-        self.rate.finer *= times;
+    /// The same with samples at `times` too, which grow.
+    pub(crate) fn with(mut self, times: &[f64]) -> Self {
+        self.more.extend(times);
+        self.more.sort_by(f64::total_cmp);
+        self.more.dedup();
         self
     }
 
     /// Samples of the grid through all marks.
     pub(crate) fn samples(&self) -> f64 {
-        self.marks
-            .windows(2)
-            .map(|pair| self.rate.pieces(pair))
-            .sum()
+        let pieces = self.marks.windows(2).map(|pair| self.rate.pieces(pair));
+        pieces.sum::<f64>() + self.more.len() as f64
     }
 
     /// Ranges of marks of which each has up to so many samples, unless it is no longer than two marks.
@@ -361,14 +368,14 @@ impl Plan {
         self.marks = out;
     }
 
-    /// Each gap between two marks: where it begins and ends on the file's clock, the most that an angle
-    /// turns by there, degrees, whether values jump at its begin, and whether it lies within a frame.
+    /// Each gap between two marks: where it begins and ends on the file's clock, whether values jump there, and whether it
+    /// lies within a frame.
     pub(crate) fn gaps(&self) -> impl Iterator<Item = Stretch> {
         self.marks.windows(2).map(|pair| Stretch {
             begin: pair[0].time,
             end: pair[1].time,
-            swing: pair[0].swing,
             jumps: pair[0].before || pair[0].after,
+            jumps_after: pair[1].before || pair[1].after,
             within: self.rate.is_within(pair),
         })
     }
@@ -380,10 +387,9 @@ pub(crate) struct Stretch {
     /// On the file's clock, seconds.
     pub(crate) begin: f64,
     pub(crate) end: f64,
-    /// The most that an angle turns by, degrees.
-    pub(crate) swing: f64,
-    /// Values may jump at its begin.
+    /// Values may jump at its begin, or at its end.
     pub(crate) jumps: bool,
+    pub(crate) jumps_after: bool,
     /// No longer than a frame, in a file that has keys in every one.
     pub(crate) within: bool,
 }
@@ -419,11 +425,7 @@ mod tests {
     use super::*;
 
     fn rate(samples: f64, frame: f64) -> Rate {
-        Rate {
-            samples,
-            frame,
-            finer: 1.0,
-        }
+        Rate { samples, frame }
     }
 
     #[test]
@@ -440,7 +442,7 @@ mod tests {
             },
             Mark::at(2.5),
         ];
-        let grid = Grid::through(&marks, 1.0, rate(2.0, 0.0));
+        let grid = Grid::through(&marks, &[], 1.0, rate(2.0, 0.0));
         assert!(grid.labels.windows(2).all(|w| w[0] < w[1]), "{grid:?}");
         assert!(grid.times.windows(2).all(|w| w[0] < w[1]), "{grid:?}");
         assert_eq!(grid.labels[0], 0.0);
@@ -460,7 +462,7 @@ mod tests {
         let rate = rate(60.0, frame);
         let mut marks = [0.0, 1.0, 2.0, 3.0, 5.0].map(|at| Mark::at(at * frame));
         rate.find_bakes(&mut marks);
-        let grid = Grid::through(&marks, 0.0, rate);
+        let grid = Grid::through(&marks, &[], 0.0, rate);
         assert_eq!(grid.len(), 8, "{grid:?}");
         assert!(!grid.whole[0] && grid.whole[3..7].iter().all(|&whole| whole));
         assert_eq!(
@@ -485,7 +487,7 @@ mod tests {
             Mark::at(3.0 * frame),
         ];
         rate.find_bakes(&mut marks);
-        let grid = Grid::through(&marks, 0.0, rate);
+        let grid = Grid::through(&marks, &[], 0.0, rate);
         // 90 degrees in pieces of six, and all of them lie within a frame.
         assert_eq!(grid.len(), 3 + 15);
         assert!(grid.within[..17].iter().all(|&within| within));
@@ -513,10 +515,15 @@ mod tests {
         let mut plan = Plan {
             marks,
             rate: rate(10.0, 0.0),
+            more: Vec::new(),
             begin: 0.0,
             end: 99.0,
             spinning: BTreeSet::new(),
         };
+        let more = plan.clone().with(&[3.26, 3.01]);
+        let (few, many) = (Grid::of(&plan, 3..5), Grid::of(&more, 3..5));
+        assert_eq!(many.len(), few.len() + 2);
+        assert!(many.times.windows(2).all(|pair| pair[0] < pair[1]));
         let windows = plan.windows(95.0);
         assert_eq!((windows[0].start, windows[windows.len() - 1].end), (0, 100));
         for pair in windows.windows(2) {
@@ -531,7 +538,7 @@ mod tests {
     #[test]
     fn times_that_f32_cannot_tell_apart_are_one() {
         let marks = [Mark::at(1000.0), Mark::at(1000.0 + 1e-9), Mark::at(1001.0)];
-        let grid = Grid::through(&marks, 0.0, rate(1.0, 2.0));
+        let grid = Grid::through(&marks, &[], 0.0, rate(1.0, 2.0));
         assert_eq!(grid.labels, [1000.0, 1000.5, 1001.0]);
     }
 }

@@ -6,6 +6,7 @@ use crate::options::Budget;
 use std::collections::BTreeSet;
 use ufbx::{
     AnimCurve, AnimValue, ElementType, Extrapolation, ExtrapolationMode, Interpolation, Keyframe,
+    Scene,
 };
 
 /// Names of properties that move a node.
@@ -77,7 +78,12 @@ pub(super) struct Marks {
 const MOST_REPEATED: usize = 1 << 20;
 
 /// The marks of a stack's `layers` that play; `span` is the stack's own, for curves that repeat.
-pub(super) fn keys(layers: &Layers, span: (f64, f64), budget: &Budget) -> Result<Marks, FbxError> {
+pub(super) fn keys(
+    scene: &Scene,
+    layers: &Layers,
+    span: (f64, f64),
+    budget: &Budget,
+) -> Result<Marks, FbxError> {
     let mut marks = Marks {
         all: Vec::new(),
         spinning: BTreeSet::new(),
@@ -103,6 +109,20 @@ pub(super) fn keys(layers: &Layers, span: (f64, f64), budget: &Budget) -> Result
         // Weights of layers are curves of the layer, in whichever layer they lie.
         if let Some(value) = layer.weight_value {
             marks.value(value, false, span, budget)?;
+        }
+    }
+    // What hangs on other properties moves as these do.
+    let nodes = scene.nodes.iter().map(|node| (&node.element, MOVES));
+    let channels = scene.blend_channels.iter();
+    let channels = channels.map(|channel| (&channel.element, &[BLENDS][..]));
+    for (element, names) in nodes.chain(channels) {
+        for &name in names {
+            for value in layers.hanging(element, name) {
+                let most = marks.value(value, ANGLES.contains(&name), span, budget)?;
+                if most >= SPIN {
+                    marks.spinning.insert(element.typed_id as usize);
+                }
+            }
         }
     }
     Ok(marks)

@@ -12,6 +12,8 @@ pub(crate) struct Player<'a> {
     channel: &'a Channel,
     width: usize,
     at: usize,
+    /// Scratch for weights.
+    weights: Vec<f64>,
 }
 
 impl<'a> Player<'a> {
@@ -25,6 +27,7 @@ impl<'a> Player<'a> {
             channel,
             width,
             at: 0,
+            weights: Vec::new(),
         }
     }
 
@@ -37,11 +40,15 @@ impl<'a> Player<'a> {
     /// numbers. Fast where times grow.
     pub(crate) fn at(&mut self, time: f64, out: &mut [f64]) {
         let times = &self.channel.times;
-        if f64::from(times[self.at]) > time {
-            self.at = 0;
-        }
-        while self.at + 1 < times.len() && f64::from(times[self.at + 1]) <= time {
-            self.at += 1;
+        let is_after = |at: usize| times.get(at).is_none_or(|&key| f64::from(key) > time);
+        if is_after(self.at) || !is_after(self.at + 1) {
+            // Mostly the next one.
+            self.at = match is_after(self.at) || !is_after(self.at + 2) {
+                true => times
+                    .partition_point(|&key| f64::from(key) <= time)
+                    .saturating_sub(1),
+                false => self.at + 1,
+            };
         }
         let at = self.at;
         let begin = f64::from(times[at]);
@@ -132,9 +139,11 @@ pub(crate) fn play(
                 pose[node].scale = DVec3::from_slice(&numbers);
             }
             Property::Weights => {
-                let mut weights = vec![0.0; player.width()];
+                let mut weights = std::mem::take(&mut player.weights);
+                weights.resize(player.width(), 0.0);
                 player.at(time, &mut weights);
                 morph(node, &weights);
+                player.weights = weights;
             }
         }
     }

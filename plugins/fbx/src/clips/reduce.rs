@@ -60,6 +60,7 @@ pub(super) fn reduce(
         model,
         options,
         budget,
+        ..
     } = *source;
     let work = Work::new(samples, model, shells, leverage, options);
     let bound = for_keys(&samples.grid) * bound;

@@ -12,6 +12,7 @@ use super::value::{Value, angle};
 use crate::error::FbxError;
 use crate::model::{Model, Trs};
 use crate::options::{Budget, Options};
+use crate::verify::Bodies;
 use glam::{DQuat, DVec3};
 use std::ops::Range;
 
@@ -30,6 +31,7 @@ pub(crate) struct Source<'a, 'o> {
     pub(crate) model: &'a Model,
     pub(crate) options: &'a Options<'o>,
     pub(crate) budget: &'a Budget,
+    pub(crate) bodies: &'a Bodies,
 }
 
 impl Source<'_, '_> {

@@ -4,12 +4,12 @@ use super::grid::{Grid, Plan};
 use super::keys::{BLENDS, MOVES};
 use super::parts::{in_parts, threads};
 use super::value::Value;
-use crate::curves::{BlendWeight, Layers, NodeCurves, Reading};
+use crate::curves::{BlendWeight, Layers, Majorant, NodeCurves, Over, Reading};
 use crate::error::FbxError;
 use crate::model::{Model, Trs};
 use crate::options::{Budget, Options};
 use crate::read::ShapeKey;
-use crate::read::shapes::{shape_weights, stops};
+use crate::read::shapes::{shape_rates, shape_weights, stops};
 use glam::DQuat;
 use std::ops::Range;
 use ufbx::{AnimStack, ElementType, SceneRoot};
@@ -211,7 +211,7 @@ impl<'a> Take<'a> {
 
     /// The curves of node number `node`.
     pub(crate) fn curves(&self, layers: &Layers<'a>, node: usize) -> NodeCurves<'a> {
-        NodeCurves::of(layers, &self.stack().anim, &self.scene.nodes[node])
+        NodeCurves::of(layers, &self.scene.nodes[node])
     }
 
     /// Where each node that moves is at each of `times`.
@@ -276,10 +276,17 @@ impl<'a> MorphCurves<'a> {
             let channel: &'a ufbx::BlendChannel = &take.scene.blend_channels[shapes[at].channel];
             let stops = stops(channel);
             at += stops.len().max(1);
-            let weight = BlendWeight::of(layers, &take.stack().anim, channel);
+            let weight = BlendWeight::of(layers, channel);
             channels.push((weight, stops));
         }
         Self { channels }
+    }
+
+    /// Adds the majorants of all weights over a span between keys to `out`.
+    pub(crate) fn over(&mut self, over: Over, out: &mut Vec<Majorant>) {
+        for (channel, stops) in &mut self.channels {
+            shape_rates(stops, &channel.over(over), out);
+        }
     }
 
     /// Adds the weights of all targets at `time` to `out`.
@@ -314,6 +321,10 @@ fn moving_nodes(scene: &SceneRoot, layers: &Layers) -> Vec<usize> {
             }
         }
     }
+    for (node, moves) in scene.nodes.iter().zip(&mut moves) {
+        let hangs = |name: &&&str| layers.hanging(&node.element, name).next().is_some();
+        *moves |= MOVES.iter().any(|name| hangs(&name));
+    }
     if helpers {
         for node in &scene.nodes {
             // A node's own pivots are those of its helper's scale.
@@ -337,6 +348,9 @@ fn moving_channels(scene: &SceneRoot, layers: &Layers) -> Vec<bool> {
                 moves[prop.element.typed_id as usize] = true;
             }
         }
+    }
+    for (channel, moves) in scene.blend_channels.iter().zip(&mut moves) {
+        *moves |= layers.hanging(&channel.element, BLENDS).next().is_some();
     }
     moves
 }

@@ -57,6 +57,13 @@ pub(crate) struct Arc {
     angle: f64,
 }
 
+impl Arc {
+    /// In four dimensions: half of the rotation's.
+    pub(crate) fn angle(&self) -> f64 {
+        self.angle
+    }
+}
+
 impl Value for DQuat {
     type Line = Arc;
 

@@ -89,12 +89,14 @@ impl<'a> Work<'a> {
         let count = self.samples.grid.len();
         let parts = in_parts(count, self.threads(options), |range| {
             let (mut pose, mut world) = (self.rest.clone(), Vec::new());
+            self.shells.world(&pose, &mut world);
             let mut out = Vec::with_capacity(range.len() * self.moved.len());
             for i in range {
                 for track in &self.samples.tracks {
                     pose[track.node] = track.poses[i];
                 }
-                self.shells.world(&pose, &mut world);
+                self.shells
+                    .world_where(&pose, &mut world, |node| self.moving[node]);
                 out.extend(self.moved.iter().map(|&node| world[node]));
             }
             out
@@ -205,6 +207,7 @@ impl<'a> Work<'a> {
                 .map(|channel| Player::new(channel))
                 .collect();
             let (mut pose, mut world) = (self.rest.clone(), Vec::new());
+            self.shells.world(&pose, &mut world);
             let mut truth = vec![DAffine3::IDENTITY; self.rest.len()];
             let mut farthest = 0.0_f64;
             for i in range {
@@ -213,7 +216,8 @@ impl<'a> Work<'a> {
                 play(&mut players, time, &mut pose, |node, weights| {
                     morphed = morphed.max(self.morph_error(node, i, weights));
                 });
-                self.shells.world(&pose, &mut world);
+                self.shells
+                    .world_where(&pose, &mut world, |node| self.moving[node]);
                 for (slot, &node) in self.moved.iter().enumerate() {
                     truth[node] = self.truth[i * self.moved.len() + slot];
                 }

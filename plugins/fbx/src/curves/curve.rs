@@ -11,8 +11,8 @@ const MOST_REPEATS: f64 = 1e6;
 
 /// How a curve goes on beyond its keys.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Beyond {
-    mode: ExtrapolationMode,
+pub(super) struct Beyond {
+    pub(super) mode: ExtrapolationMode,
     /// Below 0 without end.
     repeats: i32,
 }
@@ -29,9 +29,9 @@ impl From<&Extrapolation> for Beyond {
 /// A curve, and the key that the last time was after.
 #[derive(Clone)]
 pub(crate) struct Curve<'a> {
-    keys: &'a [Keyframe],
-    before: Beyond,
-    after: Beyond,
+    pub(super) keys: &'a [Keyframe],
+    pub(super) before: Beyond,
+    pub(super) after: Beyond,
     /// Ticks of the file's clock in a second.
     ticks: f64,
     at: usize,
@@ -49,6 +49,21 @@ impl<'a> Curve<'a> {
             ticks: if ticks > 0.0 { ticks } else { 46_186_158_000.0 },
             at: 0,
         })
+    }
+
+    #[cfg(test)]
+    pub(super) fn with_keys(keys: &'a [Keyframe]) -> Self {
+        let stays = Beyond {
+            mode: ExtrapolationMode::Constant,
+            repeats: -1,
+        };
+        Self {
+            keys,
+            before: stays,
+            after: stays,
+            ticks: 46_186_158_000.0,
+            at: 0,
+        }
     }
 
     /// Its value at `time`, seconds on the file's clock. Fast where times grow.
@@ -87,7 +102,7 @@ impl<'a> Curve<'a> {
     }
 
     /// The last key that `time` is not before.
-    fn segment(&mut self, time: f64) -> usize {
+    pub(super) fn segment(&mut self, time: f64) -> usize {
         let is_before = |at: usize| self.keys.get(at).is_none_or(|key| key.time > time);
         if !is_before(self.at) {
             for at in self.at..self.at + 3 {
@@ -122,14 +137,34 @@ impl<'a> Curve<'a> {
             _ if how.repeats == 0 => return key.value,
             _ => {}
         }
+        let Some((inner, number)) = self.folded(time) else {
+            return key.value;
+        };
+        let value = self.inside(inner);
+        let climb = match how.mode {
+            ExtrapolationMode::RepeatRelative => (last.value - first.value) * (number + 1.0),
+            _ => 0.0,
+        };
+        if is_before {
+            value - climb
+        } else {
+            value + climb
+        }
+    }
+
+    /// Where within the keys a time beyond them is that a repetition reaches, and in which repetition.
+    pub(super) fn folded(&self, time: f64) -> Option<(f64, f64)> {
+        let (first, last) = (self.keys.first()?, self.keys.last()?);
+        let is_before = time < first.time;
+        let how = if is_before { self.before } else { self.after };
         // On the file's clock, so that seams fall on whole ticks.
         let (begin, end) = (
             (first.time * self.ticks).round(),
             (last.time * self.ticks).round(),
         );
         let length = end - begin;
-        if length < 1.0 {
-            return key.value;
+        if length < 1.0 || how.repeats == 0 {
+            return None;
         }
         let now = time * self.ticks;
         let past = if is_before { begin - now } else { now - end };
@@ -144,21 +179,13 @@ impl<'a> Curve<'a> {
         if backwards != is_before {
             rest = length - rest;
         }
-        let value = self.inside(((begin + rest) / self.ticks).clamp(first.time, last.time));
-        let climb = match how.mode {
-            ExtrapolationMode::RepeatRelative => (last.value - first.value) * (number + 1.0),
-            _ => 0.0,
-        };
-        if is_before {
-            value - climb
-        } else {
-            value + climb
-        }
+        let inner = ((begin + rest) / self.ticks).clamp(first.time, last.time);
+        Some((inner, number))
     }
 }
 
 /// A tangent's reach as a share of the time between the two keys, and its slope over that time.
-fn reach(tangent: ufbx::Tangent, length: f64) -> (f64, f64) {
+pub(super) fn reach(tangent: ufbx::Tangent, length: f64) -> (f64, f64) {
     let (dx, dy) = (f64::from(tangent.dx), f64::from(tangent.dy));
     if dx == 0.0 {
         return (0.0, 0.0);
@@ -185,7 +212,7 @@ fn cubic(key: &Keyframe, next: &Keyframe, length: f64, share: f64) -> f64 {
 }
 
 /// Where a Bézier curve's time, through 0, `a`, `b` and 1, is `x`.
-fn solve(a: f64, b: f64, x: f64) -> f64 {
+pub(super) fn solve(a: f64, b: f64, x: f64) -> f64 {
     let time = |t: f64| {
         let u = 1.0 - t;
         3.0 * u * t * (u * a + t * b) + t * t * t

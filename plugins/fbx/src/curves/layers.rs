@@ -1,7 +1,8 @@
 //! Which layers of a stack play, and how they come together.
 
 use super::curve::Curve;
-use ufbx::{AnimLayer, AnimStack, AnimValue, Props, Scene};
+use super::hanging::source_of;
+use ufbx::{AnimLayer, AnimStack, AnimValue, Element, Props, Scene};
 
 /// How a layer comes upon those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,6 +75,8 @@ pub(crate) struct Layers<'a> {
     pub(crate) playing: Vec<Layer<'a>>,
     /// All of the stack's play, and no weight has keys: ufbx evaluates them as they are.
     pub(crate) is_plain: bool,
+    /// They are no stack's: everything stands as the file has it at rest.
+    pub(super) is_rest: bool,
 }
 
 impl<'a> Layers<'a> {
@@ -82,6 +85,7 @@ impl<'a> Layers<'a> {
         Self {
             playing: Vec::new(),
             is_plain: true,
+            is_rest: true,
         }
     }
 
@@ -101,7 +105,25 @@ impl<'a> Layers<'a> {
             is_plain: playing.len() == all.len()
                 && playing.iter().all(|layer| layer.weight_value.is_none()),
             playing,
+            is_rest: false,
         }
+    }
+
+    /// What moves property `name` of `element` where it hangs on another property.
+    pub(crate) fn hanging(
+        &self,
+        element: &'a Element,
+        name: &str,
+    ) -> impl Iterator<Item = &'a AnimValue> {
+        let source = source_of(element, name);
+        let layers = source.into_iter().flat_map(|source| {
+            let playing = self.playing.iter().map(|layer| layer.source);
+            playing.map(move |layer| (layer, source))
+        });
+        layers.filter_map(|(layer, (element, name))| {
+            let prop = ufbx::find_anim_prop(layer, element, name)?;
+            Some(prop.anim_value.as_ref())
+        })
     }
 
     /// Ways to read them otherwise that may come to something else.

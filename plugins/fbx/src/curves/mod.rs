@@ -4,11 +4,16 @@
 //! leaves out which layers are muted or play alone and looks for keyed weights in one layer only.
 
 mod curve;
+mod hanging;
 mod layers;
+mod majorant;
 mod pose;
+mod rates;
 mod value;
 
 pub(crate) use curve::repeats;
 pub(crate) use layers::{Layers, Reading};
+pub(crate) use majorant::{Majorant, Number, ORDERS, Over, cubic, part};
 pub(crate) use pose::{BlendWeight, NodeCurves, aside, order_of};
+pub(crate) use rates::Rates;
 pub(crate) use value::{Meaning, Value};

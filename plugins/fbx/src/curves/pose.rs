@@ -6,7 +6,7 @@ use crate::model::Trs;
 use crate::read::convert::vec3;
 use crate::read::rest_of;
 use glam::{DMat3, DQuat, DVec3};
-use ufbx::{Anim, BlendChannel, MirrorAxis, Node, PropFlags, RotationOrder};
+use ufbx::{BlendChannel, MirrorAxis, Node, RotationOrder};
 
 /// The curves that move a node, in order of how they are applied.
 ///
@@ -15,30 +15,30 @@ use ufbx::{Anim, BlendChannel, MirrorAxis, Node, PropFlags, RotationOrder};
 /// scale that its helper has: ufbx leaves out both, so that they are worked out here.
 #[derive(Clone)]
 pub(crate) struct NodeCurves<'a> {
-    node: &'a Node,
-    translation: Value<'a>,
-    rotation: Value<'a>,
-    scale: Value<'a>,
-    before: Turn<'a>,
-    after: Turn<'a>,
-    rotation_offset: Value<'a>,
-    rotation_pivot: Value<'a>,
-    scale_offset: Value<'a>,
-    scale_pivot: Value<'a>,
-    order: Value<'a>,
+    pub(super) node: &'a Node,
+    pub(super) translation: Value<'a>,
+    pub(super) rotation: Value<'a>,
+    pub(super) scale: Value<'a>,
+    pub(super) before: Turn<'a>,
+    pub(super) after: Turn<'a>,
+    pub(super) rotation_offset: Value<'a>,
+    pub(super) rotation_pivot: Value<'a>,
+    pub(super) scale_offset: Value<'a>,
+    pub(super) scale_pivot: Value<'a>,
+    pub(super) order: Value<'a>,
     /// The scale that the node's helper has, if it has one.
-    taken: Option<Value<'a>>,
+    pub(super) taken: Option<Value<'a>>,
     /// Scales of helpers above, which places are multiplied by.
-    helpers: Vec<Value<'a>>,
+    pub(super) helpers: Vec<Value<'a>>,
     /// The last of them belongs to the node's parent itself.
-    parent_helps: bool,
+    pub(super) parent_helps: bool,
     last: Trs,
 }
 
 /// A rotation by angles that mostly stand still.
 #[derive(Clone)]
-struct Turn<'a> {
-    angles: Value<'a>,
+pub(super) struct Turn<'a> {
+    pub(super) angles: Value<'a>,
     fixed: DQuat,
 }
 
@@ -59,22 +59,22 @@ impl<'a> Turn<'a> {
 const XYZ: Meaning = Meaning::Angles(RotationOrder::Xyz);
 
 impl<'a> NodeCurves<'a> {
-    /// `anim` is that of the stack which the layers are of.
-    pub(crate) fn of(layers: &Layers<'a>, anim: &'a Anim, node: &'a Node) -> Self {
+    /// By the layers of a stack.
+    pub(crate) fn of(layers: &Layers<'a>, node: &'a Node) -> Self {
         Self {
             last: rest_of(node),
-            ..Self::with(layers, Some(anim), node)
+            ..Self::with(layers, node)
         }
     }
 
     /// Where it is when nothing plays.
     pub(crate) fn rest(node: &'a Node) -> Trs {
-        Self::with(&Layers::none(), None, node).pose(0.0)
+        Self::with(&Layers::none(), node).pose(0.0)
     }
 
-    fn with(layers: &Layers<'a>, anim: Option<&'a Anim>, node: &'a Node) -> Self {
-        let value = |name| Value::asking(layers, anim, &node.element, name, DVec3::ZERO);
-        let scale = |node| scale(layers, anim, node);
+    fn with(layers: &Layers<'a>, node: &'a Node) -> Self {
+        let value = |name| Value::of(layers, &node.element, name, DVec3::ZERO);
+        let scale = |node| scale(layers, node);
         let (helpers, parent_helps) = helpers(node, scale);
         Self {
             node,
@@ -107,10 +107,14 @@ impl<'a> NodeCurves<'a> {
         self.last
     }
 
+    pub(super) fn rotation_order(&mut self, time: f64) -> RotationOrder {
+        rotation_order(self.order.at(time, Meaning::Plain).x as i64)
+    }
+
     fn pose(&mut self, time: f64) -> Trs {
         let node = self.node;
         let plain = Meaning::Plain;
-        let order = rotation_order(self.order.at(time, plain).x as i64);
+        let order = self.rotation_order(time);
         let (mut rotation, mut scale) = (DQuat::IDENTITY, DVec3::ONE);
         let mut helped = DVec3::ONE;
         let above = self.helpers.len() - usize::from(self.parent_helps);
@@ -181,8 +185,8 @@ pub(crate) fn aside(node: &Node) -> Option<DQuat> {
     (node.has_adjust_transform && turned.w.abs() < 1.0).then_some(turned)
 }
 
-fn scale<'a>(layers: &Layers<'a>, anim: Option<&'a Anim>, node: &'a Node) -> Value<'a> {
-    let mut value = Value::asking(layers, anim, &node.element, "Lcl Scaling", DVec3::ONE);
+fn scale<'a>(layers: &Layers<'a>, node: &'a Node) -> Value<'a> {
+    let mut value = Value::of(layers, &node.element, "Lcl Scaling", DVec3::ONE);
     if let Some(first) = first_helper(node) {
         value.fixed = fixed(&first.element, "Lcl Scaling", DVec3::ONE);
     }
@@ -270,29 +274,20 @@ fn mirror(place: &mut DVec3, rotation: &mut DQuat, axis: MirrorAxis) {
 
 /// What a blend channel weighs.
 pub(crate) struct BlendWeight<'a> {
-    channel: &'a BlendChannel,
-    asked: Option<&'a Anim>,
-    percent: Value<'a>,
+    pub(super) percent: Value<'a>,
 }
 
 impl<'a> BlendWeight<'a> {
-    pub(crate) fn of(layers: &Layers<'a>, anim: &'a Anim, channel: &'a BlendChannel) -> Self {
+    pub(crate) fn of(layers: &Layers<'a>, channel: &'a BlendChannel) -> Self {
         let name = "DeformPercent";
         let or = DVec3::splat(channel.weight * 100.0);
-        let hangs_on_another = ufbx::find_prop(&channel.element.props, name)
-            .is_some_and(|prop| prop.flags.has_any(PropFlags::CONNECTED));
         Self {
-            channel,
-            asked: hangs_on_another.then_some(anim),
             percent: Value::of(layers, &channel.element, name, or),
         }
     }
 
     /// As a share: 1 is the whole.
     pub(crate) fn at(&mut self, time: f64) -> f64 {
-        match self.asked {
-            Some(anim) => ufbx::evaluate_blend_weight(anim, self.channel, time),
-            None => self.percent.at(time, Meaning::Plain).x / 100.0,
-        }
+        self.percent.at(time, Meaning::Plain).x / 100.0
     }
 }

@@ -1,30 +1,31 @@
 //! A property as its layers have it.
 
 use super::curve::Curve;
+use super::hanging::source_of;
 use super::layers::{Layer, Layers, Mode, Weight};
 use crate::read::convert::vec3;
 use glam::{DQuat, DVec2, DVec3};
-use ufbx::{Anim, AnimValue, Element, PropFlags, RotationOrder};
+use ufbx::{AnimValue, Element, RotationOrder};
 
 /// A property of up to three numbers.
 #[derive(Clone)]
 pub(crate) struct Value<'a> {
     /// What it is where nothing moves it.
     pub(crate) fixed: DVec3,
-    parts: Vec<Part<'a>>,
-    /// Whom ufbx is asked for it by: it hangs on another property, which is rare.
-    asked: Option<(&'a Anim, &'a Element, &'static str)>,
+    pub(super) parts: Vec<Part<'a>>,
+    /// Its layers come together number by number: it hangs on a property that is no rotation or scale.
+    pub(super) plain: bool,
 }
 
 /// What a layer says of it.
 #[derive(Clone)]
-struct Part<'a> {
-    mode: Mode,
-    weight: Weight<'a>,
-    whole_rotations: bool,
-    multiplies: bool,
-    default: DVec3,
-    curves: [Option<Curve<'a>>; 3],
+pub(super) struct Part<'a> {
+    pub(super) mode: Mode,
+    pub(super) weight: Weight<'a>,
+    pub(super) whole_rotations: bool,
+    pub(super) multiplies: bool,
+    pub(super) default: DVec3,
+    pub(super) curves: [Option<Curve<'a>>; 3],
 }
 
 /// What a property's numbers mean.
@@ -37,8 +38,18 @@ pub(crate) enum Meaning {
 }
 
 impl<'a> Value<'a> {
-    /// Property `name` of `element`; `or` is what it is where the file says nothing.
-    pub(crate) fn of(layers: &Layers<'a>, element: &'a Element, name: &str, or: DVec3) -> Self {
+    /// Property `name` of `element`, or the one that it hangs on; `or` is what it is where the file says nothing.
+    pub(crate) fn of(layers: &Layers<'a>, element: &'a Element, name: &'a str, or: DVec3) -> Self {
+        match source_of(element, name).filter(|_| !layers.is_rest) {
+            None => Self::own(layers, element, name, or),
+            Some((source, property)) => Self {
+                plain: !["Lcl Rotation", "Lcl Scaling"].contains(&property),
+                ..Self::own(layers, source, property, DVec3::ZERO)
+            },
+        }
+    }
+
+    fn own(layers: &Layers<'a>, element: &'a Element, name: &str, or: DVec3) -> Self {
         let part = |layer: &Layer<'a>| {
             let prop = ufbx::find_anim_prop(layer.source, element, name)?;
             let value: &'a AnimValue = prop.anim_value.as_ref();
@@ -57,37 +68,18 @@ impl<'a> Value<'a> {
         Self {
             fixed: fixed(element, name, or),
             parts: layers.playing.iter().filter_map(part).collect(),
-            asked: None,
-        }
-    }
-
-    /// The same, where it may hang on another property in `anim`.
-    pub(crate) fn asking(
-        layers: &Layers<'a>,
-        anim: Option<&'a Anim>,
-        element: &'a Element,
-        name: &'static str,
-        or: DVec3,
-    ) -> Self {
-        let connected = ufbx::find_prop(&element.props, name)
-            .is_some_and(|prop| prop.flags.has_any(PropFlags::CONNECTED));
-        Self {
-            asked: anim.filter(|_| connected).map(|anim| (anim, element, name)),
-            ..Self::of(layers, element, name, or)
+            plain: false,
         }
     }
 
     /// Whether anything moves it.
     pub(crate) fn moves(&self) -> bool {
-        !self.parts.is_empty() || self.asked.is_some()
+        !self.parts.is_empty()
     }
 
     /// What it is at `time`, seconds on the file's clock.
     pub(crate) fn at(&mut self, time: f64, meaning: Meaning) -> DVec3 {
-        if let Some((anim, element, name)) = self.asked {
-            let v = ufbx::evaluate_prop(anim, element, name, time).value_vec4;
-            return DVec3::new(v.x, v.y, v.z);
-        }
+        let meaning = if self.plain { Meaning::Plain } else { meaning };
         let mut sum = self.fixed;
         for part in &mut self.parts {
             sum = part.upon(sum, time, meaning);
@@ -193,7 +185,7 @@ pub(crate) fn turn(degrees: DVec3, order: RotationOrder) -> DQuat {
 }
 
 /// Three angles of a rotation, degrees.
-fn angles(q: DQuat, order: RotationOrder) -> DVec3 {
+pub(super) fn angles(q: DQuat, order: RotationOrder) -> DVec3 {
     let q = ufbx::Quat {
         x: q.x,
         y: q.y,

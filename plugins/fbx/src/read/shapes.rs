@@ -6,6 +6,7 @@
 //! in-betweens are exact.
 
 use super::convert::vec3;
+use crate::curves::{Majorant, Number};
 use crate::model::Target;
 use glam::DVec3;
 use ufbx::{BlendChannel, BlendShape, Mesh};
@@ -64,6 +65,45 @@ pub(crate) fn shape_weights(targets: &[f64], weight: f64) -> Vec<f64> {
     }
     out[side[next]] = t;
     out
+}
+
+/// Adds the majorants of [`shape_weights`] over a span to `out`: these bend where the channel's own weight passes a shape
+/// or 0.
+pub(crate) fn shape_rates(targets: &[f64], weight: &Number, out: &mut Vec<Majorant>) {
+    let (low, high) = (weight.low(), weight.high());
+    if weight.is_still() || !low.is_finite() || !high.is_finite() {
+        let known = weight.is_still();
+        out.extend(
+            shape_weights(targets, weight.middle)
+                .into_iter()
+                .map(|value| match known {
+                    true => Majorant::still(value),
+                    false => Majorant::UNKNOWN,
+                }),
+        );
+        return;
+    }
+    let mut stops = vec![low, high];
+    let passed = targets.iter().copied().chain([0.0]);
+    stops.extend(passed.filter(|&stop| stop > low && stop < high));
+    stops.sort_by(f64::total_cmp);
+    let values: Vec<Vec<f64>> = stops.iter().map(|&w| shape_weights(targets, w)).collect();
+    out.extend((0..targets.len()).map(|target| {
+        let (mut slope, mut most) = (0.0_f64, values[0][target].abs());
+        for (pair, stops) in values.windows(2).zip(stops.windows(2)) {
+            most = most.max(pair[1][target].abs());
+            if stops[1] > stops[0] {
+                let rise = pair[1][target] - pair[0][target];
+                slope = slope.max((rise / (stops[1] - stops[0])).abs());
+            }
+        }
+        let mut moves = weight.moves.scaled(slope);
+        if stops.len() > 2 {
+            moves = moves.bent();
+        }
+        moves.0[0] = most;
+        moves
+    }));
 }
 
 /// The weights that a channel's shapes stand at.

@@ -1,10 +1,13 @@
 //! The file's pose and the keys' pose at a time, and how far they are apart.
 
-use super::skin::vertex_distance;
-use crate::clips::{MorphCurves, Player, Pose, Shells, Source, play};
-use crate::curves::{NodeCurves, Reading};
-use crate::model::{Clip, Property, Trs};
-use glam::{DAffine3, DQuat, DVec3};
+use super::bodies::{Bodies, Weights};
+use super::bound::Subject;
+use super::chain::{Chain, down};
+use super::played;
+use crate::clips::{MorphCurves, Player, Pose, SHELL, Shells, Source, play};
+use crate::curves::{Majorant, NodeCurves, Over, Rates, Reading};
+use crate::model::{Channel, Clip, Property, Trs};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 /// Both poses of one clip.
 pub(super) struct Actors<'a> {
@@ -14,11 +17,29 @@ pub(super) struct Actors<'a> {
     curves: Vec<(usize, NodeCurves<'a>)>,
     morphs: Vec<Morph<'a>>,
     players: Vec<Player<'a>>,
+    channels: Vec<&'a Channel>,
     moving: &'a [bool],
+    /// Nodes that move, parents first.
+    movers: Vec<usize>,
     truth: Pose,
     played: Pose,
     true_world: Vec<DAffine3>,
     world: Vec<DAffine3>,
+    /// What is added to a point by going from where a node belongs to where it is.
+    off: Vec<DAffine3>,
+    /// Bodies that move, and their morph targets' weights.
+    bodies: Vec<(usize, Weights)>,
+    all: &'a Bodies,
+    /// What looks at a span saw: for each, what is off of each node that moves, and how far the three axes of its shell are.
+    kept: Vec<Vec<(DAffine3, DMat3)>>,
+    swings: Vec<DMat3>,
+    /// No morph target moves.
+    is_plain: bool,
+    /// Scratch of [`Actors::rate`].
+    rates: [Vec<Rates>; 2],
+    chains: [Vec<Chain>; 2],
+    /// Poses of nodes that were worked out, and what costs as much.
+    work: usize,
 }
 
 struct Morph<'a> {
@@ -35,7 +56,8 @@ impl<'a> Actors<'a> {
         moving: &'a [bool],
         reading: Reading,
     ) -> Self {
-        let rest: Pose = source.model.nodes.iter().map(|node| node.rest).collect();
+        let model = source.model;
+        let rest: Pose = model.nodes.iter().map(|node| node.rest).collect();
         let layers = source.take.layers(reading);
         let written: Pose = rest.iter().map(rounded).collect();
         let (mut true_world, mut world) = (Vec::new(), Vec::new());
@@ -43,14 +65,43 @@ impl<'a> Actors<'a> {
         shells.world(&written, &mut world);
         let curves = source.take.moving.iter();
         let mut played = written;
-        let (mut still, mut players) = (Vec::new(), Vec::new());
+        let (mut still, mut players, mut channels) = (Vec::new(), Vec::new(), Vec::new());
         for channel in &clip.channels {
             let stands = channel.times.len() == 1 && channel.property != Property::Weights;
-            let list = if stands { &mut still } else { &mut players };
-            list.push(Player::new(channel));
+            if stands {
+                still.push(Player::new(channel));
+            } else {
+                players.push(Player::new(channel));
+                channels.push(channel);
+            }
         }
         play(&mut still, 0.0, &mut played, |_, _| ());
+        let all = &source.bodies.0;
+        let morphs = &source.take.meshes;
+        let bodies = (0..all.len())
+            .filter(|&body| all[body].moves(moving) || morphs.contains(&all[body].mesh));
+        let bodies = bodies.map(|body| {
+            let targets = &model.meshes[all[body].mesh].targets;
+            let rest: Vec<f64> = targets.iter().map(|target| target.rest).collect();
+            let weights = Weights {
+                wanted: rest.clone(),
+                played: rest,
+            };
+            (body, weights)
+        });
+        let count = rest.len();
+        let order = shells.in_order().iter().copied();
         Self {
+            bodies: bodies.collect(),
+            all: source.bodies,
+            movers: order.filter(|&node| moving[node]).collect(),
+            off: vec![nothing(); count],
+            kept: Vec::new(),
+            swings: vec![DMat3::ZERO; count],
+            is_plain: morphs.is_empty(),
+            rates: [vec![Rates::UNKNOWN; count], vec![Rates::UNKNOWN; count]],
+            chains: [vec![Chain::ROOT; count], vec![Chain::ROOT; count]],
+            work: 0,
             curves: curves
                 .map(|&node| (node, source.take.curves(&layers, node)))
                 .collect(),
@@ -65,6 +116,7 @@ impl<'a> Actors<'a> {
                 })
                 .collect(),
             players,
+            channels,
             played,
             truth: rest,
             true_world,
@@ -92,31 +144,8 @@ impl<'a> Actors<'a> {
             .distance(&self.true_world, &other.true_world, self.moving)
     }
 
-    /// How far the keys are from the curves at `time`, seconds on the file's clock: metres.
-    pub(super) fn apart(&mut self, time: f64) -> f64 {
-        let morphed = self.pose(time);
-        let apart = self
-            .shells
-            .distance(&self.true_world, &self.world, self.moving);
-        apart + morphed
-    }
-
-    /// The distance of shells, and that of the vertices, without that of morph targets.
-    pub(super) fn both(&mut self, time: f64) -> (f64, f64) {
-        self.pose(time);
-        let shells = self
-            .shells
-            .distance(&self.true_world, &self.world, self.moving);
-        let vertices = vertex_distance(
-            self.source.model,
-            &self.true_world,
-            &self.world,
-            self.moving,
-        );
-        (shells, vertices)
-    }
-
-    fn pose(&mut self, time: f64) -> f64 {
+    fn pose(&mut self, time: f64) {
+        self.work += self.movers.len().max(1);
         for (node, curves) in &mut self.curves {
             self.truth[*node] = curves.at(time);
         }
@@ -124,24 +153,24 @@ impl<'a> Actors<'a> {
             morph.weights.clear();
             morph.curves.at(time, &mut morph.weights);
         }
-        let (model, morphs) = (self.source.model, &self.morphs);
-        let mut morphed: Vec<(usize, f64)> = Vec::new();
+        let (all, bodies, morphs) = (&self.all.0, &mut self.bodies, &self.morphs);
+        for (body, weights) in bodies.iter_mut() {
+            let its = morphs.iter().find(|morph| morph.mesh == all[*body].mesh);
+            if let Some(morph) = its {
+                weights.wanted.clone_from(&morph.weights);
+            }
+        }
         let label = (time - self.begin).max(0.0);
         play(
             &mut self.players,
             label,
             &mut self.played,
-            |node, weights| {
-                let mesh = model.nodes[node].mesh;
-                let Some(morph) = morphs.iter().find(|morph| mesh == Some(morph.mesh)) else {
-                    return;
-                };
-                let targets = &model.meshes[morph.mesh].targets;
-                let each = morph.weights.iter().zip(weights).zip(targets);
-                let sum: f64 = each
-                    .map(|((a, b), target)| (a - b).abs() * target.reach)
-                    .sum();
-                morphed.push((node, sum));
+            |node, played| {
+                let its = bodies.iter_mut().find(|(body, _)| all[*body].node == node);
+                if let Some((_, weights)) = its {
+                    weights.played.clear();
+                    weights.played.extend_from_slice(played);
+                }
             },
         );
         let moves = |node: usize| self.moving[node];
@@ -149,10 +178,239 @@ impl<'a> Actors<'a> {
             .world_where(&self.truth, &mut self.true_world, moves);
         self.shells
             .world_where(&self.played, &mut self.world, moves);
-        morphed
-            .into_iter()
-            .map(|(node, sum)| sum * self.shells.widest(model, node, &self.true_world))
-            .fold(0.0, f64::max)
+        for &node in &self.movers {
+            self.off[node] = difference(&self.true_world[node], &self.world[node]);
+        }
+    }
+
+    /// The farthest of all points, as they are off.
+    fn farthest(&mut self, floor: f64) -> f64 {
+        let mut farthest = floor * floor;
+        for &node in &self.movers {
+            let (shift, swing) = (self.off[node].translation, &self.swings[node]);
+            for axis in [swing.x_axis, swing.y_axis, swing.z_axis] {
+                // The farther of the two ends.
+                let far =
+                    shift.length_squared() + axis.length_squared() + 2.0 * shift.dot(axis).abs();
+                farthest = farthest.max(far);
+            }
+        }
+        let mut farthest = farthest.sqrt().max(floor);
+        for (body, weights) in &self.bodies {
+            let body = &self.all.0[*body];
+            let (model, off) = (self.source.model, &self.off);
+            let world = &self.true_world;
+            farthest = body.farthest(model, off, world, weights, farthest, &mut self.work);
+        }
+        farthest
+    }
+
+    /// Majorants of what places each node below its parent, of the file and of the keys.
+    fn locals(&mut self, over: Over) {
+        for &node in &self.movers {
+            self.rates[0][node] = Rates::still(&self.truth[node]);
+            self.rates[1][node] = Rates::still(&self.played[node]);
+        }
+        for (node, curves) in &mut self.curves {
+            self.rates[0][*node] = curves.over(over);
+        }
+        let label = over.since(self.begin);
+        for channel in &self.channels {
+            let rates = &mut self.rates[1][channel.node];
+            match channel.property {
+                Property::Translation => {
+                    rates.translation = played::vector(channel, label).0;
+                }
+                Property::Rotation => rates.turn = played::turn(channel, label),
+                Property::Scale => rates.scale = played::vector(channel, label).1,
+                Property::Weights => {}
+            }
+        }
+    }
+
+    /// Majorants of each node in the world.
+    fn chains(&mut self) {
+        let places = [(&self.true_world, &self.truth), (&self.world, &self.played)];
+        let sides = self.rates.iter().zip(&mut self.chains).zip(places);
+        for ((rates, chains), (world, pose)) in sides {
+            down(
+                self.shells,
+                &self.movers,
+                self.moving,
+                rates,
+                (world, pose),
+                chains,
+            );
+        }
+    }
+
+    /// Of how far out the shell of a node is, in its own unit: as far as its axes are short.
+    fn shell(&self, node: usize) -> Majorant {
+        let chain = &self.chains[0][node];
+        let axes = &self.true_world[node].matrix3;
+        let columns = [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length);
+        if chain.keeps {
+            let least = columns.into_iter().fold(f64::INFINITY, f64::min);
+            return Majorant::still(SHELL / least.max(1e-9));
+        }
+        let mut out = Majorant::ZERO;
+        for column in columns {
+            let half = chain.axes.1;
+            let (least, most) = ((column - half).max(0.0), column + half);
+            let mut axis = chain.axes;
+            axis.0[0] = most;
+            // 1 / length is exp(-1/2 ln(length squared)).
+            let power = axis.product(&axis).logarithm(least * least, most * most);
+            let (near, far) = (SHELL / most.max(1e-9), SHELL / least.max(1e-9));
+            let mut moves = power.scaled(0.5).exponential().scaled(far);
+            if least <= 1e-9 {
+                moves = Majorant::within(far, far);
+            }
+            moves.1 = moves.1.min(moves.0[1] / 2.0).min(far - near);
+            out = out.max(&moves);
+        }
+        out
+    }
+
+    /// Majorants of how far a point of a body that a node carries is moved.
+    fn carried(&mut self, over: Over) -> Majorant {
+        let mut out = Majorant::ZERO;
+        let label = over.since(self.begin);
+        for (number, weights) in &self.bodies {
+            let body = &self.all.0[*number];
+            // How far morph targets move vertices, in the file and by the keys.
+            let mut morphs = [Majorant::ZERO; 2];
+            if body.has_targets() {
+                morphs = [
+                    Majorant::still(body.reach(weights.wanted.iter().copied())),
+                    Majorant::still(body.reach(weights.played.iter().copied())),
+                ];
+                let mut parts = Vec::new();
+                let sum = |parts: &[Majorant]| {
+                    let each = body.reaches().iter().zip(parts);
+                    each.fold(Majorant::ZERO, |sum, (reach, part)| {
+                        sum.plus(&part.scaled(*reach))
+                    })
+                };
+                let morph = self.morphs.iter_mut().find(|morph| morph.mesh == body.mesh);
+                if let Some(morph) = morph {
+                    morph.curves.over(over, &mut parts);
+                    morphs[0] = sum(&parts);
+                }
+                let weigh = |c: &&&Channel| c.property == Property::Weights && c.node == body.node;
+                if let Some(channel) = self.channels.iter().find(weigh) {
+                    parts.clear();
+                    played::numbers(channel, label, &mut parts);
+                    morphs[1] = sum(&parts);
+                }
+            }
+            for (node, far, longer) in body.levers() {
+                let moved = |side: usize| {
+                    let chain = match self.moving[node] {
+                        true => self.chains[side][node],
+                        false => Chain::still(&self.true_world[node]),
+                    };
+                    let reach = Majorant::still(far).plus(&morphs[side].scaled(longer));
+                    chain.origin.plus(&chain.axes.product(&reach))
+                };
+                out = out.max(&moved(0).plus(&moved(1)));
+            }
+        }
+        out
+    }
+}
+
+impl Subject for Actors<'_> {
+    fn look(&mut self, time: f64, floor: f64) -> f64 {
+        self.pose(time);
+        for &node in &self.movers {
+            let axes = &self.true_world[node].matrix3;
+            let off = &self.off[node].matrix3;
+            let swing = |axis: usize| {
+                let far = SHELL / axes.col(axis).length().max(1e-9);
+                off.col(axis) * far
+            };
+            self.swings[node] = DMat3::from_cols(swing(0), swing(1), swing(2));
+        }
+        self.farthest(floor)
+    }
+
+    fn keep(&mut self, index: usize) {
+        if !self.is_plain {
+            return;
+        }
+        if self.kept.len() <= index {
+            self.kept.push(Vec::new());
+        }
+        let (off, swings) = (&self.off, &self.swings);
+        self.kept[index].clear();
+        let pairs = self.movers.iter().map(|&node| (off[node], swings[node]));
+        self.kept[index].extend(pairs);
+    }
+
+    fn mixed(&mut self, rows: &[Vec<f64>], floor: f64) -> Option<f64> {
+        if !self.is_plain {
+            return None;
+        }
+        let mut most = floor;
+        self.work += rows.len() * self.movers.len() / 2;
+        for row in rows {
+            for (slot, &node) in self.movers.iter().enumerate() {
+                let (mut off, mut swing) = (nothing(), DMat3::ZERO);
+                for (weight, kept) in row.iter().zip(&self.kept) {
+                    let (one, other) = &kept[slot];
+                    off.matrix3 += one.matrix3 * *weight;
+                    off.translation += one.translation * *weight;
+                    swing += *other * *weight;
+                }
+                (self.off[node], self.swings[node]) = (off, swing);
+            }
+            most = self.farthest(most);
+        }
+        Some(most)
+    }
+
+    fn rate(&mut self, from: f64, to: f64) -> Majorant {
+        let over = Over {
+            from,
+            to,
+            slack: 1e-7 * (to - self.begin).abs() + 1e-9,
+        };
+        self.pose(over.middle());
+        self.work += 8 * self.movers.len();
+        self.locals(over);
+        self.chains();
+        let mut out = Majorant::ZERO;
+        for &node in &self.movers {
+            let shell = self.shell(node);
+            let moved = |chain: &Chain| chain.origin.plus(&chain.axes.product(&shell));
+            let both = self.chains.each_ref().map(|chains| moved(&chains[node]));
+            out = out.max(&both[0].plus(&both[1]));
+        }
+        out.max(&self.carried(over))
+    }
+
+    fn work(&self) -> usize {
+        self.work
+    }
+}
+
+/// What is added to a point by going from one place to the other.
+fn difference(a: &DAffine3, b: &DAffine3) -> DAffine3 {
+    DAffine3 {
+        matrix3: DMat3::from_cols(
+            b.matrix3.x_axis - a.matrix3.x_axis,
+            b.matrix3.y_axis - a.matrix3.y_axis,
+            b.matrix3.z_axis - a.matrix3.z_axis,
+        ),
+        translation: b.translation - a.translation,
+    }
+}
+
+fn nothing() -> DAffine3 {
+    DAffine3 {
+        matrix3: DMat3::ZERO,
+        translation: DVec3::ZERO,
     }
 }
 

@@ -1,79 +1,104 @@
 //! When a clip is looked at, and what that comes to.
 
 use super::actors::Actors;
-use super::search::{Look, Peaks};
+use super::bound::{Found, Span, Subject};
 use crate::clips::{Shells, Source, Stretch, in_parts, threads};
 use crate::curves::Reading;
-use crate::error::FbxError;
 use crate::model::Clip;
 
-/// An angle is looked at once for so many degrees: four times a quarter turn.
-const TURN: f64 = 22.5;
-
-/// Looks between two keys of the file, where what lies there counts.
-const LOOKS: usize = 3;
-
-/// Looks at a clip, at least, where what lies within frames is little: so that few such gaps get more.
-const MANY: usize = 2000;
-
-/// Looks within a frame at most, unless something turns much there.
-const LOOKS_WITHIN: usize = 4;
-
-/// What a search may have missed of a peak, as a share of it.
-const MISSED: f64 = 1.01;
+/// An error that does not matter beside the bound, as a share of it.
+const NOTHING: f64 = 2e-4;
 
 /// What a check found.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Checked {
-    /// The largest distance, metres, at any time.
+    /// No distance is larger than this, metres, at any time.
     pub(crate) error: f64,
     /// The same without what lies within frames.
     pub(crate) keyed_error: f64,
     /// Times that were looked at.
     pub(crate) times: usize,
+    /// The share of the clip's time whose bound is loose: work came to its limit.
+    pub(crate) loose: f64,
+    /// Times at which more was seen than is asked for, on the file's clock, growing.
+    pub(crate) peaks: Vec<f64>,
 }
 
-/// Holds `clip` against the curves of the file.
-pub(crate) fn check(source: &Source, shells: &Shells, clip: &Clip) -> Result<Checked, FbxError> {
+/// Work that a check may do, in poses of nodes: so much for all clips of a file together, and so many times each node that
+/// moves for each span between keys.
+const WORK: (usize, usize) = (1_000_000, 40);
+
+/// Spans that are looked at by themselves, whoever looks at the others.
+const TOGETHER: usize = 64;
+
+/// Times of a clip that are looked at before all else.
+const BEFORE: usize = 24;
+
+/// Holds `clip` against the curves of the file; `expected` is how far it may be off, `bound` what it is held to, metres.
+pub(crate) fn check(
+    source: &Source,
+    shells: &Shells,
+    clip: &Clip,
+    (expected, bound): (f64, f64),
+) -> Checked {
     let take = source.take;
     let moving = shells.moved_by(take.moving.iter().copied());
     let keys = key_times(clip);
-    let stretches: Vec<Stretch> = take.plan.gaps().collect();
-    let gaps = stretches.len() + keys.len();
-    let within = (MANY / gaps.max(1)).clamp(1, LOOKS_WITHIN);
-    let poses = (stretches.len() + keys.len()) * take.moving.len().max(1);
-    let parts = in_parts(stretches.len(), threads(poses, source.options), |range| {
-        let mut actors = Actors::of(source, shells, clip, &moving, Reading::Usual);
-        let mut peaks = Peaks::default();
-        for number in range {
-            if source.budget.is_late() {
-                break;
-            }
-            look(
-                &stretches[number],
-                number,
-                &keys,
-                clip.begin,
-                within,
-                &mut actors,
-                &mut peaks,
-            );
-        }
-        peaks
-    });
-    source.budget.in_time("the check")?;
-    let mut peaks = Peaks::default();
-    parts.into_iter().for_each(|part| peaks.join(part));
-    let mut actors = Actors::of(source, shells, clip, &moving, Reading::Usual);
+    let spans = spans(take.plan.gaps(), &keys, clip.begin);
     let end = take.plan.end.max(take.plan.begin);
-    peaks.add(Look {
-        error: actors.apart(end),
-        time: end,
-        begin: end,
-        end,
-        within: false,
+    let each = WORK.1 * take.moving.len().max(1);
+    let actors = || Actors::of(source, shells, clip, &moving, Reading::Usual);
+    let mut found = Found::new(expected, NOTHING * bound, bound);
+    let mut own = actors();
+    for (span, _) in spans.iter().step_by(spans.len() / BEFORE + 1) {
+        found.look(
+            &mut own,
+            f64::midpoint(span.from, span.to),
+            span.within,
+            0.0,
+        );
+    }
+    let known = found.apart();
+    let groups = spans.len().div_ceil(TOGETHER);
+    let poses = 4 * spans.len() * take.moving.len().max(1);
+    let parts = in_parts(groups, threads(poses, source.options), |range| {
+        let mut actors = actors();
+        let of_group = |group: usize| {
+            let mut found = known.apart();
+            let spans = spans[group * TOGETHER..].iter().take(TOGETHER);
+            let most = actors.work() + each * spans.len();
+            for (span, key) in spans {
+                if *key {
+                    found.key(&mut actors, span.from + span.skew);
+                }
+                found.first(&mut actors, *span, most);
+            }
+            found
+        };
+        range.map(of_group).collect::<Vec<Found>>()
     });
-    Ok(found(&mut actors, peaks))
+    parts
+        .into_iter()
+        .flatten()
+        .for_each(|part| found.join(part));
+    found.key(&mut own, end);
+    let most =
+        own.work() + WORK.0 / source.take.scene.anim_stacks.len().max(1) + each * spans.len() / 4;
+    found.finish(&mut own, most);
+    let [keyed_error, error] = found.bounds();
+    let length = end - take.plan.begin;
+    let mut peaks = std::mem::take(&mut found.peaks);
+    peaks.sort_by(f64::total_cmp);
+    Checked {
+        error,
+        keyed_error,
+        times: found.looks,
+        loose: match length > 0.0 {
+            true => (found.loose / length).min(1.0),
+            false => 0.0,
+        },
+        peaks,
+    }
 }
 
 /// The keys' times of all channels, growing, each once.
@@ -92,60 +117,53 @@ fn key_times(clip: &Clip) -> Vec<f32> {
     keys
 }
 
-/// Looks at a stretch between two keys of the file, `number` in the clip; `within` times between two keys where
-/// it lies within a frame.
-fn look(
-    stretch: &Stretch,
-    number: usize,
-    keys: &[f32],
-    begin: f64,
-    within: usize,
-    actors: &mut Actors,
-    peaks: &mut Peaks,
-) {
-    if !stretch.jumps {
-        peaks.add(Look {
-            error: actors.apart(stretch.begin),
-            time: stretch.begin,
-            begin: stretch.begin,
-            end: stretch.begin,
-            within: false,
-        });
-    }
-    let first = keys.partition_point(|&key| begin + f64::from(key) <= stretch.begin);
-    let inner = keys[first..]
-        .iter()
-        .map(|&key| begin + f64::from(key))
-        .take_while(|&key| key < stretch.end);
-    let count = 1 + inner.clone().count();
-    let least = match stretch.within {
-        true => within,
-        false => LOOKS.div_ceil(count),
-    };
-    let length = stretch.end - stretch.begin;
-    let mut from = stretch.begin;
-    for (gap, to) in inner.chain([stretch.end]).enumerate() {
-        // Times that f32 hardly tells apart are the two sides of a jump.
-        let step = ((to - begin).abs() * 2.5e-7).max(1.5e-7);
-        if to - from > 2.0 * step {
-            let turned = stretch.swing * (to - from) / length;
-            let looks = ((turned / TURN).ceil() as usize).max(least);
-            for i in 0..looks {
-                let share = (i as f64 + dice(number, gap, i)) / looks as f64;
-                let time = (from + (to - from) * share).clamp(from + step, to - step);
-                // Half of the way that the next look stands for.
-                let at = |i: f64| from + (to - from) * (i / looks as f64);
-                peaks.add(Look {
-                    error: actors.apart(time),
-                    time,
-                    begin: at(i as f64 - 0.5).max(from + step),
-                    end: at(i as f64 + 1.5).min(to - step),
-                    within: stretch.within,
-                });
+/// Times between keys, of the file's or of the result's, and whether each begins with a key of the file's that counts while
+/// what lies on one side of it does not.
+fn spans(stretches: impl Iterator<Item = Stretch>, keys: &[f32], begin: f64) -> Vec<(Span, bool)> {
+    // Times that f32 hardly tells apart are the two sides of a jump.
+    let side = |time: f64| ((time - begin).abs() * 2.5e-7).max(1.5e-7);
+    let mut out: Vec<(Span, bool)> = Vec::new();
+    let (mut skew, mut was_within) = (0.0, false);
+    let mut next = 0;
+    for stretch in stretches {
+        let mut key = !stretch.jumps && (stretch.within || was_within);
+        was_within = stretch.within;
+        let mut from = stretch.begin;
+        if stretch.jumps {
+            (from, skew) = (from + side(from), 0.0);
+        }
+        let high = match stretch.jumps_after {
+            true => stretch.end - side(stretch.end),
+            false => stretch.end,
+        };
+        loop {
+            let label = keys.get(next).map(|&key| begin + f64::from(key));
+            let inner = label.filter(|&label| label < stretch.end);
+            next += usize::from(inner.is_some());
+            let end = inner.unwrap_or(stretch.end).min(high);
+            if end > from {
+                // A key of the result stands where f32 has the file's.
+                if end - from <= 7e-8 * (end - begin) + 1e-12 {
+                    skew += end - from;
+                } else {
+                    let span = Span {
+                        from: from - skew,
+                        to: end,
+                        skew,
+                        within: stretch.within,
+                        depth: 0,
+                    };
+                    out.push((span, key));
+                    (skew, key) = (0.0, false);
+                }
+                from = end;
+            }
+            if inner.is_none() {
+                break;
             }
         }
-        from = to;
     }
+    out
 }
 
 /// A pseudo-random share, 0.1 to 0.9, the same in every run.
@@ -181,26 +199,4 @@ pub(crate) fn doubts(source: &Source, shells: &Shells, clip: &Clip) -> Vec<(Stri
         out.push((layer.element.name.to_string(), reading, apart));
     }
     out
-}
-
-/// Searches around the peaks, and holds their vertices against their shells.
-fn found(actors: &mut Actors, mut peaks: Peaks) -> Checked {
-    peaks.search(actors);
-    let mut factor = MISSED;
-    for list in [&peaks.keyed, &peaks.within] {
-        let worst = list.iter().max_by(|a, b| a.error.total_cmp(&b.error));
-        if let Some(worst) = worst.filter(|look| look.error > 1e-12) {
-            let (shells, vertices) = actors.both(worst.time);
-            if vertices > shells && shells > 1e-12 {
-                factor = factor.max(MISSED * vertices / shells);
-            }
-        }
-    }
-    let largest = |list: &[Look]| list.iter().map(|look| look.error).fold(0.0, f64::max);
-    let keyed = largest(&peaks.keyed);
-    Checked {
-        error: factor * keyed.max(largest(&peaks.within)),
-        keyed_error: factor * keyed,
-        times: peaks.times,
-    }
 }
