@@ -5,7 +5,7 @@ use bevy::transform::TransformSystems;
 
 use crate::cover::{PatchBounds, PatchDetail, TerrainCoverSystems, TerrainView, update_covers};
 use crate::detail::budget::{Budget, DetailBudgetPlugin};
-use crate::detail::{DrawnProbes, TerrainLod};
+use crate::detail::{DrawnProbes, MakingBudget, TerrainLod};
 use crate::idle_budget;
 use crate::material::{GroundMaterial, GroundShading, MaterialBands, Sea};
 use crate::sets::GroundSystems;
@@ -47,8 +47,10 @@ impl Plugin for GroundPlugin {
             .register_type::<GroundShading>()
             .register_type::<MaterialBands>()
             .register_type::<Sea>()
-            .register_type::<DrawnProbes>();
+            .register_type::<DrawnProbes>()
+            .register_type::<MakingBudget>();
         app.init_resource::<PatchBounds>()
+            .init_resource::<MakingBudget>()
             .init_resource::<ShownTerrains>()
             .configure_sets(
                 PostUpdate,

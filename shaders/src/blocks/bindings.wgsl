@@ -25,6 +25,8 @@ struct SeenBlock {
     pad_b: u32,
     // How many of its own vertices appear, by the coarsenings of counting.wgsl, two a word.
     appear: array<atomic<u32>, 8>,
+    // Which of its own vertices appear where nothing is coarsened; a word each half row, see looked.wgsl.
+    there: array<u32, 32>,
 }
 
 @group(0) @binding(1) var<uniform> numbers: BlockNumbers;

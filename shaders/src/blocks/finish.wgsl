@@ -15,6 +15,7 @@ const HEAD_WISHES: u32 = 27u;
 const HEAD_MADE: u32 = 28u;
 const HEAD_CANDIDATES: u32 = 29u;
 const HEAD_DRAWN: u32 = 30u;
+const HEAD_STAMP: u32 = 31u;
 const HEAD_CURVE: u32 = 32u;
 const HEAD_CURVE_COUNT: u32 = 8u;
 
@@ -44,6 +45,7 @@ fn finish() {
     head[HEAD_MADE] = atomicLoad(&counts[MADE]);
     head[HEAD_CANDIDATES] = atomicLoad(&counts[CANDIDATES]);
     head[HEAD_DRAWN] = atomicLoad(&counts[DRAWN]);
+    head[HEAD_STAMP] = detail.stamp;
     for (var k = 0u; k < HEAD_CURVE_COUNT; k++) {
         head[HEAD_CURVE + k] = atomicLoad(&counts[CURVE + k]);
     }

@@ -154,6 +154,11 @@ fn decide(slot: u32) {
     }
     let head = heads[slot];
     for (var quarter = 0u; quarter < 4u; quarter++) {
+        let child = head.children[quarter];
+        if child != NO_BLOCK && bitcast<f32>(atomicLoad(&seen[slot].centres[quarter])) >= plan.least {
+            // It would be wished for if it were not there: it is not to be dropped.
+            heads[child].looked = detail.stamp;
+        }
         let wish = wish_of(head, slot, quarter);
         if wish < plan.least {
             continue;
@@ -210,6 +215,22 @@ fn close(candidates: u32) {
 
 @compute @workgroup_size(256)
 fn fit(@builtin(local_invocation_index) thread: u32) {
+    if thread < COARSENINGS {
+        atomicStore(&appear[thread], 0u);
+        atomicStore(&blocks[thread], 0u);
+    }
+    if thread < WISH_BINS {
+        atomicStore(&wishes[thread], 0u);
+    }
+    if thread == 0u {
+        atomicStore(&missing, 0u);
+        atomicStore(&left, 0u);
+        atomicStore(&of_bin, 0u);
+        atomicStore(&taken, 0u);
+        atomicStore(&drawn, 0u);
+        atomicStore(&near, 0u);
+    }
+    workgroupBarrier();
     let candidates = looked[0];
     for (var at = thread; at < candidates; at += GROUP) {
         count(lists[candidate_list() + at]);

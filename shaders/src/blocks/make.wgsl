@@ -2,13 +2,16 @@
 // plugins/ground/src/blocks/record.rs.
 
 #import dolomite::detail::bindings::detail
-#import dolomite::detail::lattice::{cell_sides, lattice_point, on_lattice}
+#import dolomite::detail::lattice::on_lattice
 #import dolomite::detail::unseen::unseen
 #import dolomite::blocks::bindings::{heads, lists, made_list, record_at, records}
+#import dolomite::blocks::border::{border_point, metres_between}
 #import dolomite::blocks::errors::{TAIL, bend, greater, twist}
 #import dolomite::blocks::nest::{Nest, centre_count, middle_count, nest_centre, nest_middle, tails, twists}
 #import dolomite::blocks::record::{ALWAYS, CELLS, CELL_HIGHS, CELL_LOWS, CORNERS, CORNER_COUNT, ERRORS, HEIGHTS, HIGHS, LOWS, NEST, NO_BLOCK, RINGED, RINGED_COUNT, RING_ERRORS, VERTICES, block_quarter, number_at, quarter_corner, ring_number, ringed_number}
 #import dolomite::blocks::samples::{BEFORE_BLOCK, SAMPLES, SAMPLE_COUNT, WIDE, WIDE_COUNT, sample_row, samples, surface}
+#import dolomite::blocks::uneven::{has_border, put_uneven}
+#import dolomite::terrain::fixed::ground_offset
 
 const GROUP: u32 = 128u;
 // Cells of the ring about the block.
@@ -101,8 +104,9 @@ fn make_cell(made: Made, k: u32) {
     // What may lie between samples.
     let centre = square_centre(made, cell, made.cell_half);
     let is_on = on_lattice(centre);
-    let sides = cell_sides(made.cell_half);
-    let alone = unseen(lattice_point(centre), sides, max(sides.x, sides.y) * 0.25);
+    let corner = centre - vec2(made.cell_half);
+    let sides = metres_between(bitcast<vec2<i32>>(corner), bitcast<vec2<i32>>(centre + vec2(made.cell_half)));
+    let alone = unseen(ground_offset(border_point(corner), 0.5 * sides), sides, max(sides.x, sides.y) * 0.25);
     let tail = TAIL * finest + select(0.0, alone, is_on);
     tails[k] = tail;
     if !is_on || any(cell < vec2(-2)) || any(cell > vec2(i32(CELLS) + 1)) {
@@ -209,13 +213,16 @@ fn height_at(made: Made, place: vec2<u32>) -> f32 {
     return samples[made.row + sample.y * SAMPLES + sample.x];
 }
 
-// Errors of all vertices that stand on samples, in as many steps as halvings.
-fn nest_all(made: Made, thread: u32) {
+fn nest_of(made: Made) -> Nest {
     // Samples on the lattice, from three cells before the block on.
     let begin = bitcast<vec2<i32>>(made.origin) - vec2(i32(6u * made.cell_half));
     let step = i32(made.cell_half / 2u);
     let far = bitcast<vec2<i32>>(detail.roots << vec2(detail.depth + 1u));
-    let nest = Nest(made.row, max(-begin / step, vec2(0)), min((far - begin) / step, vec2(i32(SAMPLES) - 1)));
+    return Nest(made.row, max(-begin / step, vec2(0)), min((far - begin) / step, vec2(i32(SAMPLES) - 1)), begin, step);
+}
+
+// Errors of all vertices that stand on samples, in as many steps as halvings.
+fn nest_all(nest: Nest, thread: u32) {
     for (var k = thread; k < middle_count(1u); k += GROUP) {
         nest_middle(nest, k, 1u);
     }
@@ -260,8 +267,14 @@ fn make_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     for (var k = thread; k < WIDE_COUNT; k += GROUP) {
         make_cell(made, k);
     }
+    let nest = nest_of(made);
+    let uneven = select(0u, SAMPLE_COUNT, has_border(nest));
+    for (var k = thread; k < uneven; k += GROUP) {
+        put_uneven(nest, k);
+    }
+    storageBarrier();
     workgroupBarrier();
-    nest_all(made, thread);
+    nest_all(nest, thread);
     for (var k = thread; k < 361u; k += GROUP) {
         let corner = vec2(i32(k % RINGED_CORNERS), i32(k / RINGED_CORNERS)) - vec2(1);
         var error = 0.0;

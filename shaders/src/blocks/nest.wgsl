@@ -18,6 +18,9 @@ struct Nest {
     // First and last sample that is on the lattice.
     first: vec2<i32>,
     last: vec2<i32>,
+    // Lattice line of the first, and lines between two.
+    origin: vec2<i32>,
+    step: i32,
 }
 
 fn is_inside(nest: Nest, at: vec2<i32>) -> bool {
@@ -40,7 +43,7 @@ fn number_of(cell: vec2<i32>) -> i32 {
     return cell.y * i32(WIDE) + cell.x;
 }
 
-// The greatest tail, and the greatest twist, of the cells that a vertex touches.
+// The greatest tail, and the greatest twist, of the cells that a vertex touches, beyond the lattice too.
 fn between_at(at: vec2<i32>) -> vec2<f32> {
     var most = vec2(0.0);
     for (var k = 0u; k < 4u; k++) {
@@ -53,8 +56,12 @@ fn between_at(at: vec2<i32>) -> vec2<f32> {
     return most;
 }
 
-fn put(nest: Nest, at: vec2<i32>, own: f32, finer: f32, tail: f32) {
-    samples[sample_at(nest, at) + SAMPLE_COUNT] = greater(own + tail, GROWTH * finer);
+fn put(nest: Nest, at: vec2<i32>, even: f32, finer: f32, tail: f32) {
+    let number = sample_at(nest, at) + SAMPLE_COUNT;
+    // Where samples stand unevenly the own error is known already, else it is below 0: see uneven.wgsl.
+    let uneven = samples[number];
+    let own = select(even, uneven, uneven >= 0.0);
+    samples[number] = greater(own + tail, GROWTH * finer);
 }
 
 // How many samples are mixed corners of cells of 2 `half` steps, about twice as many as half the grid.

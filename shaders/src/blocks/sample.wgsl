@@ -4,6 +4,7 @@
 #import dolomite::detail::bindings::detail
 #import dolomite::detail::lattice::{lattice_point, times}
 #import dolomite::blocks::bindings::{heads, lists, made_list}
+#import dolomite::blocks::border::{moved_x, moved_z}
 #import dolomite::blocks::samples::{BEFORE_BLOCK, SAMPLES, SAMPLE_COUNT, sample_row, samples}
 #import dolomite::terrain::fixed::{fixed_add, fixed_sub, ground_point, ground_x, ground_z}
 #import dolomite::terrain::height::terrain_height
@@ -22,5 +23,9 @@ fn sample_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
     let before = BEFORE_BLOCK * step;
     let x = fixed_add(fixed_sub(ground_x(corner), times(detail.step_x, before)), times(detail.step_x, k % SAMPLES * step));
     let z = fixed_add(fixed_sub(ground_z(corner), times(detail.step_z, before)), times(detail.step_z, k / SAMPLES * step));
-    samples[sample_row(group.y) + k] = terrain_height(ground_point(x, z)).x;
+    let line = bitcast<vec2<i32>>(heads[slot].centre - vec2(half) + vec2(k % SAMPLES, k / SAMPLES) * step - vec2(before));
+    let place = ground_point(fixed_add(x, moved_x(line.x)), fixed_add(z, moved_z(line.y)));
+    samples[sample_row(group.y) + k] = terrain_height(place).x;
+    // No error of its vertex is known yet.
+    samples[sample_row(group.y) + SAMPLE_COUNT + k] = -1.0;
 }

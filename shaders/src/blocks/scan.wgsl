@@ -27,7 +27,7 @@ fn scan_blocks(@builtin(global_invocation_id) id: vec3<u32>) {
     let most = place_before(frame, vec2(BEFORE + 36u));
     let size = select(edge_of(frame, vec2(2u, 0u)), head.mixed_error, detail.view.metric == 2u);
     // A hundredth more: this is the bound of another box than each vertex has.
-    var ratio = 1.01 * size * box_factor(vec3(least.x, head.low, least.y), vec3(most.x, head.high, most.y));
+    var ratio = 1.01 * size * box_factor(frame, vec3(least.x, head.low, least.y), vec3(most.x, head.high, most.y));
     // Roots are always drawn.
     ratio = select(ratio, GREATEST, head.parent == NO_BLOCK);
     if ratio <= WINDOW {

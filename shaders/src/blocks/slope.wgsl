@@ -1,8 +1,8 @@
 // Gradients at the vertices that are new in the blocks that are made. A thread a vertex, a row of workgroups a block.
 
 #import dolomite::detail::bindings::detail
-#import dolomite::detail::lattice::lattice_point
 #import dolomite::blocks::bindings::{heads, lists, made_list, record_at, records}
+#import dolomite::blocks::border::border_point
 #import dolomite::blocks::record::{GRADIENTS, NO_BLOCK, OWN, VERTICES, number_at, own_vertex, pack_gradient, vertex_at}
 #import dolomite::terrain::height::terrain_height
 
@@ -18,6 +18,6 @@ fn slope_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
         return;
     }
     let place = select(own_vertex(k), vertex_at(k), is_root);
-    let gradient = terrain_height(lattice_point(centre - vec2(half) + place * (half / 16u))).yz;
+    let gradient = terrain_height(border_point(centre - vec2(half) + place * (half / 16u))).yz;
     records[record_at(slot) + GRADIENTS + number_at(place)] = pack_gradient(gradient);
 }

@@ -3,9 +3,9 @@
 
 #import dolomite::blocks::bindings::{heads, lists, near_list, records}
 #import dolomite::blocks::beside::is_beside
-#import dolomite::blocks::leaves::{drawn_by_child, exists, find_children, is_there, share}
+#import dolomite::blocks::leaves::{drawn_by_child, exists, is_there, share}
 #import dolomite::blocks::record::{CELL_HIGHS, CORNER_COUNT, RINGED, VERTICES}
-#import dolomite::blocks::way::{Block, block_at, coarsening_now, way_of}
+#import dolomite::blocks::way::{Block, block_at, coarsening_now, find_children, way_of}
 #import dolomite::detail::bindings::{counts, detail}
 #import dolomite::detail::horizon::BLIND
 

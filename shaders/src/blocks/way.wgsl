@@ -2,10 +2,10 @@
 
 // A block that is drawn, and how far its vertices are on their way to the ground.
 
-#import dolomite::blocks::bindings::{COARSENING, heads, record_at, records}
+#import dolomite::blocks::bindings::{COARSENING, heads, record_at, records, seen}
 #import dolomite::blocks::ratio::{Frame, frame_of, vertex_ratio}
-#import dolomite::blocks::record::{ERRORS, HIGHS, LOWS, WINDOW, block_quarter, vertex_at}
-#import dolomite::detail::bindings::counts
+#import dolomite::blocks::record::{ERRORS, HIGHS, LOWS, NO_BLOCK, WINDOW, block_quarter, vertex_at}
+#import dolomite::detail::bindings::{counts, detail}
 
 struct Block {
     record: u32,
@@ -38,4 +38,16 @@ fn way_of(block: Block, number: u32, coarsening: f32) -> f32 {
     let way = clamp((ratio / coarsening - WINDOW) / (1.0 - WINDOW), 1e-6, 1.0);
     let is_corner = all((at & vec2(31u)) == vec2(0u));
     return select(select(0.0, way, ratio > WINDOW * coarsening), 1.0, is_corner);
+}
+
+// Bits of the quarters that are drawn as blocks of their own.
+fn find_children(children: vec4<u32>, coarsening: f32) -> u32 {
+    var bits = 0u;
+    for (var k = 0u; k < 4u; k++) {
+        let child = children[k];
+        let known = child != NO_BLOCK && seen[child].stamp == detail.stamp;
+        let mixed = select(0.0, bitcast<f32>(atomicLoad(&seen[child].mixed)), known);
+        bits |= select(0u, 1u << k, mixed > WINDOW * coarsening);
+    }
+    return bits;
 }

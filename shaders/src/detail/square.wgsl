@@ -5,39 +5,36 @@
 #import dolomite::detail::bindings::{counts, detail, HORIZON}
 #import dolomite::detail::horizon::{COLUMNS, LAYERS, LAYER_ROUNDING, Mapped, column_of, layer_of, map_place, margin_at, ordered}
 
-// s of a flat square, `lift` above the eye, at u: see side_of in horizon.rs.
-fn side_of(corners: array<Mapped, 4>, lift: f32, u: f32) -> f32 {
-    var all = corners;
-    var highest = -1e30;
-    for (var k = 0u; k < 4u; k++) {
-        let a = all[k];
-        let b = all[(k + 1u) & 3u];
-        if (a.u - u) * (b.u - u) <= 0.0 && a.u != b.u {
-            let qa = 1.0 / a.depth;
-            let qb = 1.0 / b.depth;
-            highest = max(highest, lift * (qa + (qb - qa) * ((u - a.u) / (b.u - a.u))));
-        }
-    }
-    return highest;
+// s of a side of a flat square, `lift` above the eye, at u. No loop over sides: software Vulkan reads what a loop indexes lane
+// by lane.
+fn of_side(a: Mapped, b: Mapped, lift: f32, u: f32) -> f32 {
+    let qa = 1.0 / a.depth;
+    let qb = 1.0 / b.depth;
+    let s = lift * (qa + (qb - qa) * ((u - a.u) / (b.u - a.u)));
+    return select(-1e30, s, (a.u - u) * (b.u - u) <= 0.0 && a.u != b.u);
+}
+
+// The same of the square: see side_of in horizon.rs.
+fn side_of(a: Mapped, b: Mapped, c: Mapped, d: Mapped, lift: f32, u: f32) -> f32 {
+    let one = max(of_side(a, b, lift, u), of_side(b, c, lift, u));
+    return max(max(-1e30, one), max(of_side(c, d, lift, u), of_side(d, a, lift, u)));
 }
 
 // Relative to the stage's anchor.
 fn draw_square(low: vec3<f32>, high: vec2<f32>) {
     let lift = low.y - detail.horizon.eye.y;
-    let corners = array(
-        map_place(low),
-        map_place(vec3(high.x, low.yz)),
-        map_place(vec3(high.x, low.y, high.y)),
-        map_place(vec3(low.xy, high.y)),
-    );
-    let depths = vec4(corners[0].depth, corners[1].depth, corners[2].depth, corners[3].depth);
+    let a = map_place(low);
+    let b = map_place(vec3(high.x, low.yz));
+    let c = map_place(vec3(high.x, low.y, high.y));
+    let d = map_place(vec3(low.xy, high.y));
+    let depths = vec4(a.depth, b.depth, c.depth, d.depth);
     let nearest = min(min(depths.x, depths.y), min(depths.z, depths.w));
     let farthest = max(max(depths.x, depths.y), max(depths.z, depths.w));
     let layer = ceil(layer_of(farthest) + LAYER_ROUNDING);
     if !(nearest >= detail.horizon.nearest && layer < f32(LAYERS) && abs(lift) < 1e30) {
         return;
     }
-    let us = vec4(corners[0].u, corners[1].u, corners[2].u, corners[3].u);
+    let us = vec4(a.u, b.u, c.u, d.u);
     let left = min(min(us.x, us.y), min(us.z, us.w));
     let right = max(max(us.x, us.y), max(us.z, us.w));
     let margin = margin_at(max(abs(left), abs(right)), abs(lift) / nearest);
@@ -47,7 +44,7 @@ fn draw_square(low: vec3<f32>, high: vec2<f32>) {
     let row = HORIZON + u32(max(layer, 0.0)) * COLUMNS;
     for (var k = first; k < last; k++) {
         let u = f32(k) * width - detail.horizon.reach;
-        let s = min(side_of(corners, lift, u - margin), side_of(corners, lift, u + width + margin));
+        let s = min(side_of(a, b, c, d, lift, u - margin), side_of(a, b, c, d, lift, u + width + margin));
         atomicMax(&counts[row + k], ordered(s - margin));
     }
 }

@@ -72,6 +72,16 @@ struct DetailParams {
     oldest: u32,
     pad: f32,
     horizon: HorizonView,
+    // How many lattice steps wide the outermost columns and rows are whose steps have another length; 0: none are.
+    border: u32,
+    border_pad_a: u32,
+    border_pad_b: u32,
+    border_pad_c: u32,
+    // How much longer a step is there, 2^-32 m, two's complement: in the first and the last column, the first and the last row.
+    first_x: vec2<u32>,
+    last_x: vec2<u32>,
+    first_z: vec2<u32>,
+    last_z: vec2<u32>,
 }
 
 // A cell as it was made, see Cell in cell.rs.

@@ -18,7 +18,7 @@ const UNIFORM: BufferBindingType = BufferBindingType::Uniform;
 const READ: BufferBindingType = BufferBindingType::Storage { read_only: true };
 const WRITE: BufferBindingType = BufferBindingType::Storage { read_only: false };
 
-fn layout(gpu: &Gpu, types: &[(u32, BufferBindingType)]) -> BindGroupLayout {
+pub(super) fn layout(gpu: &Gpu, types: &[(u32, BufferBindingType)]) -> BindGroupLayout {
     let entries: Vec<_> = types
         .iter()
         .map(|&(binding, ty)| BindGroupLayoutEntry {

@@ -1,6 +1,7 @@
 //! The passes of the level of detail in blocks without Bevy's renderer, recorded by
 //! [`dolomite_ground::render::blocks::record`] as in an app.
 
+mod answers;
 mod buffers;
 mod records;
 mod run;
@@ -96,7 +97,11 @@ impl<'a> BlockStage<'a> {
                     layout: Some(&layout),
                     module: &module,
                     entry_point: Some(entry),
-                    compilation_options: Default::default(),
+                    // As Bevy's pipelines are by default: the passes write what they read.
+                    compilation_options: wgpu::PipelineCompilationOptions {
+                        zero_initialize_workgroup_memory: false,
+                        ..Default::default()
+                    },
                     cache: None,
                 }),
             )
@@ -135,6 +140,12 @@ impl<'a> BlockStage<'a> {
             }
         }
         panic!("not settled after {most} choices");
+    }
+
+    /// Number of the last choice.
+    #[must_use]
+    pub const fn stamp(&self) -> u32 {
+        self.stamp
     }
 
     /// Chooses, and makes the mesh; then at most `budget` blocks.

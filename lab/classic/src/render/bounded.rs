@@ -12,7 +12,8 @@ use crate::ClassicHeights;
 use dolomite_geometry::GeometryPlugin;
 use dolomite_ground::detail::TerrainLod;
 use dolomite_ground::render::HeightUniform;
-use dolomite_ground::render::detail::{self, DetailKind};
+use dolomite_ground::render::choice;
+use dolomite_ground::render::detail::DetailKind;
 
 /// The kind: the height function, and who chooses.
 #[derive(Resource, AsBindGroup, Clone, Default)]
@@ -69,7 +70,7 @@ pub(super) fn build(app: &mut App, heights: &ClassicHeights) {
 
 /// The render half, when all plugins have been built.
 pub(super) fn finish(app: &mut App) {
-    detail::build::<BoundedClassicKind>(app);
+    choice::build::<BoundedClassicKind>(app);
 }
 
 /// Shows or hides the surface.

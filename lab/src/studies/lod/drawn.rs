@@ -49,16 +49,27 @@ impl Surface {
     /// Of a run of the passes.
     #[must_use]
     pub fn of(params: &DetailParams, run: &DetailRun) -> Self {
+        let held = run.left.max(run.coarsening);
+        Self::new(params, &run.positions, run.triangles.clone(), held)
+    }
+
+    /// Of positions relative to the anchor, and triangles, that hold so much of the tolerance.
+    #[must_use]
+    pub fn new(
+        params: &DetailParams,
+        positions: &[[f32; 3]],
+        triangles: Vec<[u32; 3]>,
+        held: f32,
+    ) -> Self {
         let [x, z] = params.view.anchor.map(f64::from);
         let anchor = DVec3::new(x, f64::from(params.anchor_height), z);
         Self {
-            positions: run
-                .positions
+            positions: positions
                 .iter()
                 .map(|at| anchor + DVec3::from_array(at.map(f64::from)))
                 .collect(),
-            triangles: run.triangles.clone(),
-            held: f64::from(run.left.max(run.coarsening)),
+            triangles,
+            held: f64::from(held),
         }
     }
 

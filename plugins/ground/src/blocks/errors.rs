@@ -120,7 +120,8 @@ impl Errors<'_> {
         }
     }
 
-    /// What may lie between samples about a vertex: the greatest of the cells that it touches.
+    /// What may lie between samples about a vertex: the greatest of the cells that it touches. Those beyond the lattice count:
+    /// without them a place beside the border was farther off than its bound.
     fn tail(&self, at: [i32; 2]) -> f32 {
         self.touched(at, self.tails)
     }

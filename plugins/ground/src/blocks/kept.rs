@@ -25,7 +25,10 @@ pub struct Wish {
 }
 
 /// The lattice for blocks of a terrain, whose finest cells are at most `finest` metres wide, as far as lattices
-/// go. Where the samples of the terrain's finest height map allow it, its lines stand on them.
+/// go. Where the samples of the terrain's finest height map allow it, its lines stand on them: where some number of
+/// columns from the map's down to two less, and of rows alike, is the same power of two times
+/// [`MOST_ALIGNED`](crate::detail::aligned::MOST_ALIGNED) at most. Others, of 37 samples a side as of 3000, have an even
+/// lattice whose lines stand anywhere between samples: as true, but with more triangles.
 #[must_use]
 pub fn lattice_of(terrain: &Terrain, finest: f32) -> DetailLattice {
     let extent = terrain.extent();

@@ -6,7 +6,7 @@
 //! | records | a ground | [`RECORD_WORDS`] words a slot: [`super::record::Block`] without its head |
 //! | heads | a ground | [`GpuHead`] a slot |
 //! | stock | a ground | which slots are in use |
-//! | seen | a view | [`SEEN_BYTES`] a slot: largest error ratios, and how many vertices appear |
+//! | seen | a view | [`SEEN_BYTES`] a slot: largest error ratios, which vertices appear and how many |
 //! | counts | a view | counters; the map of the horizon |
 //! | lists | a view | blocks that are looked at, drawn, made |
 //! | looked, arguments | a view | workgroups of the dispatches to come |
@@ -106,7 +106,7 @@ pub const HEAD_BYTES: u64 = size_of::<GpuHead>() as u64;
 /// Bytes of the stock before its list.
 pub const STOCK_HEAD_BYTES: u64 = 16;
 /// Bytes of a slot in a view.
-pub const SEEN_BYTES: u64 = 64;
+pub const SEEN_BYTES: u64 = 192;
 /// Words of the counts in all.
 pub const COUNT_WORDS: usize = ALL_COUNT_WORDS;
 /// Most blocks that a frame makes, and roots that a ground has.
@@ -148,6 +148,8 @@ pub const HEAD_MADE: usize = 28;
 pub const HEAD_CANDIDATES: usize = 29;
 /// Blocks that are drawn.
 pub const HEAD_DRAWN: usize = 30;
+/// [`DetailParams::stamp`](crate::detail::layout::DetailParams::stamp) of the choice.
+pub const HEAD_STAMP: usize = 31;
 /// From here on how many vertices appear at the coarsenings 2^(k/2), k from 0 to 7.
 pub const HEAD_CURVE: usize = 32;
 
@@ -259,6 +261,11 @@ pub const PASSES: [Pass; 13] = [
     ),
     ("blocks/finish.wgsl", "finish", Second::Head, Groups::One),
 ];
+
+/// File and entry of the pass that answers height queries, after a choice. Group 0 is what all passes share, group 1 holds
+/// [`Asked`](crate::detail::probe::Asked) at 2, places at 3, answers at 4, as recorded by
+/// `record_answers` of `render/detail/record.rs`.
+pub const ANSWER_PASS: (&str, &str) = ("blocks/answer.wgsl", "answer");
 
 /// Where the arguments lie of the passes over blocks that are drawn.
 const DRAWN: u64 = 0;

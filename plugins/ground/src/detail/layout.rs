@@ -37,6 +37,12 @@ pub struct DetailParams {
     pub oldest: u32,
     pub pad: f32,
     pub horizon: HorizonView,
+    pub border: u32,
+    pub border_pad: [u32; 3],
+    pub first_x: [u32; 2],
+    pub last_x: [u32; 2],
+    pub first_z: [u32; 2],
+    pub last_z: [u32; 2],
 }
 
 /// Bit of [`DetailParams::flags`]: triangles that the camera does not see are left out.
@@ -58,6 +64,11 @@ impl DetailParams {
     pub fn new(cells: &DetailCells, view: DetailView, capacity: u32, pools: [u32; 2]) -> Self {
         let lattice = &cells.lattice;
         let words = |step: u64| [(step >> 32) as u32, step as u32];
+        let border = lattice.border;
+        let longer = |of: [u64; 2], axis: usize| match border.width {
+            0 => [0; 2],
+            _ => words(of[axis].wrapping_sub(lattice.step[axis])),
+        };
         Self {
             view,
             origin_cell: lattice.origin.cell.to_array(),
@@ -83,6 +94,12 @@ impl DetailParams {
             oldest: 0,
             pad: 0.0,
             horizon: HorizonView::default(),
+            border: border.width,
+            border_pad: [0; 3],
+            first_x: longer(border.first, 0),
+            last_x: longer(border.last, 0),
+            first_z: longer(border.first, 1),
+            last_z: longer(border.last, 1),
         }
     }
 

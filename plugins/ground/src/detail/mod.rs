@@ -66,7 +66,7 @@ pub use mesh::{DetailMesh, DetailVertex};
 pub use probe::DrawnProbes;
 #[doc(hidden)]
 pub use select::{Selection, select};
-pub use settings::{Metric, TerrainLod};
+pub use settings::{Choice, MakingBudget, Metric, TerrainLod};
 pub use view::{DetailView, Lens};
 
 /// The error ratio at which a vertex appears, still in the plane of the triangle that it cuts; at 1 it has

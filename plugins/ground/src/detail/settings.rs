@@ -109,6 +109,17 @@ impl Metric {
     }
 }
 
+/// How the triangles of a view are chosen. Both keep the same bound.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Default)]
+pub enum Choice {
+    /// In blocks of 16 × 16 cells, see [`blocks`](crate::blocks): they are made over some frames, coarse ground first.
+    Blocks,
+    /// Cell by cell, see [`detail`](crate::detail): all of them are made in the frame that first needs them.
+    #[default]
+    Cells,
+}
+
 /// How finely a camera sees the ground.
 ///
 /// Required by [`TerrainView`](crate::TerrainView). A camera from which it was taken away sees the ground as by the
@@ -120,17 +131,19 @@ pub struct TerrainLod {
     pub metric: Metric,
     /// Side of the smallest cell, metres; 2⁻¹⁰ to 1024, default 0.125.
     ///
-    /// Views with the same value share the cells of a terrain; each other value among them has cells of its own,
+    /// Views with the same value and the same choice share the cells, or blocks, of a terrain; others have their own,
     /// made and kept once more.
     pub finest: f32,
     /// Most vertices of a view; where a view asks for more, the tolerance grows until it fits. 2¹⁰ to 2²²,
     /// default 2¹⁸.
     ///
-    /// A vertex takes 472 bytes a view (64 of pools, 408 of the four cells that it is counted with), and another
-    /// 452 of cells that all views of the terrain with the same `finest` share, as large as the greatest of them asks
-    /// for: by default 118 MiB a view, and 113 MiB a terrain and value of `finest`. They are published as
-    /// `dolomite/geometry/allocated/…` and in `GeometryStats::pools`, with the terrain's relief map, its textures
-    /// and its heights.
+    /// With [`Choice::Cells`] a vertex takes 472 bytes a view (64 of pools, 408 of the four cells that it is counted
+    /// with), and another 452 of cells that all views of the terrain with the same `finest` share, as large as the
+    /// greatest of them asks for: by default 118 MiB a view, and 113 MiB a terrain and value of `finest`. With
+    /// [`Choice::Blocks`] it takes 50 bytes a view (44 of pools, six of the block that there is room for with every 38
+    /// of them) and another 364 of blocks, and a terrain 4 MiB for what is being made: by default 12.6 MiB a view, and
+    /// 95 MiB a terrain. They are published as `dolomite/geometry/allocated/…` and in `GeometryStats::pools`, with the
+    /// terrain's relief map, its textures and its heights.
     pub max_vertices: u32,
     /// Share of the detail that ground gets which is seen through its shadow alone, 0 to 1.
     pub shadow_share: f32,
@@ -140,6 +153,19 @@ pub struct TerrainLod {
     /// Leaves out the triangles that nearer ground hides, with those that `culled` leaves out; nothing without
     /// it, and nothing where a camera does not fill triangles. The picture is the same without.
     pub occluded: bool,
+    /// How its triangles are chosen.
+    pub choice: Choice,
+}
+
+/// How many blocks of ground a frame makes, for all views of a terrain together. May be changed at any time; without it
+/// the default counts.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Resource, Default)]
+pub struct MakingBudget {
+    /// Most blocks; more than 1024 count as that many. 0: what there is is drawn, by a tolerance that it allows. `None`,
+    /// the default: as many as take a millisecond on this device, which is measured; a quarter of a second where the
+    /// processor draws, whose frames take as long.
+    pub blocks: Option<u32>,
 }
 
 impl Default for TerrainLod {
@@ -151,6 +177,7 @@ impl Default for TerrainLod {
             shadow_share: 0.25,
             culled: true,
             occluded: true,
+            choice: Choice::default(),
         }
     }
 }
@@ -164,8 +191,7 @@ impl TerrainLod {
             finest: within(self.finest, 1.0 / 1024.0, 1024.0, 0.125),
             max_vertices: self.max_vertices.clamp(1 << 10, 1 << 22),
             shadow_share: within(self.shadow_share, 0.0, 1.0, 0.25),
-            culled: self.culled,
-            occluded: self.occluded,
+            ..self
         }
     }
 }

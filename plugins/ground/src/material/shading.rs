@@ -14,17 +14,16 @@ use serde::{Deserialize, Serialize};
     Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, Serialize, Deserialize,
 )]
 #[reflect(Component, Default)]
+#[serde(rename_all = "snake_case")]
 pub enum GroundShading {
     /// Every layer that lies at a place, from above and from the side, with wide blends. Its time grows with the
     /// number of layers; for pictures, and what the others are measured by.
     Full,
     /// Blends as wide as those of [`Self::Full`].
     Fine,
-    /// Narrower blends: for most.
+    /// Narrower blends: for most. Still narrower ones save next to nothing and double the error.
     #[default]
     Balanced,
-    /// Blends so narrow that their edges can be seen where one knows them: for processors that draw.
-    Fast,
 }
 
 impl GroundShading {
@@ -38,7 +37,6 @@ impl GroundShading {
         match self {
             Self::Full | Self::Fine => 0.0,
             Self::Balanced => 0.1,
-            Self::Fast => 0.3,
         }
     }
 }

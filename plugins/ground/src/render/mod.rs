@@ -6,12 +6,14 @@
 
 pub mod blocks;
 mod builtin;
+pub mod choice;
 pub mod detail;
 mod drawn;
 mod kind;
 mod look;
 mod noise;
 pub mod relief;
+mod room;
 mod terrain;
 pub mod texture;
 mod told;
@@ -95,7 +97,7 @@ fn add_slot<const SLOT: usize>(app: &mut App) {
         PostUpdate,
         terrain::follow::<SLOT>.in_set(GroundSystems::Follow),
     );
-    detail::build::<GroundKind<SLOT>>(app);
+    choice::build::<GroundKind<SLOT>>(app);
 }
 
 /// The patches of a camera; on the entity that draws them.

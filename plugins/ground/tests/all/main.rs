@@ -5,6 +5,8 @@ mod adapter;
 mod app;
 #[cfg(feature = "render")]
 mod blocks;
+#[cfg(feature = "render")]
+mod chosen;
 mod cover;
 mod plugin;
 #[cfg(feature = "render")]

@@ -283,6 +283,11 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
             half_size,
             oldest,
             horizon,
+            border,
+            first_x,
+            last_x,
+            first_z,
+            last_z,
         }
     );
     same_layout!(

@@ -9,13 +9,12 @@ mod hand_in;
 mod host;
 mod pass;
 mod pipeline;
-mod prepare;
+pub(super) mod prepare;
 pub(crate) mod probe;
-mod progress;
 pub mod record;
 mod state;
 mod store;
-mod view;
+pub(super) mod view;
 
 use std::any::type_name;
 use std::marker::PhantomData;
@@ -36,8 +35,7 @@ use dolomite_geometry::render::{
 };
 use dolomite_terrain::Terrain;
 
-use crate::detail::TerrainLod;
-use crate::render::drawn::Telling;
+use crate::detail::{Choice, MakingBudget, TerrainLod};
 
 /// A ground whose triangles the level of detail makes: what is bound, what it looks like, who sees it. A
 /// resource of the main world.
@@ -105,21 +103,32 @@ pub fn detail_key<K: 'static>() -> ProducerKey {
 
 /// The ground of a kind, in the render world.
 #[derive(Resource)]
-struct ExtractedGround<K> {
+pub(super) struct ExtractedGround<K> {
     /// The newest resource, until it is bound.
     kind: Option<K>,
     /// Whether it has just changed.
     newer: bool,
-    terrain: Option<Terrain>,
+    pub(super) terrain: Option<Terrain>,
     /// From the lowest to the highest ground, metres.
-    relief: f32,
+    pub(super) relief: f32,
     on_host: bool,
+    /// How many blocks a frame makes.
+    pub(super) making: MakingBudget,
     /// Bytes of its data on the GPU.
     data_bytes: u64,
     /// Who sees it, and how.
     cameras: Vec<(Entity, TerrainLod)>,
     /// Those of them whose vertices are counted, for their budgets.
-    counted: Vec<Entity>,
+    pub(super) counted: Vec<Entity>,
+}
+
+impl<K> ExtractedGround<K> {
+    /// Who sees it by a choice in blocks, or by one of cells; the CPU knows cells alone.
+    pub(super) fn seeing(&self, blocks: bool) -> impl Iterator<Item = (Entity, TerrainLod)> {
+        let in_blocks = move |detail: &TerrainLod| detail.choice == Choice::Blocks && !self.on_host;
+        let cameras = self.cameras.iter().copied();
+        cameras.filter(move |(_, detail)| in_blocks(detail) == blocks)
+    }
 }
 
 impl<K> Default for ExtractedGround<K> {
@@ -130,6 +139,7 @@ impl<K> Default for ExtractedGround<K> {
             terrain: None,
             relief: 0.0,
             on_host: false,
+            making: MakingBudget::default(),
             data_bytes: 0,
             cameras: Vec::new(),
             counted: Vec::new(),
@@ -139,14 +149,13 @@ impl<K> Default for ExtractedGround<K> {
 
 /// Entry shaders of the passes, in the order of `DEPTH_PASSES` and then `LAST_PASSES`.
 #[derive(Resource, Clone)]
-struct DetailShaders {
+pub(super) struct DetailShaders {
     entries: Vec<Handle<Shader>>,
     _modules: ModuleShaders,
 }
 
-/// Adds the systems of a kind to an app that renders, from `Plugin::finish` on; does nothing where they are.
-/// The app needs [`GeometryPlugin`](dolomite_geometry::GeometryPlugin).
-pub fn build<K: DetailKind>(app: &mut App) {
+/// Adds the systems of a kind to an app that renders, from `Plugin::finish` on; whether they were not there and are now.
+pub(super) fn build<K: DetailKind>(app: &mut App) -> bool {
     build_render(app);
     let key = detail_key::<K>();
     let known = |app: &App| {
@@ -157,13 +166,15 @@ pub fn build<K: DetailKind>(app: &mut App) {
         Some(producers.get(key).is_some())
     };
     if known(app) != Some(false) {
-        return;
+        return false;
     }
-    let Some(shaders) = shaders(app) else { return };
+    let Some(shaders) = shaders(app) else {
+        return false;
+    };
     let name = type_name::<K>();
     let file = format!("geometry/draw.wgsl#detail of {name}");
     let Some(mut assets) = app.world_mut().get_resource_mut::<Assets<Shader>>() else {
-        return;
+        return false;
     };
     let draw = DrawShader {
         handle: assets.add(shader_asset(draw_source::<K>(), &file)),
@@ -173,7 +184,7 @@ pub fn build<K: DetailKind>(app: &mut App) {
     let nothing = BindGroupLayoutDescriptor::new("detail_inputs", &[]);
     let producer = Producer::new(name, traits, draw, nothing);
     let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
-        return;
+        return false;
     };
     render_app
         .world_mut()
@@ -190,12 +201,10 @@ pub fn build<K: DetailKind>(app: &mut App) {
                 prepare::want::<K>.in_set(GeometrySystems::Want),
                 prepare::prepare::<K>.in_set(GeometrySystems::Bind),
                 hand_in::hand_in::<K>.in_set(RenderSystems::Cleanup),
-                progress::report::<K>
-                    .in_set(RenderSystems::Cleanup)
-                    .in_set(Telling),
             ),
         )
         .add_systems(Core3d, pass::choose::<K>.in_set(GeometrySystems::Make));
+    true
 }
 
 fn draw_traits<K: DetailKind>() -> DrawTraits {
@@ -251,10 +260,12 @@ type Seeing<'a> = (
 fn extract<K: DetailKind>(
     mut ground: ResMut<ExtractedGround<K>>,
     kind: Extract<Option<Res<K>>>,
+    making: Extract<Option<Res<MakingBudget>>>,
     cameras: Extract<Query<Seeing, (With<GeometryCamera>, K::Cameras)>>,
 ) {
     ground.cameras.clear();
     ground.counted.clear();
+    ground.making = making.as_ref().map(|making| **making).unwrap_or_default();
     let Some(kind) = kind.as_ref() else {
         ground.terrain = None;
         ground.data_bytes = 0;

@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use bevy::ecs::system::{StaticSystemParam, SystemParamItem};
 use bevy::prelude::*;
-use bevy::render::render_resource::{AsBindGroup, AsBindGroupError, PipelineCache};
+use bevy::render::render_resource::{
+    AsBindGroup, AsBindGroupError, BindingResources, Buffer, OwnedBindingResource, PipelineCache,
+};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::view::ExtractedView;
 
@@ -16,8 +18,10 @@ use super::state::DetailState;
 use super::store::{CellStore, capacity_for};
 use super::view::{detail_view, picture};
 use super::{DetailKind, DetailShaders, ExtractedGround, detail_key, host};
-use crate::detail::TerrainLod;
+use crate::blocks::kept::lattice_of;
+use crate::blocks::layout::least_pools;
 use crate::detail::layout::{HEAD_USED, without};
+use crate::detail::{Choice, Metric, TerrainLod};
 use crate::render::told::is_news;
 use dolomite_geometry::layout::OWN;
 use dolomite_geometry::render::{GeometryPool, GeometryShared, GeometryView, Producer, Producers};
@@ -32,6 +36,8 @@ pub struct DetailViews<K> {
     pub(super) stores: HashMap<u32, CellStore>,
     /// Whether the bind group is older than the kind's data.
     pub(super) data_due: bool,
+    /// What the height function reads: layers, their data, uniform.
+    pub(in crate::render) ground: Option<[Buffer; 3]>,
     kind: PhantomData<fn() -> K>,
 }
 
@@ -42,8 +48,21 @@ impl<K> Default for DetailViews<K> {
             views: HashMap::new(),
             stores: HashMap::new(),
             data_due: true,
+            ground: None,
             kind: PhantomData,
         }
+    }
+}
+
+impl<K> DetailViews<K> {
+    /// Whether what the height function reads is older than the kind's data.
+    pub(in crate::render) const fn is_data_due(&self) -> bool {
+        self.data_due
+    }
+
+    /// The metric of a view's newest choice.
+    pub(in crate::render) fn metric(&self, view: Entity) -> Option<Metric> {
+        self.views.get(&view).map(|own| own.detail.metric)
     }
 }
 
@@ -95,6 +114,28 @@ fn cells_in_use(state: &GeometryView) -> u32 {
     state.counters.newest.own[HEAD_USED - OWN as usize]
 }
 
+/// What the height function reads, of a kind's bindings.
+fn height_buffers(bindings: &BindingResources) -> Option<[Buffer; 3]> {
+    let buffer = |at: u32| match bindings.iter().find(|(binding, _)| *binding == at)? {
+        (_, OwnedBindingResource::Buffer(buffer)) => Some(buffer.clone()),
+        _ => None,
+    };
+    Some([buffer(0)?, buffer(1)?, buffer(2)?])
+}
+
+/// Room for what a view asks for, and for what is there whatever it asks for.
+fn pool_for(terrain: &Terrain, detail: &TerrainLod) -> GeometryPool {
+    let [vertices, primitives] = match detail.choice {
+        Choice::Blocks => least_pools(&lattice_of(terrain, detail.finest)),
+        Choice::Cells => [0; 2],
+    };
+    GeometryPool {
+        vertices: detail.max_vertices.max(vertices),
+        // Two a vertex, those at a border left out.
+        primitives: detail.max_vertices.saturating_mul(2).max(primitives),
+    }
+}
+
 /// Says where the ground is drawn, and binds its data.
 pub fn want<K: DetailKind>(
     mut producers: ResMut<Producers>,
@@ -121,6 +162,7 @@ pub fn want<K: DetailKind>(
     if ground.terrain.is_none() {
         // The bind group would keep the buffers and the textures of the ground that was.
         producer.data = None;
+        details.ground = None;
         details.data_due = true;
         return;
     }
@@ -137,6 +179,7 @@ pub fn want<K: DetailKind>(
         match kind.as_bind_group(layout, &device, &cache, &mut param) {
             Ok(prepared) => {
                 producer.data = Some(prepared.bind_group);
+                details.ground = height_buffers(&prepared.bindings);
                 details.data_due = false;
                 ground.kind = None;
             }
@@ -150,13 +193,9 @@ pub fn want<K: DetailKind>(
             }
         }
     }
-    if producer.data.is_some() {
+    if let (Some(_), Some(terrain)) = (&producer.data, &ground.terrain) {
         let wanted = ground.cameras.iter().map(|(camera, detail)| {
-            let pool = GeometryPool {
-                vertices: detail.max_vertices,
-                // Two a vertex, those at a border left out.
-                primitives: detail.max_vertices.saturating_mul(2),
-            };
+            let pool = pool_for(terrain, detail);
             let pool = pool.bounded([u64::MAX; 2], producer.traits.vertex_bytes());
             (*camera, pool)
         });
@@ -182,18 +221,20 @@ pub fn prepare<K: DetailKind>(
     let details = &mut *details;
     // Patches of the ground read the data too, where no view chooses.
     producer.shared_bytes = ground.data_bytes;
-    let (Some(data_layout), Some(terrain)) = (&producer.data_layout, &ground.terrain) else {
+    (producer.pipelines, producer.fault) = (0, None);
+    let seeing: Vec<_> = ground
+        .seeing(false)
+        .filter(|(camera, _)| producer.views.contains_key(camera))
+        .collect();
+    let is_seeing = |entity: &Entity| seeing.iter().any(|(camera, _)| camera == entity);
+    details.views.retain(|entity, _| is_seeing(entity));
+    let (Some(data_layout), Some(terrain), false) =
+        (&producer.data_layout, &ground.terrain, seeing.is_empty())
+    else {
         details.views.clear();
         details.stores.clear();
         return;
     };
-    details
-        .views
-        .retain(|entity, _| producer.views.contains_key(entity));
-    if producer.views.is_empty() {
-        details.stores.clear();
-        return;
-    }
     let without = without(terrain);
     details.pipelines = details
         .pipelines
@@ -206,7 +247,7 @@ pub fn prepare<K: DetailKind>(
     producer.fault = pipelines.fault(&cache);
     let one_sided = !producer.traits.double_sided;
     let DetailViews { stores, views, .. } = details;
-    keep_stores(stores, terrain, &ground.cameras, &device, &queue);
+    keep_stores(stores, terrain, &seeing, &device, &queue);
     producer.shared_bytes += stores.values().map(CellStore::bytes).sum::<u64>();
     // Of each store from which cells are to be dropped: those that no choice from this one on has looked at.
     let mut sweeps: HashMap<u32, u32> = HashMap::new();
@@ -225,7 +266,7 @@ pub fn prepare<K: DetailKind>(
             }
         }
     }
-    for (entity, detail) in &ground.cameras {
+    for (entity, detail) in &seeing {
         let (Some(state), Ok(view)) = (producer.views.get_mut(entity), cameras.get(*entity)) else {
             continue;
         };

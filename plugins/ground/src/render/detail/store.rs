@@ -15,15 +15,10 @@ use dolomite_terrain::Terrain;
 
 use crate::detail::layout::{Beginning, LEAST_CAPACITY, SHARED_CELL_BYTES, STOCK_HEAD_BYTES};
 use crate::detail::{Cell, DetailCells, TerrainLod};
+use crate::render::room::Room;
 
 /// Most cells that are kept: 452 MiB, and 408 MiB a view.
 const MOST_CELLS: u64 = 1 << 22;
-
-/// Choices that a cell may rest through before it is dropped, at first.
-const LONGEST_REST: u32 = 256;
-
-/// Choices from a sweep to the next: counters are three frames old.
-const BETWEEN_SWEEPS: u32 = 4;
 
 /// One ground's cells.
 pub(super) struct CellStore {
@@ -121,84 +116,8 @@ impl CellStore {
             stamp,
             ..
         } = self;
-        room.sweep(*capacity, *stamp, used, vertices, views)
-    }
-}
-
-/// Keeps an eye on the room that is left.
-#[derive(Clone, Copy, Debug)]
-struct Room {
-    /// Choices that a cell may rest through.
-    rest: u32,
-    /// The choice before which there is no other sweep.
-    next: u32,
-}
-
-impl Default for Room {
-    fn default() -> Self {
-        Self {
-            rest: LONGEST_REST,
-            next: 0,
-        }
-    }
-}
-
-impl Room {
-    /// Cells that no choice from the number on that is given has looked at are to be dropped; `None`: there is
-    /// room. That is where `used` cells leave less than an eighth of it; or less than half, and most of these are
-    /// not of the newest choices, so that a camera that jumps finds room for all that it sees. `vertices` are
-    /// those of all views, the oldest choice of a view that draws has the number `views`.
-    fn sweep(
-        &mut self,
-        capacity: u32,
-        stamp: u32,
-        used: u32,
-        vertices: u32,
-        views: u32,
-    ) -> Option<u32> {
         // Some two cells are looked at for a vertex.
         let needed = vertices.saturating_mul(2);
-        let crowded = used > capacity / 2 && used / 2 > needed;
-        if !(crowded || used > capacity / 8 * 7) {
-            self.rest = LONGEST_REST;
-            return None;
-        }
-        if stamp < self.next {
-            return None;
-        }
-        self.next = stamp.saturating_add(BETWEEN_SWEEPS);
-        let oldest = stamp.saturating_sub(self.rest).min(views);
-        self.rest = (self.rest / 2).max(1);
-        Some(oldest)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_oldest_cells_go_first_and_those_of_a_view_stay() {
-        let mut room = Room::default();
-        let mut sweep = |stamp, used, views| room.sweep(1000, stamp, used, 100, views);
-        assert_eq!(sweep(1000, 500, 1000), None, "half is free");
-        assert_eq!(sweep(1000, 600, 1000), Some(1000 - 256));
-        assert_eq!(sweep(1001, 600, 1001), None, "no counter is back yet");
-        assert_eq!(sweep(1004, 600, 1004), Some(1004 - 128));
-        assert_eq!(sweep(1008, 600, 900), Some(900), "a view rests since 900");
-        assert_eq!(sweep(1012, 400, 1012), None);
-        assert_eq!(
-            sweep(1013, 600, 1013),
-            Some(1013 - 256),
-            "from the beginning"
-        );
-    }
-
-    #[test]
-    fn a_view_that_needs_its_room_keeps_it() {
-        let mut room = Room::default();
-        // 300 vertices need 600 cells.
-        assert_eq!(room.sweep(1000, 5, 700, 300, 5), None);
-        assert_eq!(room.sweep(1000, 5, 900, 300, 5), Some(0));
+        room.sweep(*capacity, *stamp, used, needed, views)
     }
 }

@@ -8,7 +8,7 @@ use dolomite_geometry::render::ViewFrame;
 use crate::detail::{CullView, DetailView, TerrainLod};
 
 /// What the view draws.
-pub(super) fn picture(frame: &ViewFrame, one_sided: bool) -> CullView {
+pub(in crate::render) fn picture(frame: &ViewFrame, one_sided: bool) -> CullView {
     CullView {
         clip: frame.steady_clip,
         half_size: frame.size.max(Vec2::ONE) * 0.5,
@@ -17,7 +17,7 @@ pub(super) fn picture(frame: &ViewFrame, one_sided: bool) -> CullView {
 }
 
 /// The view as the choice sees it: heights are absolute, x and z relative to the anchor.
-pub(super) fn detail_view(
+pub(in crate::render) fn detail_view(
     view: &ExtractedView,
     frame: &ViewFrame,
     relief: f32,

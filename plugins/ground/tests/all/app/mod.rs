@@ -13,6 +13,7 @@ use bevy::time::TimeUpdateStrategy;
 use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
 use dolomite_ground::GroundPlugin;
+use dolomite_ground::detail::MakingBudget;
 
 /// Bevy's plugins and the ground's; `None`, after a line that says so, without Vulkan; in CI that fails.
 pub fn app() -> Option<App> {
@@ -34,6 +35,10 @@ pub fn app() -> Option<App> {
         .disable::<PipelinedRenderingPlugin>();
     let relief_side = 64;
     app.add_plugins((plugins, GroundPlugin { relief_side }))
+        // All that a view asks for is made in the frame that asks.
+        .insert_resource(MakingBudget {
+            blocks: Some(u32::MAX),
+        })
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO))
         .insert_resource(ClearColor(Color::BLACK));
     app.finish();

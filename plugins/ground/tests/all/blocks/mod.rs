@@ -1,5 +1,7 @@
 //! The level of detail in blocks through its passes, on whatever adapter there is.
 
+mod aligned;
+mod answers;
 mod culled;
 mod reference;
 mod room;

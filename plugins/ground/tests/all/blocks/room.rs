@@ -6,6 +6,22 @@ use dolomite_ground::detail::{DetailCells, Metric};
 use dolomite_testkit::blocks::{BlockRun, BlockStage};
 use dolomite_testkit::gpu::for_test;
 
+/// Triangles by the bits of their corners.
+fn sorted(run: &BlockRun) -> Vec<[[u32; 3]; 3]> {
+    let at = |k: u32| run.positions[k as usize].map(f32::to_bits);
+    let mut all: Vec<_> = run
+        .triangles
+        .iter()
+        .map(|corners| corners.map(at))
+        .collect();
+    for corners in &mut all {
+        let least = (0..3).min_by_key(|&k| corners[k]).expect("three");
+        corners.rotate_left(least);
+    }
+    all.sort_unstable();
+    all
+}
+
 /// A view of all directions.
 fn everywhere(params: DetailParams) -> DetailParams {
     let mut all = params;
@@ -47,20 +63,6 @@ fn gpu_blocks_make_a_closed_mesh_while_they_are_made_and_after() {
     let (before, _) = stage.settle(looking(0.0), 64, MOST).expect("runs");
     let (away, _) = stage.settle(looking(2.5), 64, MOST).expect("runs");
     closed(&away);
-    let sorted = |run: &BlockRun| {
-        let at = |k: u32| run.positions[k as usize].map(f32::to_bits);
-        let mut all: Vec<_> = run
-            .triangles
-            .iter()
-            .map(|corners| corners.map(at))
-            .collect();
-        for corners in &mut all {
-            let least = (0..3).min_by_key(|&k| corners[k]).expect("three");
-            corners.rotate_left(least);
-        }
-        all.sort_unstable();
-        all
-    };
     assert!(sorted(&before) != sorted(&away));
     let again = stage.run(looking(0.0), 64).expect("runs");
     assert!(sorted(&before) == sorted(&again), "the same bits");
@@ -117,4 +119,53 @@ fn gpu_blocks_stay_closed_where_there_is_little_room() {
             run.positions.len() <= pools[0] as usize && run.triangles.len() <= pools[1] as usize
         );
     }
+}
+
+/// With slots for one look alone, blocks of another make room, and come back with the same bits.
+#[test]
+fn gpu_blocks_that_were_dropped_come_back_with_the_same_bits() {
+    let Some(gpu) = for_test() else { return };
+    let terrain = terrain();
+    let cells = DetailCells::new(terrain.clone(), 0.25);
+    let metric = Metric::ErrorBound { pixels: 4.0 };
+    let looking = |yaw| params(&cells, view(&terrain, yaw, 3.0, metric));
+    let mut roomy = BlockStage::new(&gpu, &cells, 4096).expect("passes");
+    let (whole, _) = roomy.settle(looking(0.0), 64, MOST).expect("runs");
+    let (both, _) = roomy.settle(looking(2.5), 64, MOST).expect("runs");
+    let slots = whole.used + (both.used - whole.used) / 2;
+    let mut stage = BlockStage::new(&gpu, &cells, slots).expect("passes");
+    for (round, yaw) in [0.0, 2.5, 0.0, 2.5, 0.0].into_iter().enumerate() {
+        let mut run = None;
+        for _ in 0..MOST {
+            // What the last choice did not look at is dropped.
+            let given = DetailParams {
+                oldest: stage.stamp(),
+                ..looking(yaw)
+            };
+            let last = stage.run(given, 64).expect("runs");
+            closed(&last);
+            let rests = last.made == 0 && last.wishes == 0;
+            run = Some(last);
+            if rests {
+                break;
+            }
+        }
+        let run = run.expect("a choice");
+        assert!(
+            run.coarsening == 1.0 && run.used <= slots,
+            "{round}: {}",
+            run.coarsening
+        );
+        if yaw == 0.0 {
+            assert!(sorted(&run) == sorted(&whole), "{round}");
+        }
+    }
+    // Without dropping there is no room for the other look.
+    let mut full = BlockStage::new(&gpu, &cells, slots).expect("passes");
+    full.settle(looking(0.0), 64, MOST).expect("runs");
+    for _ in 0..30 {
+        full.run(looking(2.5), 64).expect("runs");
+    }
+    let run = full.run(looking(2.5), 64).expect("runs");
+    assert!(run.coarsening > 1.0 && run.wishes > 0, "{}", run.coarsening);
 }

@@ -2,10 +2,12 @@
 
 use bevy::math::{DMat4, DQuat, DVec2, DVec3, EulerRot, IVec2, Mat4, Quat, UVec2, Vec3, Vec4};
 use bytemuck::Zeroable;
+use dolomite_ground::blocks::kept::lattice_of;
 use dolomite_ground::detail::layout::DetailParams;
-use dolomite_ground::detail::{CullView, DetailCells, DetailView, Metric, TerrainLod};
+use dolomite_ground::detail::{CullView, DetailCells, DetailView, Lens, Metric, TerrainLod};
 use dolomite_terrain::{
-    Fractal, GroundRect, Hill, Layer, Mask, Source, Sum, Terrain, TerrainData, Warp,
+    Filter, Fractal, GroundRect, HeightMap, Hill, Layer, Mask, Source, Sum, Terrain, TerrainData,
+    Warp,
 };
 use dolomite_testkit::blocks::BlockRun;
 use std::collections::HashSet;
@@ -91,6 +93,90 @@ pub fn view(terrain: &Terrain, yaw: f32, above: f32, metric: Metric) -> DetailVi
     view
 }
 
+/// A view of 640 x 360 from so high above the ground at a place.
+pub fn view_at(
+    terrain: &Terrain,
+    xz: DVec2,
+    above: f64,
+    turn: [f64; 2],
+    pixels: f32,
+) -> DetailView {
+    let sea = terrain.sea_level().map_or(f64::NEG_INFINITY, f64::from);
+    let eye = DVec3::new(xz.x, terrain.sample_f64(xz).height.max(sea) + above, xz.y);
+    let turn = DQuat::from_euler(EulerRot::YXZ, turn[0], turn[1], 0.0);
+    let mut view = DetailView::new(
+        eye,
+        turn,
+        Lens::Perspective(0.577),
+        UVec2::new(640, 360),
+        0.1,
+    );
+    view.set_metric(&TerrainLod {
+        metric: Metric::ErrorBound { pixels },
+        ..TerrainLod::default()
+    });
+    view
+}
+
+/// The ground of a height map alone.
+pub fn of_map(extent: GroundRect, map: HeightMap) -> Terrain {
+    Terrain::new(TerrainData {
+        extent,
+        layers: vec![Layer {
+            source: Source::Map(map),
+            mask: None,
+        }],
+        base: 0.0,
+        sea_level: None,
+    })
+    .expect("valid")
+}
+
+/// A rough map whose samples begin so far outside of an extent, metres.
+pub fn rough_map(size: u32, spacing: f64, before: f64, side: f64) -> Terrain {
+    let samples = (0..size * size)
+        .map(|k| {
+            let (x, z) = (k % size, k / size);
+            let mut h = x.wrapping_mul(0x9e37_79b9) ^ z.wrapping_mul(0x85eb_ca6b);
+            h = (h ^ (h >> 15)).wrapping_mul(0x846c_a68b);
+            let rough = (h >> 8) as f32 / (1 << 24) as f32;
+            let (x, z) = (x as f32 / 17.0, z as f32 / 23.0);
+            6.0 * bevy::math::ops::sin(x) * bevy::math::ops::cos(z) + 0.7 * rough
+        })
+        .collect();
+    let origin = DVec2::splat(-0.5 * side - before);
+    let spacing = DVec2::splat(spacing);
+    let map = HeightMap::new(size, size, samples, origin, spacing, Filter::Bilinear);
+    of_map(GroundRect::square(DVec2::ZERO, side), map.expect("valid"))
+}
+
+/// The classic scene's ground, where the shared data are.
+pub fn classic() -> Option<Terrain> {
+    let shared = std::env::var_os("DOLOMITE_SHARED")?;
+    let file = std::path::Path::new(&shared).join("data/classic/heights_1024_f32le.raw");
+    let bytes = std::fs::read(file).ok()?;
+    let heights: Vec<f32> = bytes
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .map(|&bytes| 100.0 * f32::from_le_bytes(bytes))
+        .collect();
+    let at = |k: usize| (k + 1023) & 1023;
+    let metres = (0..1026 * 1026)
+        .map(|k| heights[at(k / 1026) * 1024 + at(k % 1026)])
+        .collect();
+    let (first, spacing) = (DVec2::splat(-512.5), DVec2::ONE);
+    let map = HeightMap::new(1026, 1026, metres, first, spacing, Filter::Bilinear).ok()?;
+    Some(of_map(GroundRect::square(DVec2::ZERO, 1024.0), map))
+}
+
+/// Cells on the lattice that blocks have: on the samples of a map.
+pub fn cells_on_samples(terrain: &Terrain, finest: f32) -> DetailCells {
+    let mut cells = DetailCells::new(terrain.clone(), finest);
+    cells.lattice = lattice_of(terrain, finest);
+    cells
+}
+
 /// Choices that a view may take until it is settled.
 pub const MOST: usize = 200;
 
@@ -109,8 +195,14 @@ pub fn by_place(corners: impl Iterator<Item = [[f32; 3]; 3]>) -> HashSet<[[i32; 
         .collect()
 }
 
-/// Every edge has its counterpart, by the bits of its ends, or lies on the border of the ground, all of which is covered.
+/// Every edge has its counterpart, by the bits of its ends, or lies on the border of the ground of [`terrain`], all of which is
+/// covered.
 pub fn closed(run: &BlockRun) {
+    closed_about(run, 2.0 * (4096.0 + 2048.0));
+}
+
+/// The same, with the length of the border.
+pub fn closed_about(run: &BlockRun, length: f64) {
     let at = |k: u32| run.positions[k as usize].map(f32::to_bits);
     let mut edges = HashSet::new();
     for &[a, b, c] in &run.triangles {
@@ -127,7 +219,7 @@ pub fn closed(run: &BlockRun) {
             border += f64::from((a[0] - b[0]).abs() + (a[2] - b[2]).abs());
         }
     }
-    assert!((border - 2.0 * (4096.0 + 2048.0)).abs() < 0.01, "{border}");
+    assert!((border - length).abs() < 0.02, "{border}");
 }
 
 /// What a view at the origin of its stage draws: perspective, reversed depth, one-sided.

@@ -20,15 +20,28 @@ use bevy::render::render_resource::BufferId;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderSystems};
 use dolomite_terrain::{GroundProbeSystems, ProbePart, ProbeQuestion};
 
-use crate::detail::probe::{ANSWER_PASS, DrawnProbes};
-use crate::render::GroundKind;
+use crate::detail::Choice;
+use crate::detail::probe::DrawnProbes;
+use crate::render::{GroundKind, blocks};
 use dolomite_geometry::render::{GeometrySystems, Mapped, shader_asset};
 use dolomite_geometry::ring::Ring;
 pub use stats::{AnswerCensus, DrawnProbeStats, answer_census};
 
-/// The shader of the pass.
+/// The shaders of the passes, by the choice that they answer from.
 #[derive(Resource)]
-struct AnswerShader(Handle<Shader>);
+struct AnswerShaders {
+    blocks: Handle<Shader>,
+    cells: Handle<Shader>,
+}
+
+impl AnswerShaders {
+    const fn of(&self, choice: Choice) -> &Handle<Shader> {
+        match choice {
+            Choice::Blocks => &self.blocks,
+            Choice::Cells => &self.cells,
+        }
+    }
+}
 
 /// Which triangles an answer is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,7 +77,8 @@ struct GroundAnswers {
     settings: DrawnProbes,
     /// Slot of the first place whose turn is next.
     cursor: u32,
-    pipeline: Option<pipeline::AnswerPipeline>,
+    /// By the choice that they answer from.
+    pipelines: Vec<(Choice, pipeline::AnswerPipeline)>,
     buffers: Option<prepare::AnswerBuffers>,
     ring: Ring<Mapped, Ticket>,
     kept: Option<Kept>,
@@ -74,17 +88,31 @@ struct GroundAnswers {
     dispatches: u64,
 }
 
+impl GroundAnswers {
+    /// The pipeline that answers from a choice, if it was asked for.
+    fn pipeline(&self, choice: Choice) -> Option<&pipeline::AnswerPipeline> {
+        let mut pipelines = self.pipelines.iter();
+        pipelines.find_map(|(of, pipeline)| (*of == choice).then_some(pipeline))
+    }
+}
+
 /// Adds the systems to an app that renders.
 pub(crate) fn build(app: &mut App) {
     let known = app.get_sub_app(RenderApp).map(SubApp::world);
     if known.is_none_or(|world| world.contains_resource::<GroundAnswers>()) {
         return;
     }
-    let (file, _) = ANSWER_PASS;
     let Some(mut assets) = app.world_mut().get_resource_mut::<Assets<Shader>>() else {
         return;
     };
-    let entry = assets.add(shader_asset(dolomite_shaders::find(file).source, file));
+    let mut shader = |choice| {
+        let (file, _) = pipeline::AnswerPipeline::pass(choice);
+        assets.add(shader_asset(dolomite_shaders::find(file).source, file))
+    };
+    let shaders = AnswerShaders {
+        blocks: shader(Choice::Blocks),
+        cells: shader(Choice::Cells),
+    };
     app.init_resource::<DrawnProbes>()
         .init_resource::<DrawnProbeStats>()
         .add_systems(PostUpdate, stats::publish.after(GroundProbeSystems));
@@ -93,7 +121,7 @@ pub(crate) fn build(app: &mut App) {
         return;
     };
     render_app
-        .insert_resource(AnswerShader(entry))
+        .insert_resource(shaders)
         .init_resource::<GroundAnswers>()
         .add_systems(ExtractSchedule, (readback::deliver, readback::ask).chain())
         .add_systems(
@@ -101,7 +129,8 @@ pub(crate) fn build(app: &mut App) {
             (
                 prepare::prepare
                     .in_set(GeometrySystems::Bind)
-                    .after(super::prepare::prepare::<GroundKind<0>>),
+                    .after(super::prepare::prepare::<GroundKind<0>>)
+                    .after(blocks::prepare::prepare::<GroundKind<0>>),
                 readback::map.in_set(RenderSystems::Cleanup),
             ),
         )

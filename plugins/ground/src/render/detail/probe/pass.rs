@@ -8,6 +8,7 @@ use bevy::render::renderer::{RenderContext, ViewQuery};
 use super::GroundAnswers;
 use super::prepare::drawn;
 use crate::render::GroundKind;
+use crate::render::blocks::prepare::BlockViews;
 use crate::render::detail::prepare::DetailViews;
 use crate::render::detail::record::record_answers;
 use dolomite_geometry::render::{ExtractedGeometryCamera, Producers};
@@ -17,7 +18,10 @@ pub(super) fn answer(
     view: ViewQuery<Entity, With<ExtractedGeometryCamera>>,
     mut answers: ResMut<GroundAnswers>,
     producers: Res<Producers>,
-    details: Res<DetailViews<GroundKind<0>>>,
+    (details, blocks): (
+        Res<DetailViews<GroundKind<0>>>,
+        Res<BlockViews<GroundKind<0>>>,
+    ),
     cache: Res<PipelineCache>,
     mut ctx: RenderContext,
 ) {
@@ -26,15 +30,14 @@ pub(super) fn answer(
     if answers.view != Some(entity) {
         return;
     }
-    let Some((_, state)) = drawn(&producers, &details, entity) else {
+    let Some((drawn, state)) = drawn(&producers, &details, &blocks, entity) else {
         return;
     };
     if !state.settled || !state.filled {
         return;
     }
     let pipeline = answers
-        .pipeline
-        .as_ref()
+        .pipeline(drawn.choice())
         .and_then(|pipeline| cache.get_compute_pipeline(pipeline.id));
     let (Some(pipeline), Some(buffers), Some((staging, bytes, ticket))) =
         (pipeline, &answers.buffers, answers.ring.begun())

@@ -30,7 +30,7 @@ pub(super) fn ask(
         if answers.question.is_some() {
             // What nobody asks for is not kept; but for the pipeline, which nothing takes back.
             *answers = GroundAnswers {
-                pipeline: answers.pipeline.take(),
+                pipelines: std::mem::take(&mut answers.pipelines),
                 dispatches: answers.dispatches,
                 ..default()
             };

@@ -96,7 +96,7 @@ pub fn answer_census(render_world: &World) -> AnswerCensus {
         return AnswerCensus::default();
     };
     AnswerCensus {
-        pipelines: usize::from(answers.pipeline.is_some()),
+        pipelines: answers.pipelines.len(),
         buffers: answers.ring.buffers() + 3 * usize::from(answers.buffers.is_some()),
         dispatches: answers.dispatches,
     }

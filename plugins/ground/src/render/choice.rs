@@ -1,19 +1,36 @@
-//! What the choice has come to in each view, for [`GroundProgress`].
+//! Both ways of choosing the triangles of a kind of ground, and what either has come to in each view, for
+//! [`GroundProgress`].
 
 use bevy::prelude::*;
+use bevy::render::{Render, RenderApp, RenderSystems};
 use dolomite_geometry::layout::OWN;
 use dolomite_geometry::render::{ExtractedGeometryCamera, GeometryView, Producers};
 
-use super::prepare::DetailViews;
-use super::{DetailKind, detail_key};
+use super::blocks;
+use super::blocks::prepare::BlockViews;
+use super::detail::prepare::DetailViews;
+use super::detail::{self, DetailKind, detail_key};
+use super::drawn::{DrawnGround, GroundProgress, Telling};
 use crate::detail::Metric;
 use crate::detail::layout::{HEAD_COARSENING, HEAD_LEFT};
-use crate::render::drawn::{DrawnGround, GroundProgress};
+
+/// Adds the systems of a kind to an app that renders, from `Plugin::finish` on; does nothing where they are.
+/// The app needs [`GeometryPlugin`](dolomite_geometry::GeometryPlugin).
+pub fn build<K: DetailKind>(app: &mut App) {
+    if !detail::build::<K>(app) {
+        return;
+    }
+    blocks::build::<K>(app);
+    if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+        let reports = report::<K>.in_set(RenderSystems::Cleanup);
+        render_app.add_systems(Render, reports.in_set(Telling));
+    }
+}
 
 /// Says of every view of a kind what was drawn in the frame that has just been recorded.
-pub fn report<K: DetailKind>(
+fn report<K: DetailKind>(
     producers: Res<Producers>,
-    details: Res<DetailViews<K>>,
+    (details, blocks): (Res<DetailViews<K>>, Res<BlockViews<K>>),
     cameras: Query<&ExtractedGeometryCamera>,
     progress: Option<Res<GroundProgress>>,
 ) {
@@ -26,7 +43,11 @@ pub fn report<K: DetailKind>(
             continue;
         };
         let state = producer.views.get(view);
-        let metric = details.views.get(view).map(|own| own.detail.metric);
+        if let Some(ground) = state.and_then(|state| blocks.drawn(*view, state)) {
+            progress.add(camera.main, ground);
+            continue;
+        }
+        let metric = details.metric(*view);
         let ground = DrawnGround {
             drawn: state.is_some_and(GeometryView::is_shown),
             settled: state.is_some_and(|state| state.settled && state.filled),

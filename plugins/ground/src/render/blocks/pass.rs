@@ -1,0 +1,97 @@
+//! What is recorded for a view whose ground changed, or is still being made.
+
+use bevy::prelude::*;
+use bevy::render::diagnostic::RecordDiagnostics;
+use bevy::render::render_resource::{ComputePassDescriptor, PipelineCache};
+use bevy::render::renderer::{RenderContext, RenderDevice, ViewQuery};
+use dolomite_geometry::render::{ExtractedGeometryCamera, GeometryShared, Producers};
+
+use super::parts::Part;
+use super::prepare::BlockViews;
+use super::record::{BlockBound, record_clear, record_step};
+use crate::render::detail::prepare::DetailViews;
+use crate::render::detail::{DetailKind, detail_key};
+
+/// Chooses the view's ground, draws what there is, and makes what is missing, as much as a frame may.
+pub fn choose<K: DetailKind>(
+    view: ViewQuery<Entity, With<ExtractedGeometryCamera>>,
+    mut producers: ResMut<Producers>,
+    (mut blocks, details): (ResMut<BlockViews<K>>, Res<DetailViews<K>>),
+    cache: Res<PipelineCache>,
+    shared: Res<GeometryShared>,
+    device: Res<RenderDevice>,
+    mut ctx: RenderContext,
+) {
+    let entity = view.into_inner();
+    let blocks = &mut *blocks;
+    let (Some(state), Some(own), Some(pace)) = (
+        producers
+            .get_mut(detail_key::<K>())
+            .and_then(|producer| producer.views.get_mut(&entity)),
+        blocks.views.get_mut(&entity),
+        &mut blocks.pace,
+    ) else {
+        return;
+    };
+    // Heights come from the data: not before those of this terrain are bound.
+    if state.settled || details.is_data_due() {
+        return;
+    }
+    let ready = blocks
+        .pipelines
+        .as_ref()
+        .and_then(|pipelines| pipelines.ready(&cache));
+    let (Some(ready), Some(groups)) = (ready, &own.groups) else {
+        return;
+    };
+    let bound = BlockBound {
+        shared: &groups.shared,
+        looked: &groups.looked,
+        arguments: &groups.arguments,
+        triangles: &groups.triangles,
+        ground: &groups.ground,
+        head: &groups.head,
+        looked_arguments: &own.looked,
+        other_arguments: &own.arguments,
+        slots: own.slots,
+    };
+    let recorder = ctx.diagnostic_recorder();
+    let recorder = recorder.as_deref();
+    let encoder = ctx.command_encoder();
+    let mut dispatches = 0;
+    let rounds = (1..own.rounds).flat_map(|_| [Part::Look, Part::Make]);
+    let parts = [Part::Begin].into_iter().chain(rounds);
+    for part in parts.chain([Part::Choose, Part::Make]) {
+        let mut steps = part.steps(own.extras).peekable();
+        if steps.peek().is_none() {
+            continue;
+        }
+        if matches!(part, Part::Look | Part::Choose) {
+            record_clear(encoder, [&own.looked, &own.counts]);
+        }
+        let makes = part == Part::Make;
+        let name = if makes { "detail_making" } else { "detail" };
+        let timestamp_writes = makes.then(|| pace.begin(&device)).flatten();
+        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+            label: Some(name),
+            timestamp_writes,
+        });
+        let span = recorder.pass_span(&mut pass, name);
+        for step in steps {
+            record_step(&mut pass, ready[step.pass], &bound, step);
+            dispatches += 1;
+        }
+        span.end(&mut pass);
+        drop(pass);
+        if makes {
+            pace.copy(encoder, &own.counts);
+        }
+    }
+    shared.count_dispatches(dispatches);
+    if let Some(store) = blocks.stores.get_mut(&own.inputs.detail.finest.to_bits()) {
+        store.fresh = false;
+    }
+    state.settled = true;
+    state.filled = true;
+    state.counters.want();
+}

@@ -1,0 +1,263 @@
+//! Which views choose their ground in blocks, and what of them is made or told anew.
+
+use std::collections::HashMap;
+use std::marker::PhantomData;
+
+use bevy::prelude::*;
+use bevy::render::render_resource::PipelineCache;
+use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
+use bevy::render::view::ExtractedView;
+use dolomite_geometry::render::{GeometryView, Producer, Producers};
+use dolomite_terrain::Terrain;
+
+use super::BlockShaders;
+use super::head::Head;
+use super::pace::Pace;
+use super::pipeline::BlockPipelines;
+use super::state::{BlockState, Inputs};
+use super::store::{BlockStore, slots_for};
+use crate::detail::layout::without;
+use crate::detail::{Metric, TerrainLod};
+use crate::render::detail::prepare::DetailViews;
+use crate::render::detail::view::{detail_view, picture};
+use crate::render::detail::{DetailKind, ExtractedGround, detail_key};
+use crate::render::drawn::DrawnGround;
+
+/// Every view that chooses its ground in blocks, and what all have in common.
+#[derive(Resource)]
+pub struct BlockViews<K> {
+    pub(super) pipelines: Option<BlockPipelines>,
+    pub(in crate::render) views: HashMap<Entity, BlockState>,
+    /// The blocks that views share, by the bits of the side of their smallest cell.
+    pub(super) stores: HashMap<u32, BlockStore>,
+    pub(super) pace: Option<Pace>,
+    /// Number of the newest choice.
+    stamp: u32,
+    kind: PhantomData<fn() -> K>,
+}
+
+impl<K> Default for BlockViews<K> {
+    fn default() -> Self {
+        Self {
+            pipelines: None,
+            views: HashMap::new(),
+            stores: HashMap::new(),
+            pace: None,
+            stamp: 0,
+            kind: PhantomData,
+        }
+    }
+}
+
+impl<K> BlockViews<K> {
+    /// What a view has drawn, if it chooses in blocks.
+    pub(in crate::render) fn drawn(
+        &self,
+        view: Entity,
+        state: &GeometryView,
+    ) -> Option<DrawnGround> {
+        let own = self.views.get(&view)?;
+        Some(DrawnGround {
+            drawn: state.is_shown(),
+            settled: state.settled && state.filled && own.rests,
+            held: match own.inputs.detail.metric {
+                Metric::ErrorBound { pixels } | Metric::EdgeLength { pixels } => {
+                    own.news(state).map(|head| pixels * head.held())
+                }
+                Metric::Classic { .. } => None,
+            },
+        })
+    }
+}
+
+/// The stores that the cameras need: one for each size of the smallest cell, as large as the greatest view of it asks
+/// for.
+fn keep_stores(
+    stores: &mut HashMap<u32, BlockStore>,
+    terrain: &Terrain,
+    cameras: &[(Entity, TerrainLod)],
+    (device, queue): (&RenderDevice, &RenderQueue),
+    stamp: u32,
+) {
+    let mut wanted: HashMap<u32, u32> = HashMap::new();
+    for (_, detail) in cameras {
+        let slots = slots_for(device, detail);
+        let most = wanted.entry(detail.finest.to_bits()).or_default();
+        *most = slots.max(*most);
+    }
+    stores.retain(|finest, store| {
+        wanted.get(finest) == Some(&store.slots) && store.ground.terrain().same(terrain)
+    });
+    for (finest, slots) in wanted {
+        stores.entry(finest).or_insert_with(|| {
+            BlockStore::new(
+                device,
+                queue,
+                terrain,
+                (f32::from_bits(finest), slots),
+                stamp,
+            )
+        });
+    }
+}
+
+/// What the views of a store come to.
+struct News {
+    /// Blocks in use, as of the newest choice that has come back.
+    used: u32,
+    /// Blocks that the views look at.
+    needed: u32,
+    /// The oldest choice of a view that draws.
+    oldest: u32,
+    /// Whether a view rests that wishes for more.
+    hungry: bool,
+}
+
+fn news(views: &HashMap<Entity, BlockState>, producer: &Producer, store: &BlockStore) -> News {
+    let mut news = News {
+        used: 0,
+        needed: 0,
+        oldest: store.stamp,
+        hungry: false,
+    };
+    let mut newest = 0;
+    for (entity, own) in views.iter().filter(|(_, own)| own.is_of(store)) {
+        let Some(head) = producer.views.get(entity).and_then(Head::of) else {
+            continue;
+        };
+        news.needed = news.needed.saturating_add(head.candidates);
+        news.oldest = news.oldest.min(own.stamp);
+        news.hungry |= own.rests && head.wishes > 0;
+        // Those that rest have old counters.
+        if head.stamp >= newest {
+            (newest, news.used) = (head.stamp, head.used);
+        }
+    }
+    news
+}
+
+/// Of each store from which blocks are to be dropped: those that no choice from this one on has looked at.
+fn sweeps<K>(blocks: &mut BlockViews<K>, producer: &mut Producer) -> HashMap<u32, u32> {
+    let mut sweeps = HashMap::new();
+    let BlockViews { stores, views, .. } = blocks;
+    for (finest, store) in stores {
+        let news = news(views, producer, store);
+        let before = store.is_swept();
+        let Some(sweep) = store.sweep(news.used, news.needed, news.oldest) else {
+            continue;
+        };
+        sweeps.insert(*finest, sweep);
+        let count = views.len() as u32;
+        for own in views.values_mut().filter(|own| own.is_of(store)) {
+            // Who has rested for long marks its blocks anew, so that the next sweep finds others; and who had no room
+            // looks whether there is some now.
+            let is_old = own.stamp + count <= store.stamp;
+            let has_hope = news.hungry && !before;
+            own.rests &= !(is_old || has_hope);
+        }
+    }
+    sweeps
+}
+
+/// Makes what is missing, and writes what views are told that choose anew.
+pub fn prepare<K: DetailKind>(
+    mut producers: ResMut<Producers>,
+    mut blocks: ResMut<BlockViews<K>>,
+    (details, ground): (Res<DetailViews<K>>, Res<ExtractedGround<K>>),
+    cameras: Query<&ExtractedView>,
+    (shaders, cache): (Res<BlockShaders>, Res<PipelineCache>),
+    (device, queue, adapter): (Res<RenderDevice>, Res<RenderQueue>, Res<RenderAdapterInfo>),
+) {
+    let Some(producer) = producers.get_mut(detail_key::<K>()) else {
+        return;
+    };
+    let blocks = &mut *blocks;
+    let seeing: Vec<_> = ground
+        .seeing(true)
+        .filter(|(camera, _)| producer.views.contains_key(camera))
+        .collect();
+    let is_seeing = |entity: &Entity| seeing.iter().any(|(camera, _)| camera == entity);
+    blocks.views.retain(|entity, _| is_seeing(entity));
+    let (Some(data), Some(terrain), false) = (&details.ground, &ground.terrain, seeing.is_empty())
+    else {
+        blocks.views.clear();
+        blocks.stores.clear();
+        blocks.pace = None;
+        return;
+    };
+    let without = without(terrain);
+    let known = blocks.pipelines.take();
+    let pipelines = known
+        .filter(|known| known.without == without)
+        .unwrap_or_else(|| BlockPipelines::new(&shaders, without, &cache));
+    producer.pipelines += pipelines.count();
+    let fault = producer.fault.take();
+    producer.fault = fault.or_else(|| pipelines.fault(&cache));
+    keep_stores(
+        &mut blocks.stores,
+        terrain,
+        &seeing,
+        (&device, &queue),
+        blocks.stamp,
+    );
+    let bytes = blocks.stores.values().map(BlockStore::bytes);
+    producer.shared_bytes += bytes.sum::<u64>();
+    let mut sweeps = sweeps(blocks, producer);
+    let pace = blocks
+        .pace
+        .get_or_insert_with(|| Pace::new(&device, adapter.device_type));
+    let views = seeing.len() as u32;
+    let budget = match ground.making.blocks {
+        Some(blocks) => blocks.div_ceil(views),
+        None => pace.budget(views),
+    };
+    let one_sided = !producer.traits.double_sided;
+    for (entity, detail) in &seeing {
+        let (Some(state), Ok(view)) = (producer.views.get_mut(entity), cameras.get(*entity)) else {
+            continue;
+        };
+        let finest = detail.finest.to_bits();
+        let Some(store) = blocks.stores.get_mut(&finest) else {
+            continue;
+        };
+        // Shadow views see what the camera does not.
+        let shadowed = !state.shadows.is_empty();
+        let [solid, _] = state.shown;
+        let inputs = Inputs {
+            detail: *detail,
+            view: detail_view(view, &state.frame, ground.relief, detail),
+            culled: detail
+                .culled
+                .then(|| (picture(&state.frame, one_sided), shadowed)),
+            solid,
+        };
+        let known = blocks.views.get(entity);
+        if known.is_none_or(|known| !known.is_of(store)) {
+            let own = BlockState::new(&device, store, inputs.clone(), blocks.stamp);
+            blocks.views.insert(*entity, own);
+            state.settled = false;
+        }
+        let Some(own) = blocks.views.get_mut(entity) else {
+            continue;
+        };
+        own.follow(inputs, blocks.stamp);
+        let counted = ground.counted.contains(entity);
+        if counted != own.counted.is_some() {
+            own.counted = counted.then_some(0);
+        }
+        state.own_bytes = own.bytes();
+        if let Some(head) = own.news(state) {
+            state.looked_at = head.candidates;
+            own.rests |= state.settled && own.is_done(head);
+        }
+        state.settled &= own.rests;
+        let written = [&state.vertices, &state.indices, &state.work];
+        own.bind(&device, &cache, &pipelines, store, written, data);
+        if !state.settled {
+            blocks.stamp += 1;
+            store.stamp = blocks.stamp;
+            own.tell(&queue, store, state, sweeps.remove(&finest), budget);
+        }
+    }
+    blocks.pipelines = Some(pipelines);
+}
