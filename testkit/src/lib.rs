@@ -18,6 +18,7 @@
 //! | `blocks` | `detail` | the same in blocks |
 //! | `skinning` | `skinning` | skinning from a palette on the adapter, by the CPU reference, and in f64 |
 //! | `flip` | `flip` | how far apart two pictures are |
+//! | `light` | `light` | scenes of the light oracle in an app, and the radiance that its camera sees |
 //!
 //! `stage/record.rs`, `detail/record.rs` and `blocks/run.rs` are all that records passes.
 
@@ -33,6 +34,8 @@ pub mod draw;
 pub mod flip;
 pub mod gpu;
 pub mod hostile;
+#[cfg(feature = "light")]
+pub mod light;
 pub mod logs;
 pub mod mesh;
 pub mod metrics;

@@ -12,6 +12,7 @@
 //! | [`PatchPlugin`](tessellation::render::PatchPlugin) | [`tessellation`] | patches of your own, tessellated by your control and evaluate functions | yes |
 //! | [`GroundPlugin`](ground::GroundPlugin) | [`ground`] | terrain refined and drawn on the GPU | yes |
 //! | [`SkyPlugin`](sky::SkyPlugin) | [`sky`] | sun, moon, stars, dusk, haze and exposure from the place of the sun | no; to be seen, yes |
+//! | [`DeferredPlugin`](deferred::DeferredPlugin) | [`deferred`] | thousands of lights by tiles or volumes, shading models of your own | yes |
 //!
 //! [`DolomitePlugins`] adds all of them; [`DolomiteMinimalPlugins`] those that need neither a renderer nor
 //! assets. A plugin with none of its components in the world adds nothing to the GPU.
@@ -28,6 +29,7 @@
 //! Coordinates everywhere: metres and radians (places of the sun: degrees), right-handed, +Y up, −Z forward (north).
 
 pub use dolomite_character as character;
+pub use dolomite_deferred as deferred;
 pub use dolomite_fbx as fbx;
 pub use dolomite_geometry as geometry;
 pub use dolomite_ground as ground;
@@ -48,6 +50,7 @@ impl PluginGroup for DolomitePlugins {
             .add(character::render::CrowdPlugin)
             .add(ground::GroundPlugin::default())
             .add(sky::SkyPlugin)
+            .add(deferred::DeferredPlugin)
     }
 }
 

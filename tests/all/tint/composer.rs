@@ -82,7 +82,8 @@ fn load(
 /// A module as a browser is given it.
 pub fn written(module: &Module) -> Result<Composed, String> {
     // naga counts `pack2x16float` and its inverse, which plain WebGPU has, as an extra.
-    let granted = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+    // WebGPU has arrays of cubes, as shadow maps of point lights are, without a feature.
+    let granted = Capabilities::SHADER_FLOAT16_IN_FLOAT32 | Capabilities::CUBE_ARRAY_TEXTURES;
     let info = Validator::new(ValidationFlags::all(), granted)
         .validate(module)
         .map_err(|fault| format!("naga: {:?}", fault.into_inner()))?;

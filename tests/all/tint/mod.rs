@@ -2,7 +2,7 @@
 //! accepts what browsers refuse.
 //!
 //! The variants come from the code that makes the pipelines: `stage_variants` of each kind of patches, the tables of
-//! the passes of the ground, and, for crowds, what Bevy's mesh pipeline asked for in frames that were drawn.
+//! the passes of the ground, and, for crowds and deferred lighting, what was asked for in frames that were drawn.
 #![expect(
     clippy::duplicate_mod,
     reason = "each example brings what examples share along"
@@ -10,6 +10,7 @@
 
 mod composer;
 mod crowd;
+mod deferred;
 mod examples;
 mod node;
 mod rules;

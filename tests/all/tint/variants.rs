@@ -20,7 +20,7 @@ use dolomite_classic::render::{BoundedClassicKind, ClassicKind};
 use dolomite_geometry::render::{DrawShader, DrawTraits, draw_variants};
 use dolomite_shaders::ShaderFile;
 
-use super::{crowd, examples, rules};
+use super::{crowd, deferred, examples, rules};
 use crate::support::app;
 
 /// A shader in one variant.
@@ -39,6 +39,20 @@ impl Variant {
             shader: Shader::from_wgsl(file.source, file.path),
             defs: defs.iter().map(|def| (*def).into()).collect(),
         }
+    }
+
+    /// What a pipeline asks for.
+    pub fn new(part: &'static str, shader: &Shader, defs: &[ShaderDefVal]) -> Self {
+        Self {
+            part,
+            shader: shader.clone(),
+            defs: defs.to_vec(),
+        }
+    }
+
+    /// Whether it is this one.
+    pub fn is(&self, shader: &Shader, defs: &[ShaderDefVal]) -> bool {
+        self.shader.path == shader.path && self.defs == defs
     }
 
     /// The file of ours that it is made of.
@@ -80,7 +94,7 @@ impl Asked {
 /// `None`, after a line that says so, without Vulkan; in CI that fails.
 pub fn all() -> Option<Asked> {
     let mut app = app::app(Duration::from_millis(16), |app| {
-        app.add_plugins(DolomitePlugins);
+        app.add_plugins((DolomitePlugins, dolomite::deferred::BlinnPhongPlugin));
     })?;
     let mut variants = Vec::new();
     let mut stage = |part, asked: Vec<StageVariant>| {
@@ -123,6 +137,7 @@ pub fn all() -> Option<Asked> {
     variants.push(Variant::of_file("answers", ANSWER_PASS.0, &[]));
     let drawn = crowd::draw(&mut app);
     variants.extend(drawn);
+    variants.extend(deferred::draw(&mut app));
     // The rest is asked for by tests and studies alone.
     let known: HashSet<String> = variants.iter().map(|v| v.file().to_owned()).collect();
     let rest = dolomite_shaders::ALL

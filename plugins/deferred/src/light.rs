@@ -1,0 +1,194 @@
+//! Point and spot lights as the GPU reads them.
+//!
+//! A light of zero, negative or infinite intensity, of a place, range or cone that is no number, is not listed for
+//! any pixel; [`LightRefusal`] names why. What can be clamped is clamped: an infinite range, a negative radius.
+
+use bevy::math::{Vec3, ops};
+use bytemuck::{Pod, Zeroable};
+use thiserror::Error;
+
+/// Ranges and places beyond it would overflow when squared in f32.
+const FARTHEST: f32 = 1e18;
+
+/// What a light is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSource {
+    /// Metres, in the world.
+    pub position: Vec3,
+    /// Where the light ends, metres.
+    pub range: f32,
+    /// Luminous intensity of each channel, candela.
+    pub intensity: Vec3,
+    /// Of the sphere that shines, metres.
+    pub radius: f32,
+    /// Of a spot light.
+    pub cone: Option<Cone>,
+}
+
+/// Where a spot light shines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// Away from the light, of length 1.
+    pub direction: Vec3,
+    /// Angle from the axis up to which it is full, radians.
+    pub inner: f32,
+    /// Angle from the axis at which it ends, radians.
+    pub outer: f32,
+}
+
+/// Why a light is not drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Error)]
+pub enum LightRefusal {
+    /// Coordinates that are no numbers, or farther than 1e18 m.
+    #[error("its place is not a number, or is farther than 1e18 m")]
+    Place,
+    /// Negative, infinite, or no number.
+    #[error("its intensity is negative, infinite or not a number")]
+    Intensity,
+    /// Negative, or no number.
+    #[error("its range is negative or not a number")]
+    Range,
+    /// Angles or a direction that are no numbers.
+    #[error("its cone has an angle or a direction that is not a number")]
+    Cone,
+}
+
+/// A light in the buffer: `Light` in `shaders/src/deferred/types.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightRow {
+    /// Metres, in the world.
+    pub position: [f32; 3],
+    /// Metres.
+    pub range: f32,
+    /// Candela.
+    pub color: [f32; 3],
+    /// Metres.
+    pub radius: f32,
+    /// Of the cone's axis; 0 for a point light.
+    pub direction: [f32; 3],
+    /// −2 for a point light.
+    pub cos_outer: f32,
+    /// One over the difference of the cosines.
+    pub cone_scale: f32,
+    /// Of the outer angle.
+    pub sin_outer: f32,
+    /// To 64 bytes.
+    pub pad: [f32; 2],
+}
+
+impl LightRow {
+    /// The row of a light.
+    ///
+    /// # Errors
+    /// For a light that no picture can be made of.
+    pub fn new(source: &LightSource) -> Result<Self, LightRefusal> {
+        let place = source.position;
+        if !(place.is_finite() && place.abs().max_element() <= FARTHEST) {
+            return Err(LightRefusal::Place);
+        }
+        if !(source.intensity.is_finite() && source.intensity.min_element() >= 0.0) {
+            return Err(LightRefusal::Intensity);
+        }
+        // NaN too.
+        if source.range.is_nan() || source.range < 0.0 {
+            return Err(LightRefusal::Range);
+        }
+        // `max` of NaN and 0 is 0.
+        let radius = source.radius.max(0.0).min(source.range).min(FARTHEST);
+        let mut row = Self {
+            position: place.to_array(),
+            range: source.range.min(FARTHEST),
+            color: source.intensity.to_array(),
+            radius,
+            cos_outer: -2.0,
+            cone_scale: 1.0,
+            ..Self::zeroed()
+        };
+        if let Some(cone) = source.cone {
+            let finite = cone.inner.is_finite() && cone.outer.is_finite();
+            if !(finite && cone.direction.is_finite() && cone.direction.length_squared() > 0.5) {
+                return Err(LightRefusal::Cone);
+            }
+            let outer = cone.outer.clamp(0.0, std::f32::consts::FRAC_PI_2);
+            let inner = cone.inner.clamp(0.0, outer);
+            row.direction = cone.direction.normalize().to_array();
+            row.cos_outer = ops::cos(outer).max(0.0);
+            row.sin_outer = ops::sin(outer);
+            // As Bevy limits it: a cone without a fading rim still has one of a ten thousandth.
+            row.cone_scale = 1.0 / (ops::cos(inner) - row.cos_outer).max(1e-4);
+        }
+        Ok(row)
+    }
+
+    /// Whether any light leaves it.
+    #[must_use]
+    pub fn shines(&self) -> bool {
+        self.range > 0.0 && self.color.iter().any(|channel| *channel > 0.0)
+    }
+
+    /// Whether it is a point light.
+    #[must_use]
+    pub fn is_point(&self) -> bool {
+        self.cos_outer < -1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lamp() -> LightSource {
+        LightSource {
+            position: Vec3::new(1.0, 2.0, 3.0),
+            range: 10.0,
+            intensity: Vec3::ONE,
+            radius: 0.0,
+            cone: None,
+        }
+    }
+
+    #[test]
+    fn hostile_lights_are_refused_by_name_or_clamped() {
+        let with = |change: &dyn Fn(&mut LightSource)| {
+            let mut light = lamp();
+            change(&mut light);
+            LightRow::new(&light)
+        };
+        for bad in [f32::NAN, f32::INFINITY, -1.0] {
+            assert_eq!(with(&|l| l.intensity.y = bad), Err(LightRefusal::Intensity));
+        }
+        for bad in [f32::NAN, f32::INFINITY, 1e19] {
+            assert_eq!(with(&|l| l.position.z = bad), Err(LightRefusal::Place));
+        }
+        for bad in [f32::NAN, -1.0, f32::NEG_INFINITY] {
+            assert_eq!(with(&|l| l.range = bad), Err(LightRefusal::Range));
+        }
+        let cone = |inner, outer, direction| {
+            move |l: &mut LightSource| {
+                l.cone = Some(Cone {
+                    direction,
+                    inner,
+                    outer,
+                });
+            }
+        };
+        for bad in [f32::NAN, f32::INFINITY] {
+            let no = Err(LightRefusal::Cone);
+            assert_eq!(with(&cone(bad, 1.0, Vec3::X)), no);
+            assert_eq!(with(&cone(0.1, bad, Vec3::X)), no);
+            assert_eq!(with(&cone(0.1, 0.2, Vec3::splat(bad))), no);
+        }
+        assert_eq!(with(&cone(0.1, 0.2, Vec3::ZERO)), Err(LightRefusal::Cone));
+        let forever = with(&|l| l.range = f32::INFINITY).expect("clamped");
+        assert!((forever.range * forever.range).is_finite());
+        assert_eq!(with(&|l| l.radius = f32::NAN).expect("clamped").radius, 0.0);
+        assert_eq!(with(&|l| l.radius = -3.0).expect("clamped").radius, 0.0);
+        assert_eq!(with(&|l| l.radius = 1e30).expect("clamped").radius, 10.0);
+        let wide = with(&cone(9.0, 9.0, Vec3::X)).expect("clamped");
+        assert!(wide.cos_outer == 0.0 && wide.cone_scale == 1e4);
+        assert!(!with(&|l| l.intensity = Vec3::ZERO).expect("dark").shines());
+        assert!(!with(&|l| l.range = 0.0).expect("dark").shines());
+        assert!(with(&|_| {}).expect("a lamp").shines());
+    }
+}

@@ -1,0 +1,115 @@
+//! The passes that light, behind a component on the camera.
+//!
+//! A frame, in order: `extract` copies [`DeferredLighting`] and takes Bevy's lighting pass off the view; `gather`
+//! writes the rows of all lights; `prepare` lists what each view sees, chooses its way and makes what that needs;
+//! `pipeline` asks Bevy for the layout and the definitions of its own lighting pass and puts our shaders in their
+//! place; `pass` records. Without a camera that has the component there is no buffer, pipeline or pass of ours.
+
+mod blinn_phong;
+mod extract;
+mod gather;
+mod hull;
+mod pass;
+mod pipeline;
+mod prepare;
+mod shaders;
+mod stats;
+mod unlit;
+
+use bevy::core_pipeline::core_3d::main_opaque_pass_3d;
+use bevy::core_pipeline::{Core3d, Core3dSystems};
+use bevy::prelude::*;
+use bevy::render::extract_component::ExtractComponentPlugin;
+use bevy::render::{Render, RenderApp, RenderSystems};
+
+pub use blinn_phong::{BlinnPhongMaterial, BlinnPhongPlugin};
+pub use prepare::ViewLighting;
+pub use stats::{DeferredStats, ViewStats};
+
+use crate::components::{DeferredLighting, Way};
+use crate::model::ShadingModels;
+
+/// Lights cameras that have [`DeferredLighting`]. Add after Bevy's plugins.
+///
+/// Does nothing in an app that does not render; added again it does nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DeferredPlugin;
+
+/// Says that the plugin was added.
+#[derive(Resource)]
+struct Added;
+
+/// Says that Bevy's renderer was there when the plugin was added.
+#[derive(Resource)]
+struct Extracted;
+
+impl Plugin for DeferredPlugin {
+    fn build(&self, app: &mut App) {
+        if app.world().contains_resource::<Added>() {
+            return;
+        }
+        app.insert_resource(Added)
+            .init_resource::<ShadingModels>()
+            .init_resource::<DeferredStats>()
+            .register_type::<DeferredLighting>()
+            .register_type::<Way>()
+            .add_systems(PreUpdate, stats::publish)
+            .add_systems(
+                PostUpdate,
+                unlit::tell.run_if(any_with_component::<DeferredLighting>),
+            );
+        // Its hook needs the renderer's resources.
+        if app.get_sub_app(RenderApp).is_some() {
+            app.insert_resource(Extracted);
+            app.add_plugins(ExtractComponentPlugin::<DeferredLighting>::default());
+        }
+    }
+
+    fn finish(&self, app: &mut App) {
+        let stats = app.world().resource::<DeferredStats>().clone();
+        if app.get_sub_app(RenderApp).is_none() {
+            return;
+        }
+        if !app.world().contains_resource::<Extracted>() {
+            warn!(
+                "DeferredPlugin does nothing: it was added before Bevy's plugins; add it after DefaultPlugins"
+            );
+            return;
+        }
+        let Some(shaders) = shaders::load(app) else {
+            return;
+        };
+        let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+            return;
+        };
+        if render_app.world().contains_resource::<DeferredStats>() {
+            return;
+        }
+        render_app
+            .insert_resource(shaders)
+            .insert_resource(stats)
+            .init_resource::<gather::Lights>()
+            .init_resource::<pipeline::Pipelines>()
+            .add_systems(
+                Render,
+                (
+                    (gather::gather, prepare::prepare)
+                        .chain()
+                        .in_set(RenderSystems::PrepareResources),
+                    pipeline::prepare
+                        .in_set(RenderSystems::Prepare)
+                        .after(RenderSystems::PrepareResources),
+                ),
+            )
+            .add_systems(
+                Core3d,
+                pass::light
+                    .in_set(Core3dSystems::MainPass)
+                    .before(main_opaque_pass_3d),
+            );
+    }
+
+    fn is_unique(&self) -> bool {
+        false
+    }
+}

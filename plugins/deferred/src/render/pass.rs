@@ -1,0 +1,267 @@
+//! Records the passes of a view.
+
+use bevy::core_pipeline::deferred::copy_lighting_id::DeferredLightingIdDepthTexture;
+use bevy::core_pipeline::prepass::ViewPrepassTextures;
+use bevy::pbr::MeshViewBindGroup;
+use bevy::prelude::*;
+use bevy::render::camera::ExtractedCamera;
+use bevy::render::diagnostic::RecordDiagnostics;
+use bevy::render::render_resource::{
+    BindGroup, BindGroupEntry, Buffer, ComputePassDescriptor, IntoBinding, LoadOp, Operations,
+    PipelineCache, RenderPassColorAttachment, RenderPassDepthStencilAttachment,
+    RenderPassDescriptor, StoreOp, TextureView,
+};
+use bevy::render::renderer::{RenderContext, RenderDevice, ViewQuery};
+use bevy::render::view::{ViewDepthTexture, ViewTarget, ViewUniformOffset, ViewUniforms};
+
+use super::gather::Lights;
+use super::hull;
+use super::pipeline::{light_layout, tiles_layout};
+use super::prepare::ViewLighting;
+use crate::choice::Chosen;
+
+/// The hulls, made when the first view is lit by volumes.
+#[derive(Default)]
+pub struct Hulls(Option<[(Buffer, u32); 2]>);
+
+/// What all passes of a view read.
+struct Reading<'a> {
+    lighting: &'a ViewLighting,
+    lights: Option<&'a Buffer>,
+    ids: &'a TextureView,
+    device: &'a RenderDevice,
+    cache: &'a PipelineCache,
+}
+
+impl Reading<'_> {
+    /// Our group of the full-screen pass, or of the hulls.
+    fn group(&self, chosen: Option<Chosen>) -> Option<BindGroup> {
+        let lighting = self.lighting;
+        let mut entries = vec![
+            BindGroupEntry {
+                binding: 0,
+                resource: lighting.uniform_buffer.as_ref()?.as_entire_binding(),
+            },
+            BindGroupEntry {
+                binding: 3,
+                resource: self.ids.into_binding(),
+            },
+        ];
+        if chosen != Some(Chosen::Nothing) {
+            entries.extend([
+                BindGroupEntry {
+                    binding: 1,
+                    resource: self.lights?.as_entire_binding(),
+                },
+                BindGroupEntry {
+                    binding: 2,
+                    resource: lighting.list_buffer.as_ref()?.as_entire_binding(),
+                },
+            ]);
+        }
+        let last = match chosen {
+            Some(Chosen::Tiled) => Some(lighting.tiles.as_ref()?.lists.as_entire_binding()),
+            Some(Chosen::Volumes) => Some(lighting.gathered.as_ref()?.default_view.into_binding()),
+            _ => None,
+        };
+        entries.extend(last.map(|resource| BindGroupEntry {
+            binding: 4,
+            resource,
+        }));
+        let layout = self.cache.get_bind_group_layout(&light_layout(chosen));
+        Some(
+            self.device
+                .create_bind_group("dolomite_deferred_light", &layout, &entries),
+        )
+    }
+}
+
+/// Lights a view: lists or hulls first, then the full-screen pass.
+pub fn light(
+    view: ViewQuery<(
+        &ExtractedCamera,
+        &ViewLighting,
+        &MeshViewBindGroup,
+        &ViewUniformOffset,
+        &ViewTarget,
+        &ViewDepthTexture,
+        &ViewPrepassTextures,
+        &DeferredLightingIdDepthTexture,
+    )>,
+    cache: Res<PipelineCache>,
+    lights: Res<Lights>,
+    uniforms: Res<ViewUniforms>,
+    mut hulls: Local<Hulls>,
+    mut ctx: RenderContext,
+) {
+    let (camera, lighting, bevys, offset, target, depth, prepass, id_depth) = view.into_inner();
+    let (Some(chosen), Some(ids), Some(depths)) = (
+        lighting.chosen,
+        prepass.deferred_lighting_pass_id.as_ref(),
+        prepass.depth_view(),
+    ) else {
+        return;
+    };
+    let device = ctx.render_device().clone();
+    let reading = Reading {
+        lighting,
+        lights: lights.buffer.as_ref(),
+        ids: &ids.texture.default_view,
+        device: &device,
+        cache: &cache,
+    };
+    let pipeline = lighting
+        .pipelines
+        .light
+        .and_then(|id| cache.get_render_pipeline(id));
+    let (Some(pipeline), Some(group)) = (pipeline, reading.group(Some(chosen))) else {
+        return;
+    };
+    let before = match chosen {
+        Chosen::Tiled => list(&reading, depths, offset, &uniforms, &mut ctx),
+        Chosen::Volumes => gather(&reading, camera, bevys, depth, &mut hulls, &mut ctx),
+        Chosen::Nothing | Chosen::BruteForce => Some(()),
+    };
+    // Without its lists the view would be lit by those of another frame.
+    if before.is_none() {
+        return;
+    }
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+        label: Some("dolomite_deferred_light"),
+        color_attachments: &[Some(target.get_color_attachment())],
+        depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+            view: &id_depth.texture.default_view,
+            depth_ops: Some(Operations {
+                load: LoadOp::Load,
+                store: StoreOp::Discard,
+            }),
+            stencil_ops: None,
+        }),
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    });
+    let span = diagnostics.pass_span(&mut pass, "dolomite_deferred_light");
+    pass.set_render_pipeline(pipeline);
+    pass.set_bind_group(0, &bevys.main, &bevys.main_offsets);
+    pass.set_bind_group(1, &bevys.binding_array, &[]);
+    pass.set_bind_group(2, &group, &[]);
+    pass.draw(0..3, 0..1);
+    span.end(&mut pass);
+}
+
+/// Lists the lights of each tile.
+fn list(
+    reading: &Reading,
+    depths: &TextureView,
+    offset: &ViewUniformOffset,
+    uniforms: &ViewUniforms,
+    ctx: &mut RenderContext,
+) -> Option<()> {
+    let lighting = reading.lighting;
+    let id = lighting.pipelines.tiles?;
+    let pipeline = reading.cache.get_compute_pipeline(id)?;
+    let tiles = lighting.tiles.as_ref()?;
+    let resources = [
+        uniforms.uniforms.binding()?,
+        lighting.uniform_buffer.as_ref()?.as_entire_binding(),
+        reading.lights?.as_entire_binding(),
+        lighting.list_buffer.as_ref()?.as_entire_binding(),
+        depths.into_binding(),
+        tiles.used.as_entire_binding(),
+        tiles.lists.as_entire_binding(),
+    ];
+    let entries: Vec<BindGroupEntry> = (0..)
+        .zip(resources)
+        .map(|(binding, resource)| BindGroupEntry { binding, resource })
+        .collect();
+    let layout = reading.cache.get_bind_group_layout(&tiles_layout());
+    let group = reading
+        .device
+        .create_bind_group("dolomite_deferred_tiles", &layout, &entries);
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    let encoder = ctx.command_encoder();
+    encoder.clear_buffer(&tiles.used, 0, None);
+    let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
+        label: Some("dolomite_deferred_tiles"),
+        timestamp_writes: None,
+    });
+    let span = diagnostics.pass_span(&mut pass, "dolomite_deferred_tiles");
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, &group, &[offset.offset]);
+    let [x, y] = lighting.uniform.tiles;
+    pass.dispatch_workgroups(x, y, 1);
+    span.end(&mut pass);
+    Some(())
+}
+
+/// Adds up the light of points and spots.
+fn gather(
+    reading: &Reading,
+    camera: &ExtractedCamera,
+    bevys: &MeshViewBindGroup,
+    depth: &ViewDepthTexture,
+    hulls: &mut Hulls,
+    ctx: &mut RenderContext,
+) -> Option<()> {
+    let lighting = reading.lighting;
+    let [points, spots] = lighting
+        .pipelines
+        .volumes?
+        .map(|id| reading.cache.get_render_pipeline(id));
+    let (points, spots) = (points?, spots?);
+    let group = reading.group(None)?;
+    let gathered = lighting.gathered.as_ref()?;
+    let hulls = hulls.0.get_or_insert_with(|| {
+        [
+            hull::sphere().buffer(reading.device, "dolomite_deferred_sphere"),
+            hull::spot().buffer(reading.device, "dolomite_deferred_spot"),
+        ]
+    });
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+        label: Some("dolomite_deferred_volumes"),
+        color_attachments: &[Some(RenderPassColorAttachment {
+            view: &gathered.default_view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: Operations {
+                load: LoadOp::Clear(default()),
+                store: StoreOp::Store,
+            },
+        })],
+        depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+            view: depth.view(),
+            // Read, not written.
+            depth_ops: None,
+            stencil_ops: None,
+        }),
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    });
+    let span = diagnostics.pass_span(&mut pass, "dolomite_deferred_volumes");
+    if let Some(viewport) = &camera.viewport {
+        pass.set_camera_viewport(viewport);
+    }
+    let first_spot = lighting.listed.points;
+    let all = lighting.uniform.lights;
+    let kinds = [(points, 0..first_spot), (spots, first_spot..all)];
+    for ((pipeline, range), (corners, count)) in kinds.into_iter().zip(hulls.iter()) {
+        if range.is_empty() {
+            continue;
+        }
+        pass.set_render_pipeline(pipeline);
+        pass.set_bind_group(0, &bevys.main, &bevys.main_offsets);
+        pass.set_bind_group(1, &bevys.binding_array, &[]);
+        pass.set_bind_group(2, &group, &[]);
+        pass.set_vertex_buffer(0, corners.slice(..));
+        pass.draw(0..*count, range);
+    }
+    span.end(&mut pass);
+    Some(())
+}

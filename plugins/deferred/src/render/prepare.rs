@@ -1,0 +1,286 @@
+//! What each view is lit with: its list of lights, its way, and the buffers and textures of that way.
+
+use bevy::camera::visibility::RenderLayers;
+use bevy::log::warn_once;
+use bevy::prelude::*;
+use bevy::render::camera::ExtractedCamera;
+use bevy::render::render_resource::{
+    Buffer, BufferDescriptor, BufferUsages, CachedComputePipelineId, CachedRenderPipelineId,
+    Extent3d, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, WgpuFeatures,
+};
+use bevy::render::renderer::{RenderDevice, RenderQueue};
+use bevy::render::sync_world::MainEntity;
+use bevy::render::texture::{CachedTexture, TextureCache};
+use bevy::render::view::ExtractedView;
+use bytemuck::{Pod, Zeroable};
+
+use super::gather::Lights;
+use super::stats::{DeferredStats, ViewStats};
+use crate::choice::{Chosen, choose};
+use crate::components::{DeferredLighting, Way};
+use crate::cull::{Listed, Sides};
+
+/// Pixels on a side of a tile.
+pub const TILE: u32 = 16;
+/// A tile keeps a bit a light in the memory of its workgroup, of which WebGPU grants 16 KiB.
+pub const MOST_IN_TILES: u32 = 32 * MOST_WORDS;
+/// Words of that memory, for many lights and for few.
+const MOST_WORDS: u32 = 3072;
+/// See [`MOST_WORDS`].
+const FEW_WORDS: u32 = 128;
+/// Words for the lists of all tiles of a view: at least so many, and so many for each tile.
+const ROOM: u32 = 1 << 18;
+/// See [`ROOM`].
+const ROOM_EACH: u32 = 256;
+
+/// `Lighting` in `shaders/src/deferred/bindings.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightingUniform {
+    /// Of the view's list.
+    pub lights: u32,
+    /// Of them, those that tiles list.
+    pub in_tiles: u32,
+    /// In a row, and rows.
+    pub tiles: [u32; 2],
+    /// Words for the lists.
+    pub room: u32,
+    /// Greatest value that the target holds.
+    pub brightest: f32,
+    /// To 32 bytes.
+    pub pad: [u32; 2],
+}
+
+/// What a view is lit with; on the view's entity in the render world.
+#[derive(Component, Default)]
+pub struct ViewLighting {
+    /// The way of this frame.
+    pub chosen: Option<Chosen>,
+    pub(super) listed: Listed,
+    pub(super) uniform: LightingUniform,
+    pub(super) pipelines: ViewPipelines,
+    pub(super) uniform_buffer: Option<Buffer>,
+    pub(super) list_buffer: Option<Buffer>,
+    pub(super) tiles: Option<TileBuffers>,
+    pub(super) gathered: Option<CachedTexture>,
+    uploaded: Vec<u32>,
+}
+
+/// The pipelines of a view.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ViewPipelines {
+    /// The full-screen pass.
+    pub light: Option<CachedRenderPipelineId>,
+    /// Hulls of points, and of spots.
+    pub volumes: Option<[CachedRenderPipelineId; 2]>,
+    /// Lists of tiles.
+    pub tiles: Option<CachedComputePipelineId>,
+}
+
+/// Of the tiled way.
+pub(super) struct TileBuffers {
+    /// Words taken of the room.
+    pub used: Buffer,
+    /// Heads and lists.
+    pub lists: Buffer,
+}
+
+impl ViewLighting {
+    /// Words of the workgroup's memory that the tiles' pipeline needs.
+    pub(super) fn mask_words(&self) -> u32 {
+        if self.uniform.in_tiles <= 32 * FEW_WORDS {
+            FEW_WORDS
+        } else {
+            MOST_WORDS
+        }
+    }
+
+    /// Passes that are recorded for the view.
+    #[must_use]
+    pub fn passes(&self) -> u32 {
+        match self.chosen {
+            None => 0,
+            Some(Chosen::Nothing | Chosen::BruteForce) => 1,
+            Some(Chosen::Tiled | Chosen::Volumes) => 2,
+        }
+    }
+
+    fn bytes(&self) -> u64 {
+        let tiles = self
+            .tiles
+            .as_ref()
+            .map_or(0, |t| t.used.size() + t.lists.size());
+        let buffers = [&self.uniform_buffer, &self.list_buffer];
+        let buffers: u64 = buffers.into_iter().flatten().map(|b| b.size()).sum();
+        let gathered = self.gathered.as_ref().map_or(0, |texture| {
+            u64::from(texture.texture.width()) * u64::from(texture.texture.height()) * 16
+        });
+        tiles + buffers + gathered
+    }
+}
+
+/// Adds [`ViewLighting`] to views, and fills it.
+pub fn prepare(
+    mut commands: Commands,
+    mut views: Query<(
+        Entity,
+        &MainEntity,
+        &ExtractedView,
+        &ExtractedCamera,
+        &DeferredLighting,
+        Option<&RenderLayers>,
+        Option<&mut ViewLighting>,
+    )>,
+    lights: Res<Lights>,
+    device: Res<RenderDevice>,
+    queue: Res<RenderQueue>,
+    mut textures: ResMut<TextureCache>,
+    stats: Res<DeferredStats>,
+) {
+    stats.clear();
+    let blends = device.features().contains(WgpuFeatures::FLOAT32_BLENDABLE);
+    let default = RenderLayers::default();
+    for (entity, main, view, camera, setting, layers, old) in &mut views {
+        let mut new = ViewLighting::default();
+        let mut old = old;
+        let lighting = old.as_deref_mut().unwrap_or(&mut new);
+        let layers = layers.unwrap_or(&default);
+        let may = |index: usize| {
+            let of_light = lights.layers.get(&(index as u32)).unwrap_or(&default);
+            of_light.intersects(layers)
+        };
+        let sides = Sides::new(view.clip_from_view, view.world_from_view.to_matrix());
+        let sides = (setting.way != Way::BruteForce).then_some(&sides);
+        lighting.listed.fill(&lights.rows, sides, may);
+        let count = lighting.listed.indices.len() as u32;
+        if setting.way == Way::Volumes && !blends {
+            warn_once!(
+                "DeferredLighting: Way::Volumes needs the device feature FLOAT32_BLENDABLE, which is absent; Way::Tiled is taken"
+            );
+        }
+        let chosen = choose(setting.way, count, blends);
+        lighting.chosen = Some(chosen);
+        fill_uniform(lighting, view, chosen);
+        fill_buffers(lighting, chosen, &device, &queue);
+        lighting.gathered =
+            (chosen == Chosen::Volumes).then(|| textures.get(&device, gathered_texture(camera)));
+        stats.push(ViewStats {
+            camera: main.id(),
+            chosen,
+            lights: count,
+            refused: lights.refused,
+            passes: lighting.passes(),
+            bytes: lighting.bytes() + lights.buffer.as_ref().map_or(0, |buffer| buffer.size()),
+        });
+        if old.is_none() {
+            commands.entity(entity).insert(new);
+        }
+    }
+}
+
+fn gathered_texture(camera: &ExtractedCamera) -> TextureDescriptor<'static> {
+    // The whole target, whatever the viewport: it is drawn to beside the camera's depth.
+    let size = camera.physical_target_size.unwrap_or(UVec2::ONE);
+    TextureDescriptor {
+        label: Some("dolomite_deferred_gathered"),
+        size: Extent3d {
+            width: size.x.max(1),
+            height: size.y.max(1),
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format: TextureFormat::Rgba32Float,
+        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    }
+}
+
+fn fill_uniform(lighting: &mut ViewLighting, view: &ExtractedView, chosen: Chosen) {
+    let tiles = [
+        view.viewport.z.div_ceil(TILE),
+        view.viewport.w.div_ceil(TILE),
+    ];
+    let count = lighting.listed.indices.len() as u32;
+    lighting.uniform = LightingUniform {
+        lights: count,
+        in_tiles: count.min(MOST_IN_TILES),
+        tiles,
+        room: if chosen == Chosen::Tiled {
+            ROOM.max(tiles[0].saturating_mul(tiles[1]).saturating_mul(ROOM_EACH))
+                .min(1 << 24)
+        } else {
+            0
+        },
+        brightest: if view.target_format == TextureFormat::Rgba16Float {
+            65504.0
+        } else {
+            f32::MAX
+        },
+        pad: [0; 2],
+    };
+}
+
+fn fill_buffers(
+    lighting: &mut ViewLighting,
+    chosen: Chosen,
+    device: &RenderDevice,
+    queue: &RenderQueue,
+) {
+    let make = |label, size: u64, usage| {
+        device.create_buffer(&BufferDescriptor {
+            label: Some(label),
+            size,
+            usage: usage | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    };
+    let uniform = lighting.uniform_buffer.get_or_insert_with(|| {
+        make(
+            "dolomite_deferred_uniform",
+            size_of::<LightingUniform>() as u64,
+            BufferUsages::UNIFORM,
+        )
+    });
+    queue.write_buffer(uniform, 0, bytemuck::bytes_of(&lighting.uniform));
+    if chosen == Chosen::Nothing {
+        lighting.list_buffer = None;
+        lighting.tiles = None;
+        lighting.uploaded.clear();
+        return;
+    }
+    let size = (4 * lighting.listed.indices.len() as u64)
+        .next_power_of_two()
+        .max(16);
+    if lighting
+        .list_buffer
+        .as_ref()
+        .is_none_or(|buffer| buffer.size() < size || buffer.size() > 4 * size)
+    {
+        lighting.list_buffer = Some(make("dolomite_deferred_list", size, BufferUsages::STORAGE));
+        lighting.uploaded.clear();
+    }
+    if let Some(buffer) = &lighting.list_buffer
+        && lighting.uploaded != lighting.listed.indices
+    {
+        queue.write_buffer(buffer, 0, bytemuck::cast_slice(&lighting.listed.indices));
+        lighting.uploaded.clone_from(&lighting.listed.indices);
+    }
+    if chosen != Chosen::Tiled {
+        lighting.tiles = None;
+        return;
+    }
+    let [x, y] = lighting.uniform.tiles.map(u64::from);
+    let words = 1 + 2 * x * y + u64::from(lighting.uniform.room);
+    if lighting
+        .tiles
+        .as_ref()
+        .is_none_or(|tiles| tiles.lists.size() != 4 * words)
+    {
+        lighting.tiles = Some(TileBuffers {
+            used: make("dolomite_deferred_used", 4, BufferUsages::STORAGE),
+            lists: make("dolomite_deferred_tiles", 4 * words, BufferUsages::STORAGE),
+        });
+    }
+}

@@ -1,0 +1,62 @@
+//! The WGSL files as assets.
+
+use bevy::prelude::*;
+use bevy::shader::{Shader, ValidateShader};
+
+use crate::model::ShadingModels;
+
+/// The entry points; and modules, which are kept alive.
+#[derive(Resource, Clone)]
+pub struct Shaders {
+    /// `deferred/light.wgsl`.
+    pub light: Handle<Shader>,
+    /// `deferred/volume.wgsl`.
+    pub volume: Handle<Shader>,
+    /// `deferred/tiles.wgsl`.
+    pub tiles: Handle<Shader>,
+    #[expect(dead_code, reason = "held, never read")]
+    modules: Vec<Handle<Shader>>,
+}
+
+/// A shader asset, validated in debug builds.
+fn asset(source: String, path: &str) -> Shader {
+    let mut shader = Shader::from_wgsl(source, path);
+    if cfg!(debug_assertions) {
+        shader.validate_shader = ValidateShader::Enabled;
+    }
+    shader
+}
+
+/// Registers all files of the folder, and the module that chooses among the app's models; `None` in an app without
+/// shaders.
+pub fn load(app: &mut App) -> Option<Shaders> {
+    let models = app.world().get_resource::<ShadingModels>()?.clone();
+    let mut assets = app.world_mut().get_resource_mut::<Assets<Shader>>()?;
+    let mut modules = Vec::new();
+    let folder = dolomite_shaders::ALL
+        .iter()
+        .filter(|file| file.path.starts_with("deferred/") && file.is_module());
+    for file in folder {
+        modules.push(assets.add(asset(file.source.to_owned(), file.path)));
+    }
+    // A model of ours is in the folder already.
+    let known = |path: &str| {
+        dolomite_shaders::ALL
+            .iter()
+            .any(|f| f.import_path() == Some(path))
+    };
+    for (path, source) in models.sources().filter(|(path, _)| !known(path)) {
+        modules.push(assets.add(asset(source.to_owned(), path)));
+    }
+    modules.push(assets.add(asset(models.module(), "deferred/models.wgsl")));
+    let mut entry = |path: &str| {
+        let file = dolomite_shaders::find(path);
+        assets.add(asset(file.source.to_owned(), path))
+    };
+    Some(Shaders {
+        light: entry("deferred/light.wgsl"),
+        volume: entry("deferred/volume.wgsl"),
+        tiles: entry("deferred/tiles.wgsl"),
+        modules,
+    })
+}

@@ -1,0 +1,43 @@
+#define_import_path dolomite::deferred::blinn_phong
+
+#import dolomite::deferred::gbuffer::{decode_color, unpack_bytes}
+#import dolomite::deferred::types::{Incident, Surface}
+
+// Blinn (1977), normalised so that an eye on the normal sees of light from everywhere the specular colour itself:
+// the lobe is (n·h)^s (s + 2)(s + 4) / 8π(s + 2^(-s/2)). The G-buffer holds the specular colour, gamma 2.2, in the
+// third word, and the exponent as its logarithm in 16 bits: the highest bytes of the first word and of the third.
+
+// Exponents from 1 to 65536 in steps of 0.017 %.
+fn unpack_exponent(words: vec4<u32>) -> f32 {
+    return exp2(f32(((words.x >> 24u) << 8u) | (words.z >> 24u)) / 65535.0 * 16.0);
+}
+
+// The two bytes, highest first.
+fn exponent_bytes(exponent: f32) -> vec2<f32> {
+    let steps = u32(log2(clamp(exponent, 1.0, 65536.0)) / 16.0 * 65535.0 + 0.5);
+    return vec2(f32(steps >> 8u), f32(steps & 255u)) / 255.0;
+}
+
+// Reflected radiance, cd/m².
+fn blinn_phong(surface: Surface, light: Incident) -> vec3<f32> {
+    let n_dot_l = saturate(dot(surface.normal, light.to_light));
+    let sum = light.to_light + surface.view;
+    let h = sum * inverseSqrt(max(dot(sum, sum), 1e-20));
+    // cos² from the sine, which keeps its digits where a highlight is small: ln cos = ½ ln(1 - sin²).
+    let across = cross(surface.normal, h);
+    let exponent = unpack_exponent(surface.words);
+    let facing = dot(surface.normal, h) > 0.0;
+    let lobe = select(0.0, power_of_cosine(dot(across, across), exponent), facing);
+    let specular = decode_color(unpack_bytes(surface.words.z).xyz);
+    let normalisation = (exponent + 2.0) * (exponent + 4.0) / (8.0 * (exponent + exp2(-0.5 * exponent)));
+    return (surface.base_color + specular * (lobe * normalisation)) * (n_dot_l * 0.318309886) * light.color;
+}
+
+// cos^s by sin².
+fn power_of_cosine(sine_squared: f32, exponent: f32) -> f32 {
+    let y = min(sine_squared, 1.0);
+    // ln(1 - y), by its series where the difference would round.
+    let series = -y * (1.0 + y * (0.5 + y * (0.33333333 + y * 0.25)));
+    let logarithm = select(log(max(1.0 - y, 1e-38)), series, y < 0.01);
+    return exp(0.5 * exponent * logarithm);
+}
