@@ -56,7 +56,8 @@ impl Default for TreeSettings {
     fn default() -> Self {
         Self {
             kind: TreeKind::default(),
-            leaf_triangles: 4,
+            // The quickest for rays over three meshes: `dolomite_lab rays`.
+            leaf_triangles: 8,
             depth: 21,
         }
     }
