@@ -2,6 +2,7 @@
 
 use crate::measured::{Topic, TopicError, commit, today};
 use crate::studies::STUDIES;
+use crate::studies::sweep::case::{CaseError, run_case};
 use crate::studies::tessellation::captures::{CaptureError, compare};
 use crate::study::{LabError, Options, Part, Report, Study, write_index};
 use clap::error::ErrorKind;
@@ -31,6 +32,16 @@ pub struct Arguments {
     /// Samples of each measurement; of `tessellation-stage`: pairs of patches
     #[arg(long, default_value_t = Options::default().samples, value_parser = sample_count)]
     pub samples: usize,
+    /// Of `sweep` and `rays` alone: sweeps of each kind, or rays [default: 20000 and 1000000]
+    #[arg(long)]
+    pub count: Option<usize>,
+    /// Of `sweep` alone: moves one ellipsoid through one list of triangles in place of the study, and prints what it
+    /// touches. The file is one JSON object, metres: {"center": [x, y, z], "radii": [x, y, z], "way": [x, y, z],
+    /// "triangles": [[[x, y, z], [x, y, z], [x, y, z]], ...]}, and, if it is to slide, "slide": true. Printed are
+    /// "contacts" (time, triangle, feature, point, normal, depth) and "end"; without "slide" there is at most one
+    /// contact, and "end" is where it stops
+    #[arg(long, value_name = "FILE.json")]
+    pub case: Option<PathBuf>,
     /// Timed runs of each measurement, of which the median counts
     #[arg(long, default_value_t = Options::default().repeats)]
     pub repeats: usize,
@@ -66,6 +77,12 @@ pub struct Arguments {
     /// to need more, sooner [default: as memory holds]
     #[arg(long, value_name = "TIMES", value_parser = multiple)]
     pub most: Option<f64>,
+    /// Of `light` alone: pixels of its frames [default: 320x180]
+    #[arg(long, value_name = "WxH", default_value = "320x180", hide_default_value = true, value_parser = frame_size)]
+    pub size: [u32; 2],
+    /// Of `light` alone: point and spot lights
+    #[arg(long, default_value_t = Options::default().lights, value_parser = light_count)]
+    pub lights: usize,
     /// Of `lod` alone: run this part of it; may be given more than once [default: all parts]
     #[arg(long = "part", value_enum, value_name = "PART")]
     pub parts: Vec<Part>,
@@ -91,6 +108,9 @@ pub enum CliError {
     /// Captures could not be compared.
     #[error(transparent)]
     Captures(#[from] CaptureError),
+    /// A case of `sweep`.
+    #[error(transparent)]
+    Case(#[from] CaseError),
     /// The data of a table.
     #[error(transparent)]
     Topic(#[from] TopicError),
@@ -101,6 +121,9 @@ pub enum CliError {
 
 /// The study that `--cases` goes with.
 const OF_CASES: &str = "tessellation";
+
+/// The study that `--case` goes with.
+const OF_CASE: &str = "sweep";
 
 /// The study that takes a folder, and prints a line for each of its files in place of one object.
 const OF_FOLDER: &str = "fbx";
@@ -133,6 +156,15 @@ where
             ErrorKind::ArgumentConflict,
             format!(
                 "--cases goes with the study {OF_CASES} alone, not with {}",
+                arguments.study
+            ),
+        ));
+    }
+    if arguments.case.is_some() && arguments.study != OF_CASE {
+        return Err(Arguments::command().error(
+            ErrorKind::ArgumentConflict,
+            format!(
+                "--case goes with the study {OF_CASE} alone, not with {}",
                 arguments.study
             ),
         ));
@@ -178,6 +210,21 @@ const CAMERAS: std::ops::RangeInclusive<usize> = 1..=1_000_000;
 
 fn camera_count(text: &str) -> Result<usize, String> {
     in_range(text, &CAMERAS)
+}
+
+/// Most lights of a frame.
+const LIGHTS: std::ops::RangeInclusive<usize> = 0..=100_000;
+
+fn light_count(text: &str) -> Result<usize, String> {
+    in_range(text, &LIGHTS)
+}
+
+/// Two numbers of pixels, such as 320x180, of at most 8192.
+fn frame_size(text: &str) -> Result<[u32; 2], String> {
+    let pixels = |text: &str| text.parse().ok().filter(|n| (1..=8192).contains(n));
+    text.split_once('x')
+        .and_then(|(width, height)| Some([pixels(width)?, pixels(height)?]))
+        .ok_or_else(|| "two numbers from 1 to 8192 are needed, such as 320x180".into())
 }
 
 fn wanted_error(text: &str) -> Result<f64, String> {
@@ -231,8 +278,12 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
     if let Some(cases) = &arguments.cases {
         return Ok(vec![compare(cases)?]);
     }
+    if let Some(case) = &arguments.case {
+        return Ok(vec![run_case(case)?]);
+    }
     let options = Options {
         seed: arguments.seed,
+        count: arguments.count,
         samples: arguments.samples,
         repeats: arguments.repeats,
         triangles: arguments.triangles,
@@ -240,6 +291,8 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
         cameras: arguments.cameras,
         errors: arguments.errors.clone(),
         most: arguments.most,
+        size: arguments.size,
+        lights: arguments.lights,
         parts: arguments.parts.clone(),
         folder: arguments.folder.clone(),
         out: Some(arguments.out.clone()),
@@ -437,6 +490,16 @@ mod tests {
         assert_eq!(parse("lod --cameras 7").unwrap().cameras, 7);
         assert_eq!(parse("lod --error 1").unwrap().errors, [1.0]);
         assert_eq!(parse("lod --error 16,2").unwrap().errors, [16.0, 2.0]);
+        let light = parse("light --size 64x36 --lights 7").unwrap();
+        assert_eq!((light.size, light.lights), ([64, 36], 7));
+        for words in [
+            "light --size 64",
+            "light --size 0x9",
+            "light --size 9x9999",
+            "light --lights 200000",
+        ] {
+            assert!(parse(words).is_err(), "{words}");
+        }
         assert_eq!(parse("lod --most 2.5").unwrap().most, Some(2.5));
         assert_eq!(parse("lod").unwrap().most, None);
         for wrong in [

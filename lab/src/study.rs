@@ -37,6 +37,8 @@ pub struct Options {
     pub seed: u32,
     /// Samples of each measurement.
     pub samples: usize,
+    /// Sweeps of a kind, or rays; `None`: as many as take a minute.
+    pub count: Option<usize>,
     /// Timed runs of each measurement; the median counts.
     pub repeats: usize,
     /// Triangles of a timed tessellation.
@@ -49,6 +51,10 @@ pub struct Options {
     pub errors: Vec<f64>,
     /// Most vertices that the others of `lod` may draw, as a multiple of ours; `None`: as memory holds.
     pub most: Option<f64>,
+    /// Pixels of a frame of `light`, width and height.
+    pub size: [u32; 2],
+    /// Point and spot lights of `light`.
+    pub lights: usize,
     /// What of `lod` is run; nothing named is all of it.
     pub parts: Vec<Part>,
     /// Where `fbx` looks for files; `None` is the shared data.
@@ -62,12 +68,15 @@ impl Default for Options {
         Self {
             seed: 1,
             samples: 1 << 16,
+            count: None,
             repeats: 9,
             triangles: 1_000_000,
             frames: 1000,
             cameras: 100,
             errors: vec![16.0, 8.0],
             most: None,
+            size: [320, 180],
+            lights: 100,
             parts: Vec::new(),
             folder: None,
             out: None,

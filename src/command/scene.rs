@@ -97,6 +97,9 @@ pub struct SceneArgs {
         conflicts_with = "max_error"
     )]
     budget: Option<f32>,
+    /// Choose the ground's triangles in blocks, which are made over some frames: coarse ground at once.
+    #[arg(long, help_heading = "Settings")]
+    blocks: bool,
     /// What pictures are drawn with, where the settings do not say it by hand [default: auto: that of the device
     /// in a window, full in pictures and measurements].
     #[arg(long, value_enum, help_heading = "Settings")]
@@ -137,6 +140,7 @@ impl SceneArgs {
     pub fn setup(&self, change: impl FnOnce(&mut Settings)) -> Result<Setup, BenchError> {
         let mut settings = Settings::load(self.settings.as_deref()).map_err(GameError::from)?;
         settings.detail = self.detail.or(settings.detail);
+        settings.blocks |= self.blocks;
         settings.sun = self.sun.map(|Degrees2(a, b)| (a, b)).or(settings.sun);
         let fov = self.is_classic().then_some(FIELD_OF_VIEW);
         settings.fov = self.fov.or(fov).unwrap_or(settings.fov);

@@ -7,6 +7,8 @@ pub mod quality;
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
+use dolomite::ground::GroundShading;
+use dolomite::ground::detail::Choice;
 use dolomite::ground::detail::settings::LEAST_PIXELS;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -56,7 +58,9 @@ pub struct Settings {
     /// Time in which the ground's detail is to be chosen and drawn, milliseconds of the GPU; above 0, at most
     /// 1000. The error in the picture follows it; `max_error` then does not count.
     pub budget: Option<f32>,
-    /// What pictures are drawn with, where the five fields below do not say it.
+    /// The ground's triangles are chosen in blocks: coarse ground at once, finer from frame to frame.
+    pub blocks: bool,
+    /// What pictures are drawn with, where the six fields below do not say it.
     pub preset: Preset,
     /// Bright places glow.
     pub bloom: Option<bool>,
@@ -66,6 +70,8 @@ pub struct Settings {
     pub shadow_cascades: Option<u32>,
     /// Side of each, texels, in [`SHADOW_MAP_RANGE`].
     pub shadow_map: Option<u32>,
+    /// How much is done for a pixel of the ground.
+    pub shading: Option<GroundShading>,
     /// Sides of the picture that is drawn over those of the display, in [`RESOLUTION_RANGE`]; the errors above are
     /// in pixels of what is drawn.
     pub resolution: Option<f32>,
@@ -95,11 +101,13 @@ impl Default for Settings {
             finest_patch: 16.0,
             max_error: Some(1.0),
             budget: None,
+            blocks: false,
             preset: Preset::Auto,
             bloom: None,
             anti_aliasing: None,
             shadow_cascades: None,
             shadow_map: None,
+            shading: None,
             resolution: None,
             sun: None,
             detail: None,
@@ -153,6 +161,16 @@ pub(crate) fn ron_options() -> ron::Options {
 }
 
 impl Settings {
+    /// How the ground's triangles are chosen.
+    #[must_use]
+    pub const fn choice(&self) -> Choice {
+        if self.blocks {
+            Choice::Blocks
+        } else {
+            Choice::Cells
+        }
+    }
+
     /// Reads `named`; without a name the file of the user where there is one, else the defaults.
     ///
     /// # Errors

@@ -4,6 +4,7 @@
 //! Where the resolution is scaled, that is one over the scale in pixels of the display.
 
 use bevy::prelude::*;
+use dolomite::ground::GroundShading;
 use serde::{Deserialize, Serialize};
 
 use super::Settings;
@@ -85,6 +86,8 @@ pub struct Quality {
     pub shadow_cascades: u32,
     /// Side of each, texels, in [`SHADOW_MAP_RANGE`].
     pub shadow_map: u32,
+    /// How much is done for a pixel of the ground.
+    pub shading: GroundShading,
     /// Sides of the picture that is drawn over those of the display, in [`RESOLUTION_RANGE`].
     pub resolution: f32,
 }
@@ -104,6 +107,7 @@ pub const PRESETS: [(Quality, &str); 3] = [
             anti_aliasing: AntiAliasing::Fxaa,
             shadow_cascades: 2,
             shadow_map: 1024,
+            shading: GroundShading::Balanced,
             resolution: 0.67,
         },
         "pixels are most of a frame on the CPU: less than half of them; no bloom, two small maps of shadow, one pass for edges",
@@ -115,6 +119,7 @@ pub const PRESETS: [(Quality, &str); 3] = [
             anti_aliasing: AntiAliasing::Fxaa,
             shadow_cascades: 3,
             shadow_map: 1024,
+            shading: GroundShading::Balanced,
             resolution: 0.8,
         },
         "memory is shared with the CPU and carries a tenth: two thirds of the pixels, a fifth of the texels of shadow",
@@ -126,6 +131,7 @@ pub const PRESETS: [(Quality, &str); 3] = [
             anti_aliasing: AntiAliasing::Smaa,
             shadow_cascades: 4,
             shadow_map: 2048,
+            shading: GroundShading::Fine,
             resolution: 1.0,
         },
         "all there is",
@@ -162,6 +168,7 @@ impl Quality {
             anti_aliasing: settings.anti_aliasing.unwrap_or(preset.anti_aliasing),
             shadow_cascades: settings.shadow_cascades.unwrap_or(preset.shadow_cascades),
             shadow_map: settings.shadow_map.unwrap_or(preset.shadow_map),
+            shading: settings.shading.unwrap_or(preset.shading),
             resolution: settings.resolution.unwrap_or(preset.resolution),
         }
     }

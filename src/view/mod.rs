@@ -179,7 +179,11 @@ fn dress_camera(
             },
             Scaled,
             TerrainView,
-            Widened::detail(widened.as_deref(), settings.max_error.unwrap_or(1.0)),
+            Widened::detail(
+                widened.as_deref(),
+                settings.max_error.unwrap_or(1.0),
+                settings.choice(),
+            ),
             GeometryCamera {
                 pixels_per_edge: settings.pixels_per_edge,
                 ..default()
@@ -237,7 +241,8 @@ fn follow_switches(
     for (entity, mut camera, mut detail, patches, budget) in &mut views {
         // A budget moves the metric itself.
         if let (None, Some(pixels)) = (settings.budget, settings.max_error) {
-            detail.set_if_neq(Widened::detail(widened.as_deref(), pixels));
+            let wanted = Widened::detail(widened.as_deref(), pixels, settings.choice());
+            detail.set_if_neq(wanted);
         }
         let by_patches = settings.budget.is_none() && settings.max_error.is_none();
         let wanted = by_patches.then(|| PatchDetail {

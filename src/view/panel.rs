@@ -178,6 +178,8 @@ fn write_figures(
     if let Some(quality) = quality {
         row(&mut lines, "quality", quality.preset.name().to_owned());
         row(&mut lines, "glow, edges, shadows", effects(&quality));
+        let shading = format!("{:?}", quality.shading).to_lowercase();
+        row(&mut lines, "ground's shading", shading);
     }
     if let Some(PictureSize { drawn, shown }) = size.as_deref().copied()
         && drawn != UVec2::ZERO

@@ -5,7 +5,7 @@ use bevy::anti_alias::smaa::Smaa;
 use bevy::light::{CascadeShadowConfig, CascadeShadowConfigBuilder, DirectionalLightShadowMap};
 use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
-use dolomite::ground::TerrainView;
+use dolomite::ground::{GroundShading, TerrainView};
 use dolomite::sky::Sun;
 
 use crate::input::PlayerInput;
@@ -34,6 +34,7 @@ impl Plugin for QualityPlugin {
                     step.run_if(|input: Res<PlayerInput>| input.resolution_steps != 0),
                     choose.run_if(resource_changed::<Settings>),
                     dress,
+                    shade,
                     light.run_if(resource_changed::<Quality>),
                 )
                     .chain(),
@@ -85,6 +86,13 @@ pub fn effects(camera: &mut EntityCommands, quality: &Quality) {
         AntiAliasing::Fxaa => camera.remove::<Smaa>().insert(Fxaa::default()),
         AntiAliasing::Smaa => camera.remove::<Fxaa>().insert(Smaa::default()),
     };
+}
+
+/// The pixels of every ground, new ones too.
+fn shade(quality: Res<Quality>, mut grounds: Query<&mut GroundShading>) {
+    for mut shading in &mut grounds {
+        shading.set_if_neq(quality.shading);
+    }
 }
 
 fn light(

@@ -2,8 +2,10 @@
 //! of it at once: at a pixel of error that alone takes a software device a minute.
 
 use bevy::prelude::*;
-use dolomite::ground::detail::{Metric, TerrainLod};
+use dolomite::ground::detail::{Choice, Metric, TerrainLod};
 use dolomite::tessellation::render::GeometryStats;
+
+use crate::settings::Settings;
 
 /// The error bound of the first frame over the one that was asked for.
 const FIRST: f32 = 64.0;
@@ -23,12 +25,14 @@ impl Default for Widened {
 }
 
 impl Widened {
-    /// Level of detail with an error of `pixels`, as far as it has got.
-    pub fn detail(widened: Option<&Self>, pixels: f32) -> TerrainLod {
+    /// Level of detail with an error of `pixels`, as far as it has got. Blocks get sharper by themselves.
+    pub fn detail(widened: Option<&Self>, pixels: f32, choice: Choice) -> TerrainLod {
+        let widened = widened.filter(|_| choice == Choice::Cells);
         TerrainLod {
             metric: Metric::ErrorBound {
                 pixels: pixels * widened.map_or(1.0, |widened| widened.0),
             },
+            choice,
             ..default()
         }
     }
@@ -38,8 +42,13 @@ impl Widened {
 pub fn sharpen(
     mut commands: Commands,
     stats: Option<Res<GeometryStats>>,
+    settings: Option<Res<Settings>>,
     mut widened: ResMut<Widened>,
 ) {
+    if settings.is_some_and(|settings| settings.blocks) {
+        commands.remove_resource::<Widened>();
+        return;
+    }
     if stats.is_none_or(|stats| stats.primitives == 0) {
         return;
     }
@@ -54,7 +63,8 @@ mod tests {
     use super::*;
 
     fn pixels(app: &App) -> f32 {
-        match Widened::detail(app.world().get_resource::<Widened>(), 2.0).metric {
+        let widened = app.world().get_resource::<Widened>();
+        match Widened::detail(widened, 2.0, Choice::Cells).metric {
             Metric::ErrorBound { pixels } => pixels,
             other => panic!("{other:?} is no bound"),
         }

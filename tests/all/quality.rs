@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::math::UVec2;
+use dolomite::ground::GroundShading;
 use dolomite_game::run::Setup;
 use dolomite_game::run::offscreen::{Offscreen, STEP};
 use dolomite_game::scene::{MapOptions, SceneRequest};
@@ -90,6 +91,19 @@ fn gpu_what_is_off_costs_no_pass() {
         any(&some, "fxaa") && any(&some, "shadow") && !any(&some, "smaa"),
         "{some:?}"
     );
+    let shading = |offscreen: &mut Offscreen| -> Vec<GroundShading> {
+        let world = offscreen.app.world_mut();
+        world
+            .query::<&GroundShading>()
+            .iter(world)
+            .copied()
+            .collect()
+    };
+    assert_eq!(shading(&mut offscreen), [GroundShading::Fine]);
+    change(&mut offscreen, |settings| {
+        settings.shading = Some(GroundShading::Balanced);
+    });
+    assert_eq!(shading(&mut offscreen), [GroundShading::Balanced]);
 }
 
 /// Neighbours in a row that differ as much as the edges of letters do.

@@ -1,12 +1,16 @@
 //! Every study, one folder each.
 
 pub mod animation;
+pub mod beside;
 pub mod budget;
 pub mod fbx;
 pub mod ground;
+pub mod light;
 pub mod lod;
 pub mod material;
 pub mod noise;
+pub mod rays;
+pub mod sweep;
 pub mod tessellation;
 pub mod tessellation_speed;
 pub mod tessellation_stage;
@@ -19,9 +23,12 @@ pub const STUDIES: &[Study] = &[
     budget::STUDY,
     ground::STUDY,
     fbx::STUDY,
+    light::STUDY,
     lod::STUDY,
     material::STUDY,
     noise::STUDY,
+    rays::STUDY,
+    sweep::STUDY,
     tessellation::STUDY,
     tessellation_speed::STUDY,
     tessellation_stage::STUDY,

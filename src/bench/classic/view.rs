@@ -124,7 +124,11 @@ fn follow(
 ) {
     classic.set_if_neq(methods.settings());
     for (entity, mut camera, detail) in &mut cameras {
-        match (methods.detail(), detail) {
+        let wanted = methods.detail().map(|wanted| TerrainLod {
+            choice: settings.choice(),
+            ..wanted
+        });
+        match (wanted, detail) {
             (Some(wanted), Some(mut detail)) => {
                 detail.set_if_neq(wanted);
             }

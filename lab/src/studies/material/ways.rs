@@ -16,7 +16,6 @@ pub struct Way {
 const FULL: GroundShading = GroundShading::Full;
 const FINE: GroundShading = GroundShading::Fine;
 const BALANCED: GroundShading = GroundShading::Balanced;
-const FAST: GroundShading = GroundShading::Fast;
 
 const fn preset(name: &'static str, of: GroundShading) -> Way {
     Way {
@@ -43,9 +42,9 @@ pub const WAYS: [Way; 6] = [
     preset("Fine", FINE),
     preset("Balanced", BALANCED),
     narrowed("narrowed by 0.2", 0.2),
-    preset("Fast", FAST),
+    narrowed("narrowed by 0.3", 0.3),
     narrowed("narrowed by 0.45", 0.45),
 ];
 
 /// Those of [`WAYS`] that are presets.
-pub const PRESETS: [usize; 4] = [0, 1, 2, 4];
+pub const PRESETS: [usize; 3] = [0, 1, 2];
