@@ -4,6 +4,8 @@ pub mod geometry;
 pub mod mesh;
 pub mod motion;
 pub mod plugin;
+#[cfg(feature = "rapier")]
+pub mod rapier;
 pub mod roots;
 pub mod sweep;
 pub mod tree;

@@ -43,6 +43,8 @@ pub struct MoveState {
     pub center: DVec3,
     /// Where it was before the last step.
     pub before: DVec3,
+    /// The wish of the last step.
+    pub wished: Vec3,
     /// The entity that it stands on.
     pub stands_on: Option<Entity>,
     /// Whether it stands, what it touched, and what it cost. Numbers of bodies are those of `bodies`.
@@ -103,6 +105,7 @@ pub(super) fn go(
             state.center = transform.translation.as_dvec3();
         }
         state.before = state.center;
+        state.wished = wish.0;
         lists.entities.push((entity, body.settings));
         lists.movers.push(Mover {
             center: state.center,

@@ -4,6 +4,8 @@
 mod fit;
 mod moves;
 mod plugin;
+#[cfg(feature = "rapier")]
+mod rapier;
 mod support;
 mod sweep;
 mod tree;

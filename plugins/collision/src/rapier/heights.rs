@@ -1,0 +1,229 @@
+//! Tiles of the ground as height fields: where their samples lie, and which way their cells are cut.
+//!
+//! Samples stand on one lattice for the whole world, so that neighbours share those of their border to the bit: the
+//! distance of samples is a power of two, places of samples are exact in f32 up to 2²⁴ of them from the origin, and
+//! so are the corners that parry computes.
+
+use bevy::ecs::prelude::*;
+use bevy::math::{DVec2, IVec2, Vec3};
+use bevy::transform::components::Transform;
+use bevy_rapier3d::parry::shape::{
+    HeightField, HeightFieldCellStatus, HeightFieldFlags, SharedShape,
+};
+use bevy_rapier3d::parry::utils::Array2;
+use dolomite_terrain::Ground;
+use std::fmt;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Which way the cells between samples are cut into triangles. North is −Z, east is +X.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Diagonals {
+    /// As the drawn ground has them at full detail: through the corner of which both coordinates are even, so that
+    /// neighbouring cells are cut in turns.
+    #[default]
+    Alternating,
+    /// From north-east to south-west, all alike: parry's own.
+    Alike,
+}
+
+impl Diagonals {
+    /// Whether a cell is cut from north-west to south-east.
+    #[must_use]
+    pub const fn falls(self, cell: IVec2) -> bool {
+        match self {
+            Self::Alternating => (cell.x ^ cell.y) & 1 == 0,
+            Self::Alike => false,
+        }
+    }
+}
+
+/// Ground that Rapier's bodies meet: tiles of it come where bodies are awake, and go.
+///
+/// Another ground, written into this component, is met from the next step on: bodies on what has changed wake, and
+/// those that would be inside are lifted by as much as the ground rose.
+#[derive(Component, Clone)]
+#[require(Transform)]
+pub struct GroundTiles {
+    ground: Arc<dyn Ground>,
+    step: f32,
+    cells: u32,
+    diagonals: Diagonals,
+    /// How far around a body there is ground, metres, beside what it covers in a step.
+    pub margin: f32,
+}
+
+impl fmt::Debug for GroundTiles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("GroundTiles")
+            .field("step", &self.step)
+            .field("cells", &self.cells)
+            .field("diagonals", &self.diagonals)
+            .field("margin", &self.margin)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Tiles that cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum TileError {
+    /// Samples would not be exact.
+    #[error("samples {0} m apart: a power of two from 1/64 to 64 is needed")]
+    Step(f32),
+    /// Too few or too many.
+    #[error("{0} cells a side of a tile: 1 to 256 are needed")]
+    Cells(u32),
+}
+
+/// Samples farther from the origin than this many steps are not exact in f32.
+const FARTHEST: f64 = 16_777_216.0;
+
+impl GroundTiles {
+    /// Samples `step` metres apart, a power of two, and tiles of `cells` by `cells` of them.
+    ///
+    /// # Errors
+    /// [`TileError`].
+    pub fn new(ground: Arc<dyn Ground>, step: f32, cells: u32) -> Result<Self, TileError> {
+        const FRACTION: u32 = (1 << 23) - 1;
+        let power = (1.0 / 64.0..=64.0).contains(&step) && step.to_bits() & FRACTION == 0;
+        if !power {
+            return Err(TileError::Step(step));
+        }
+        if !(1..=256).contains(&cells) {
+            return Err(TileError::Cells(cells));
+        }
+        Ok(Self {
+            ground,
+            step,
+            cells,
+            diagonals: Diagonals::default(),
+            margin: 1.0,
+        })
+    }
+
+    /// With cells cut another way.
+    #[must_use]
+    pub const fn with_diagonals(mut self, diagonals: Diagonals) -> Self {
+        self.diagonals = diagonals;
+        self
+    }
+
+    /// The ground that is sampled.
+    #[must_use]
+    pub fn ground(&self) -> &Arc<dyn Ground> {
+        &self.ground
+    }
+
+    /// Puts another ground in its place.
+    pub fn set_ground(&mut self, ground: Arc<dyn Ground>) {
+        self.ground = ground;
+    }
+
+    /// The distance of samples, metres.
+    #[must_use]
+    pub const fn step(&self) -> f32 {
+        self.step
+    }
+
+    /// How many cells a side of a tile has.
+    #[must_use]
+    pub const fn cells(&self) -> u32 {
+        self.cells
+    }
+
+    /// Which way cells are cut.
+    #[must_use]
+    pub const fn diagonals(&self) -> Diagonals {
+        self.diagonals
+    }
+
+    /// The side of a tile, metres.
+    #[must_use]
+    pub fn side(&self) -> f32 {
+        self.step * self.cells as f32
+    }
+
+    /// Which cell of the lattice a place lies in; `None` where samples are not exact.
+    #[must_use]
+    pub fn cell(&self, xz: DVec2) -> Option<IVec2> {
+        let cell = (xz / f64::from(self.step)).floor();
+        (cell.abs().max_element() < FARTHEST).then(|| cell.as_ivec2())
+    }
+
+    /// The tile of a cell.
+    #[must_use]
+    pub fn tile_of(&self, cell: IVec2) -> IVec2 {
+        let cells = self.cells as i32;
+        IVec2::new(cell.x.div_euclid(cells), cell.y.div_euclid(cells))
+    }
+
+    /// The height of a sample, as Rapier has it, metres. What is not finite is 0: a hole would let bodies fall.
+    #[must_use]
+    pub fn sample(&self, at: IVec2) -> f32 {
+        let height = self.ground.height(at.as_dvec2() * f64::from(self.step)) as f32;
+        if height.is_finite() { height } else { 0.0 }
+    }
+
+    /// The height of the surface that Rapier's bodies meet, metres: that of the triangle over a place; `None` where
+    /// samples are not exact.
+    #[must_use]
+    pub fn surface(&self, xz: DVec2) -> Option<f64> {
+        let cell = self.cell(xz)?;
+        let at = xz / f64::from(self.step) - cell.as_dvec2();
+        let corner = |x: i32, z: i32| f64::from(self.sample(cell + IVec2::new(x, z)));
+        let (nw, ne, sw, se) = (corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1));
+        let (x, z) = (at.x, at.y);
+        // The plane of the corner on this side of the diagonal and of the diagonal's ends.
+        let height = if self.diagonals.falls(cell) {
+            if x >= z {
+                ne + (nw - ne) * (1.0 - x) + (se - ne) * z
+            } else {
+                sw + (se - sw) * x + (nw - sw) * (1.0 - z)
+            }
+        } else if x + z <= 1.0 {
+            nw + (ne - nw) * x + (sw - nw) * z
+        } else {
+            se + (sw - se) * (1.0 - x) + (ne - se) * (1.0 - z)
+        };
+        Some(height)
+    }
+
+    /// The samples of a tile, those of a column along Z together.
+    pub(super) fn samples(&self, tile: IVec2) -> Vec<f32> {
+        let first = tile * self.cells as i32;
+        let side = 0..=self.cells as i32;
+        let columns = side
+            .clone()
+            .flat_map(|x| side.clone().map(move |z| IVec2::new(x, z)));
+        columns.map(|at| self.sample(first + at)).collect()
+    }
+
+    /// A tile of these samples.
+    pub(super) fn shape(&self, tile: IVec2, samples: Vec<f32>) -> SharedShape {
+        let corners = self.cells as usize + 1;
+        // Without the flag a ball hops where it crosses edges between flush triangles.
+        let mut field = HeightField::with_flags(
+            Array2::new(corners, corners, samples),
+            Vec3::new(self.side(), 1.0, self.side()),
+            HeightFieldFlags::FIX_INTERNAL_EDGES,
+        );
+        for x in 0..self.cells as i32 {
+            for z in 0..self.cells as i32 {
+                if self
+                    .diagonals
+                    .falls(tile * self.cells as i32 + IVec2::new(x, z))
+                {
+                    let falls = HeightFieldCellStatus::ZIGZAG_SUBDIVISION;
+                    field.set_cell_status(z as usize, x as usize, falls);
+                }
+            }
+        }
+        SharedShape::new(field)
+    }
+
+    /// Where the middle of a tile lies.
+    pub(super) fn place(&self, tile: IVec2) -> Vec3 {
+        let middle = (tile.as_dvec2() + 0.5) * f64::from(self.side());
+        Vec3::new(middle.x as f32, 0.0, middle.y as f32)
+    }
+}
