@@ -55,17 +55,17 @@ pub enum FbxError {
         /// The limit, bytes.
         limit: usize,
     },
-    /// It took longer than [`Limits`](crate::Limits) allow.
+    /// The contents need more work than [`Limits`](crate::Limits) allow.
     #[error(
-        "{file}: {during} took longer than {seconds} s; raise the limit on time if you trust it"
+        "{file}: {what} need more work than {limit} poses; raise the limit on work if you trust it"
     )]
-    Time {
+    Work {
         /// Name of the file.
         file: String,
-        /// What was being done.
-        during: &'static str,
-        /// The limit, seconds.
-        seconds: f64,
+        /// What needs it.
+        what: &'static str,
+        /// The limit, in poses of nodes.
+        limit: u64,
     },
     /// There is nothing in it that glTF could hold.
     #[error("{file}: holds no node; there is nothing to convert")]

@@ -31,7 +31,7 @@
 //! looked at on every key and wherever they bend between keys, and the fewest keys are taken, as steps, lines
 //! or cubics, that keep the skin within `max_error` of that: in the world, 3 cm around each joint, or out to
 //! the farthest vertex that follows it, with what all joints above do wrong. The error in the report
-//! is measured afterwards by playing the keys against the file's own curves, at times that were not looked at
+//! is bounded afterwards at all times, by playing the keys against the file's own curves at times that were not looked at
 //! before. Where a file has a key in every frame, what its three angles do within a frame is not followed,
 //! but for nodes that spin, unless asked for ([`Options::within_frames`]); [`ClipReport::error`] counts it all
 //! the same, [`ClipReport::keyed_error`] does not and is what is held to the bound. By
@@ -64,7 +64,7 @@
 //!
 //! # How safe
 //!
-//! Nothing in a file makes it panic. Memory and time have [`Limits`], which follow what a file unpacks to,
+//! Nothing in a file makes it panic. Memory and work have [`Limits`], which follow what a file unpacks to,
 //! not what it claims; other files are read only below the folders that [`Origin`] names, and links do not
 //! lead out of them.
 //!
@@ -92,6 +92,7 @@ mod skinning;
 mod syntax;
 mod verify;
 mod weight_error;
+mod weight_groups;
 mod weights;
 mod write;
 

@@ -101,10 +101,8 @@ fn load_with(
             "reading",
             progress.bytes_read as f64 / progress.bytes_total.max(1) as f64,
         );
-        match budget.is_late() {
-            true => ProgressResult::Cancel,
-            false => ProgressResult::Continue,
-        }
+        // How long reading takes, memory bounds.
+        ProgressResult::Continue
     };
     let opts = LoadOpts {
         file_format: ufbx::FileFormat::Fbx,
@@ -144,7 +142,6 @@ fn refusal(error: &ufbx::Error, budget: &Budget) -> FbxError {
         ErrorType::MemoryLimit | ErrorType::AllocationLimit | ErrorType::OutOfMemory => {
             budget.too_much("the contents")
         }
-        ErrorType::Cancelled => budget.late("reading"),
         _ => FbxError::Broken { file, detail },
     }
 }

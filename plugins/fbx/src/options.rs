@@ -7,7 +7,6 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
 
 /// Joints that a vertex may follow in the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -93,7 +92,7 @@ pub struct Options<'a> {
     /// Memory that a file may cost, bytes; `None` (the default) leaves it to the limits.
     pub max_memory: Option<usize>,
     /// What a file may cost; `None` (the default) sets [`Limits::of_contents`], and gives a thorough search forty
-    /// times these seconds for itself.
+    /// times this work for itself.
     pub limits: Option<Limits>,
     /// Is told how far it is.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
@@ -176,35 +175,36 @@ impl Options<'_> {
 }
 
 /// What one file may cost, so that a broken or hostile one cannot take the machine.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Memory for what is read and what comes out of it, bytes.
     pub memory: usize,
-    /// Wall time, seconds.
-    pub seconds: f64,
+    /// Work on what is read: poses of nodes, places of vertices, and what takes about as long, some
+    /// microsecond each. It is counted and not timed, so that what becomes of a file is the same on every machine,
+    /// however busy. A clip that needs more is looked at less closely and the error that is stated for it is larger; where not even a first
+    /// look is within it, the file is refused.
+    pub work: u64,
 }
+
+/// Work that every file may cost, and for each byte that it unpacks to.
+const WORK: (u64, u64) = (2_000_000, 2);
 
 impl Limits {
     /// Those of a file of so many bytes, unpacked: 48 MiB and 16 times the file, which leaves the rest of
-    /// 64 MB + 20 times the file to the allocator and to the file itself; and 1.4 s + 1 s for 2 MB,
-    /// some twenty times what a sound file takes.
+    /// 64 MB + 20 times the file to the allocator and to the file itself; and two million poses of nodes and two more for
+    /// each byte, where a key in a file has some twenty.
     pub fn of_file(bytes: usize) -> Self {
         Self {
             memory: (48_usize << 20).saturating_add(bytes.saturating_mul(16)),
-            seconds: 1.4 + bytes as f64 / 2e6,
+            work: WORK.0.saturating_add(WORK.1.saturating_mul(bytes as u64)),
         }
     }
 
     /// Those of a file with these contents. Arrays in binary files are packed, some a hundred times:
-    /// memory follows what they unpack to, up to 128 times the file, and so does time, by a tenth.
+    /// memory and work follow what they unpack to, up to 128 times the file.
     pub fn of_contents(file: &[u8]) -> Self {
         let most = file.len().saturating_mul(UNPACKED);
-        let grown = unpacked(file).min(most).saturating_sub(file.len());
-        let packed = Self::of_file(file.len());
-        Self {
-            memory: packed.memory.saturating_add(grown.saturating_mul(16)),
-            seconds: packed.seconds + grown as f64 / 2e7,
-        }
+        Self::of_file(unpacked(file).min(most).max(file.len()))
     }
 }
 
@@ -226,20 +226,24 @@ pub struct Origin {
     pub textures: Vec<PathBuf>,
 }
 
-/// Seconds of a thorough search over those of everything else, where nobody sets them.
-const SEARCH: f64 = 40.0;
+/// Work of searches for fewer bytes over that of everything else, where nobody sets limits.
+const SEARCH: u64 = 40;
 
-/// The clock and the purse of one conversion.
+/// The purse of one conversion.
+///
+/// Work is paid for before it is done, and never by several threads that go on by what others paid: what is paid when is
+/// the same in every run.
 pub(crate) struct Budget {
     pub(crate) file: String,
     pub(crate) limits: Limits,
-    began: Instant,
-    /// Seconds that searches for keys may take beside all else; `None`: they count as all else.
-    search: Option<f64>,
-    /// Nanoseconds that they took so far.
+    /// Work that was paid for.
+    paid: AtomicU64,
+    /// Work that searches for fewer bytes may do beside all else; `None`: it counts as all else.
+    search: Option<u64>,
+    /// What they did so far.
     searched: AtomicU64,
-    /// Nanoseconds of work that is bounded by bytes and not by this clock.
-    aside: AtomicU64,
+    /// What checks of clips did so far.
+    checked: AtomicU64,
 }
 
 impl Budget {
@@ -247,10 +251,10 @@ impl Budget {
         Self {
             file: file.to_owned(),
             limits,
-            began: Instant::now(),
+            paid: AtomicU64::new(0),
             search: None,
             searched: AtomicU64::new(0),
-            aside: AtomicU64::new(0),
+            checked: AtomicU64::new(0),
         }
     }
 
@@ -258,61 +262,77 @@ impl Budget {
     pub(crate) fn of(file: &str, bytes: &[u8], options: &Options) -> Self {
         let mut limits = options.limits.unwrap_or_else(|| Limits::of_contents(bytes));
         limits.memory = options.max_memory.unwrap_or(limits.memory);
+        let search = limits.work.saturating_mul(SEARCH);
         Self {
-            search: options.limits.is_none().then_some(SEARCH * limits.seconds),
+            search: options.limits.is_none().then_some(search),
             ..Self::new(file, limits)
         }
     }
 
-    /// Does `work` on a clock of its own, which goes on where the last search stopped it, while this one
-    /// stands.
+    /// Does `work` with a purse of its own, which holds what the last search left of it.
     pub(crate) fn search<T>(&self, work: impl FnOnce(&Self) -> T) -> T {
-        let Some(seconds) = self.search else {
+        let Some(most) = self.search else {
             return work(self);
         };
-        let so_far = Duration::from_nanos(self.searched.load(Ordering::Relaxed)).as_secs_f64();
         let limits = Limits {
-            seconds: (seconds - so_far).max(0.0),
+            work: most.saturating_sub(self.searched.load(Ordering::Relaxed)),
             ..self.limits
         };
         let own = Self::new(&self.file, limits);
         let out = work(&own);
-        let took = u64::try_from(own.began.elapsed().as_nanos()).unwrap_or(u64::MAX);
-        self.searched.fetch_add(took, Ordering::Relaxed);
+        let paid = own.paid.load(Ordering::Relaxed);
+        self.searched.fetch_add(paid, Ordering::Relaxed);
         out
     }
 
-    /// Does `work` that what it reads bounds, while the clock stands; on the clock where somebody set it.
-    pub(crate) fn aside<T>(&self, work: impl FnOnce() -> T) -> T {
-        let began = Instant::now();
-        let out = work();
-        if self.search.is_some() {
-            let took = u64::try_from(began.elapsed().as_nanos()).unwrap_or(u64::MAX);
-            self.aside.fetch_add(took, Ordering::Relaxed);
-        }
-        out
+    /// Pays for `work`, whether there is as much or not.
+    pub(crate) fn pay(&self, work: usize) {
+        self.paid.fetch_add(work as u64, Ordering::Relaxed);
     }
 
-    pub(crate) fn is_late(&self) -> bool {
-        let stood = self.searched.load(Ordering::Relaxed) + self.aside.load(Ordering::Relaxed);
-        let searched = Duration::from_nanos(stood);
-        self.began.elapsed().saturating_sub(searched)
-            > Duration::from_secs_f64(self.limits.seconds.clamp(0.0, 1e9))
+    /// Work that is left.
+    pub(crate) fn left(&self) -> u64 {
+        let paid = self.paid.load(Ordering::Relaxed);
+        self.limits.work.saturating_sub(paid)
     }
 
-    pub(crate) fn in_time(&self, during: &'static str) -> Result<(), FbxError> {
-        match self.is_late() {
-            true => Err(self.late(during)),
-            false => Ok(()),
+    /// Pays for `work` if so much is left; says whether it was.
+    pub(crate) fn pays(&self, work: usize) -> bool {
+        let is_left = work as u64 <= self.left();
+        if is_left {
+            self.pay(work);
+        }
+        is_left
+    }
+
+    /// Pays for `work` without which there is no result.
+    pub(crate) fn must(&self, work: usize, what: &'static str) -> Result<(), FbxError> {
+        self.can_pay(work, what)?;
+        self.pay(work);
+        Ok(())
+    }
+
+    /// Refuses what cannot be paid for.
+    pub(crate) fn can_pay(&self, work: usize, what: &'static str) -> Result<(), FbxError> {
+        match work as u64 <= self.left() {
+            true => Ok(()),
+            false => Err(FbxError::Work {
+                file: self.file.clone(),
+                what,
+                limit: self.limits.work,
+            }),
         }
     }
 
-    pub(crate) fn late(&self, during: &'static str) -> FbxError {
-        FbxError::Time {
-            file: self.file.clone(),
-            during,
-            seconds: self.limits.seconds,
-        }
+    /// Work that checks of clips may still do: twice that of all else, so that an error can be stated of whatever else found.
+    pub(crate) fn left_for_checks(&self) -> u64 {
+        let most = self.limits.work.saturating_mul(2);
+        most.saturating_sub(self.checked.load(Ordering::Relaxed))
+    }
+
+    /// Pays for the work of a check.
+    pub(crate) fn pay_for_checks(&self, work: usize) {
+        self.checked.fetch_add(work as u64, Ordering::Relaxed);
     }
 
     pub(crate) fn afford(&self, bytes: usize, what: &'static str) -> Result<(), FbxError> {
@@ -336,30 +356,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_search_has_a_clock_of_its_own() {
-        let limits = |seconds| Limits { memory: 0, seconds };
-        let rest = Duration::from_millis(30);
+    fn a_search_has_a_purse_of_its_own() {
+        let limits = |work| Limits { memory: 0, work };
         let budget = Budget {
-            search: Some(0.05),
-            ..Budget::new("", limits(0.02))
+            search: Some(50),
+            ..Budget::new("", limits(20))
         };
-        // Longer than all else may take, and again longer than what is left of the search's own.
-        assert!(!budget.search(|own| {
-            std::thread::sleep(rest);
-            own.is_late()
-        }));
-        assert!(!budget.is_late());
-        assert!(budget.search(|own| {
-            std::thread::sleep(rest);
-            own.is_late()
-        }));
-        assert!(!budget.is_late());
+        // More than all else may do, and then more than what is left of the search's own.
+        assert!(budget.search(|own| own.pays(30)));
+        assert_eq!(budget.left(), 20);
+        assert!(!budget.search(|own| own.pays(30)));
+        assert!(budget.search(|own| own.pays(20) && own.left() == 0));
+        assert!(budget.pays(20) && !budget.pays(1));
         // Limits that were asked for hold for both.
-        let budget = Budget::new("", limits(0.02));
-        assert!(budget.search(|own| {
-            std::thread::sleep(rest);
-            own.is_late()
-        }));
-        assert!(budget.is_late());
+        let budget = Budget::new("", limits(20));
+        assert!(budget.search(|own| own.pays(15)));
+        assert!(!budget.pays(15) && budget.pays(5));
+        assert!(matches!(
+            budget.must(1, "x"),
+            Err(FbxError::Work { limit: 20, .. })
+        ));
     }
 }

@@ -29,9 +29,9 @@ pub struct ClipReport {
     pub baked: usize,
     /// No point is farther from where the FBX file's own curves have it than this while the keys are played, metres, at any time of the
     /// clip, within frames too: six points 3 cm around each node, and all vertices. A bound, by how fast both motions change
-    /// between neighbouring keys; the largest distance that was seen is a few hundredths less where meshes are small, and where they
-    /// are large no more than what sixteen vertices beside each other differ by. At a jump neither side counts for two steps
-    /// of f32 (0.15 microseconds at least).
+    /// between neighbouring keys; the largest distance that was seen is a few hundredths less (within frames up to a third), and where
+    /// meshes with morph targets are large no more than what sixteen vertices beside each other differ by. At a jump neither side
+    /// counts for two steps of f32 (0.15 microseconds at least).
     pub error: f64,
     /// The same without what lies within frames of files that have a key in every frame, unless
     /// [`Options::within_frames`](crate::Options::within_frames) asks for that: this is held to the bound.
@@ -68,8 +68,8 @@ pub struct Report {
     pub clips: Vec<ClipReport>,
     /// Vertices that follow more joints in the file than in the result.
     pub refitted: usize,
-    /// How far those are from the file's deformation at most, metres: at rest and at any time of the clips. A bound for meshes and
-    /// clips that are small together, else looked for at some three hundred times.
+    /// How far those are from the file's deformation at most, metres: at rest and at any time of the clips. A
+    /// bound; where meshes with morph targets and clips are large together it may be far above what is so.
     pub weight_error: f64,
     /// The same for the largest weights, renormalised, over the poses that weights were fitted to, metres.
     pub largest_weights_error: f64,

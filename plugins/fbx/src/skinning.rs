@@ -16,6 +16,9 @@ use ufbx::{EvaluateOpts, SceneRoot, SkinDeformer};
 /// Poses that weights are fitted to, over all clips.
 const POSES: usize = 20;
 
+/// Work of fitting a vertex's weights, in poses of nodes.
+const FIT: usize = 60;
+
 /// A mesh, its skin and what the file says of them.
 pub(crate) struct SkinJob {
     pub(crate) mesh: usize,
@@ -51,7 +54,16 @@ pub(crate) fn write_weights(
         None => Vec::new(),
     };
     for job in jobs {
-        budget.in_time("weights")?;
+        let influences = job.source.influences.iter();
+        let needy = influences.filter(|list| job.source.dual || list.len() > count);
+        budget.must(needy.count() * FIT, "the weights of a skin")?;
+        if job.source.dual {
+            let of_scene = scene.meshes.iter().map(|mesh| mesh.num_vertices);
+            budget.must(
+                of_scene.sum::<usize>() * moments.len(),
+                "the weights of a skin",
+            )?;
+        }
         let bent = match job.source.dual {
             true => Some(bent_by_ufbx(scene, job.fbx_mesh, &moments)?),
             false => None,
@@ -66,7 +78,6 @@ pub(crate) fn write_weights(
         let enough = enough(mesh, options);
         for (vertex, influences) in job.source.influences.iter().enumerate() {
             if vertex % 64 == 0 {
-                budget.in_time("weights")?;
                 options.report(
                     "weights",
                     vertex as f64 / job.source.influences.len() as f64,

@@ -1,37 +1,23 @@
 //! How far refitted weights leave vertices from the file's own deformation, at any time.
 //!
 //! Weights are fitted to a few poses; in others they may be further off. So the largest distance is bounded between the
-//! file's keys, as the errors of keys are ([`Found`]). Where vertices and keys are too many for that it is looked for at pseudo-random
-//! times between keys and on them, and around the largest distances.
+//! file's keys, as the errors of keys are ([`Found`]), vertices beside each other together ([`groups`]).
 
 use crate::clips::{MorphCurves, Pose, Shells, Stretch, Take};
 use crate::curves::{Majorant, NodeCurves, Over, Rates, Reading};
 use crate::error::FbxError;
 use crate::model::{Model, Skin};
 use crate::options::Budget;
-use crate::verify::{Chain, Found, Span, Subject, dice, down};
+use crate::verify::{Chain, Found, Span, Subject, down};
+use crate::weight_groups::{Group, Held, groups};
 use glam::{DAffine3, DVec3, Vec3};
 use std::collections::BTreeMap;
 
-/// Poses of vertices that are looked at, of all clips together, about.
-const LOOKS: usize = 300_000;
-
-/// The same where distances are bounded: products of vertices and spans between keys.
+/// Products of vertices and spans between keys of a clip that a bound may cost so many times more of; where there are more, it is less near.
 const BOUNDED: usize = 100_000;
 
 /// A distance that does not matter, metres.
 const NOTHING: f64 = 1e-8;
-
-/// Times of a clip that are looked at, at least and at most.
-const TIMES: (usize, usize) = (16, 300);
-
-/// Times around which the largest distance is searched for, looks of each step of that, and steps.
-const PEAKS: usize = 4;
-const SEARCH: usize = 7;
-const STEPS: usize = 3;
-
-/// What a search may have missed, as a share.
-const MISSED: f64 = 1.01;
 
 /// Vertices of one mesh whose weights are not the file's.
 pub(crate) struct Refitted {
@@ -48,14 +34,6 @@ struct Vertex<'a> {
     /// What each morph target adds.
     offsets: Vec<DVec3>,
     differences: &'a [(usize, f64)],
-}
-
-/// A time, how far a vertex is off there, and around which other times it stands for.
-struct Look {
-    error: f64,
-    time: f64,
-    begin: f64,
-    end: f64,
 }
 
 /// The largest distance, metres, at rest and at any time of the clips.
@@ -76,34 +54,58 @@ pub(crate) fn weight_error(
     let mut world = Vec::new();
     let pose: Pose = model.nodes.iter().map(|node| node.rest).collect();
     shells.world(&pose, &mut world);
-    let mut farthest = off(&vertices, skin, &world, &rest);
-    let count = (LOOKS / (vertices.len() * takes.len()).max(1)).clamp(TIMES.0, TIMES.1);
-    let mut searched = 0.0_f64;
+    let groups = match rest.is_empty() {
+        true => groups(&held(&vertices)),
+        // Morph targets move the vertices themselves.
+        false => Vec::new(),
+    };
+    // What a look costs, in places of vertices.
+    let each = if groups.is_empty() {
+        vertices.len()
+    } else {
+        4 * groups.len()
+    };
+    let mut farthest = off(&vertices, &groups, skin, &world, &rest, 0.0).0;
     for take in takes {
         let stretches: Vec<Stretch> = take.plan.gaps().collect();
         let mut poser = Poser::of(
             take,
             refitted,
-            (model, &vertices),
+            (model, &vertices, &groups),
             &shells,
             pose.clone(),
             rest.clone(),
         );
-        match stretches.len() * vertices.len() <= BOUNDED {
-            true => farthest = farthest.max(bounded(&stretches, &mut poser, farthest)),
-            false => searched = searched.max(sampled(&stretches, count, &mut poser, budget)?),
-        }
+        budget.must(stretches.len() * each / VERTICES, "the weights of a skin")?;
+        farthest = farthest.max(bounded(&stretches, &mut poser, farthest, budget));
     }
-    Ok(farthest.max(searched * MISSED))
+    Ok(farthest)
+}
+
+fn held<'a>(vertices: &[Vertex<'a>]) -> Vec<Held<'a>> {
+    let one = |vertex: &Vertex<'a>| Held {
+        place: vertex.position,
+        differences: vertex.differences,
+    };
+    vertices.iter().map(one).collect()
 }
 
 /// Work that a bound may cost, in places of vertices: at most, and for each vertex and each span between keys.
 const WORK: (usize, usize) = (1_000_000, 100);
 
+/// Places of vertices that are as much work as a pose of a node.
+const VERTICES: usize = 20;
+
 /// A bound of the largest distance in a clip; what is above `expected` is of interest.
-fn bounded(stretches: &[Stretch], poser: &mut Poser, expected: f64) -> f64 {
+fn bounded(stretches: &[Stretch], poser: &mut Poser, expected: f64, budget: &Budget) -> f64 {
     let mut found = Found::new(expected, NOTHING, f64::INFINITY);
-    let most = WORK.0 + WORK.1 * stretches.len() * poser.vertices.len();
+    let each = match poser.groups.len() {
+        0 => poser.vertices.len(),
+        groups => 4 * groups,
+    };
+    let most = WORK.0 + WORK.1 * (stretches.len() * each).min(BOUNDED);
+    let left = usize::try_from(budget.left()).unwrap_or(usize::MAX);
+    let most = most.min(left.saturating_mul(VERTICES));
     for stretch in stretches {
         for time in [stretch.begin, stretch.end] {
             found.key(poser, time);
@@ -120,30 +122,8 @@ fn bounded(stretches: &[Stretch], poser: &mut Poser, expected: f64) -> f64 {
         }
     }
     found.finish(poser, most);
+    budget.pay(poser.work / VERTICES);
     found.bounds()[0]
-}
-
-/// The largest distance at about `count` times of a clip, and around the largest of these.
-fn sampled(
-    stretches: &[Stretch],
-    count: usize,
-    poser: &mut Poser,
-    budget: &Budget,
-) -> Result<f64, FbxError> {
-    let mut peaks: Vec<Look> = Vec::new();
-    let mut at = |time: f64| poser.look(time, 0.0);
-    for mut look in looks(stretches, count) {
-        if budget.is_late() {
-            break;
-        }
-        look.error = at(look.time);
-        let place = peaks.partition_point(|known| known.error >= look.error);
-        peaks.insert(place, look);
-        peaks.truncate(PEAKS);
-    }
-    budget.in_time("weights")?;
-    let around = peaks.iter().map(|look| search(look, &mut at));
-    Ok(around.fold(0.0, f64::max))
 }
 
 fn vertices<'a>(refitted: &'a Refitted, model: &Model) -> Vec<Vertex<'a>> {
@@ -168,8 +148,16 @@ fn vertices<'a>(refitted: &'a Refitted, model: &Model) -> Vec<Vertex<'a>> {
     out.into_values().collect()
 }
 
-/// The largest distance in one pose; `weights` are those of morph targets.
-fn off(vertices: &[Vertex], skin: &Skin, world: &[DAffine3], weights: &[f64]) -> f64 {
+/// The largest distance in one pose, `floor` where it is less, and how many vertices were held by themselves; `weights` are
+/// those of morph targets.
+fn off(
+    vertices: &[Vertex],
+    groups: &[Group],
+    skin: &Skin,
+    world: &[DAffine3],
+    weights: &[f64],
+    floor: f64,
+) -> (f64, usize) {
     let joints = skin.joints.iter().zip(&skin.inverse_bind);
     let matrices: Vec<DAffine3> = joints
         .map(|(&joint, bind)| world[joint] * DAffine3::from_mat4(*bind))
@@ -185,64 +173,21 @@ fn off(vertices: &[Vertex], skin: &Skin, world: &[DAffine3], weights: &[f64]) ->
             .sum::<DVec3>()
             .length()
     };
-    vertices
-        .iter()
-        .map(far)
-        .filter(|far| far.is_finite())
-        .fold(0.0, f64::max)
-}
-
-/// About `count` times, spread over the stretches: on keys and between them.
-fn looks(stretches: &[Stretch], count: usize) -> Vec<Look> {
-    let each = (count / stretches.len().max(1)).max(1);
-    let step = stretches.len().div_ceil(count).max(1);
-    let mut out = Vec::new();
-    for (number, stretch) in stretches.iter().enumerate().step_by(step) {
-        let at = |share: f64| stretch.begin + (stretch.end - stretch.begin) * share;
-        for i in 0..=each {
-            let place = match i {
-                0 => 0.0,
-                _ => (i - 1) as f64 + dice(number, 0, i),
-            };
-            let share = |off: f64| ((place + off) / each as f64).clamp(0.0, 1.0);
-            out.push(Look {
-                error: 0.0,
-                time: at(share(0.0)),
-                begin: at(share(-1.5)),
-                end: at(share(1.5)),
-            });
+    if groups.is_empty() {
+        let each = vertices.iter().map(far).filter(|far| far.is_finite());
+        return (each.fold(floor, f64::max), vertices.len());
+    }
+    let (mut farthest, mut count) = (floor, 0);
+    for group in groups {
+        if group.bound(&matrices) <= farthest {
+            continue;
+        }
+        count += group.members.len();
+        for &member in &group.members {
+            farthest = farthest.max(far(&vertices[member]));
         }
     }
-    if let Some(last) = stretches.last() {
-        out.push(Look {
-            error: 0.0,
-            time: last.end,
-            begin: last.end,
-            end: last.end,
-        });
-    }
-    out
-}
-
-/// The largest distance around a look.
-fn search(look: &Look, at: &mut impl FnMut(f64) -> f64) -> f64 {
-    let (mut begin, mut end) = (look.begin, look.end);
-    let (mut time, mut error) = (look.time, look.error);
-    for _ in 0..STEPS {
-        if end <= begin {
-            break;
-        }
-        let step = (end - begin) / (SEARCH - 1) as f64;
-        for i in 0..SEARCH {
-            let now = begin + step * i as f64;
-            let off = at(now);
-            if off > error {
-                (time, error) = (now, off);
-            }
-        }
-        (begin, end) = ((time - step).max(look.begin), (time + step).min(look.end));
-    }
-    error
+    (farthest, count)
 }
 
 /// Puts all nodes to where the file has them, and holds the vertices.
@@ -251,6 +196,7 @@ struct Poser<'a> {
     morph: Option<MorphCurves<'a>>,
     shells: &'a Shells,
     vertices: &'a [Vertex<'a>],
+    groups: &'a [Group],
     skin: &'a Skin,
     /// How far each morph target reaches.
     reaches: Vec<f64>,
@@ -273,7 +219,7 @@ impl<'a> Poser<'a> {
     fn of(
         take: &Take<'a>,
         refitted: &Refitted,
-        (model, vertices): (&'a Model, &'a [Vertex<'a>]),
+        (model, vertices, groups): (&'a Model, &'a [Vertex<'a>], &'a [Group]),
         shells: &'a Shells,
         pose: Pose,
         rest: Vec<f64>,
@@ -312,6 +258,7 @@ impl<'a> Poser<'a> {
                 .then(|| take.morph(&layers, mesh)),
             shells,
             vertices,
+            groups,
             skin,
             reaches: model.meshes[mesh].targets.iter().map(|t| t.reach).collect(),
             joints: joints
@@ -331,7 +278,7 @@ impl<'a> Poser<'a> {
     }
 
     fn to(&mut self, time: f64) {
-        self.work += 4 * self.movers.len() + self.vertices.len();
+        self.work += 4 * self.movers.len();
         for (node, curves) in &mut self.curves {
             self.pose[*node] = curves.at(time);
         }
@@ -347,7 +294,17 @@ impl<'a> Poser<'a> {
 impl Subject for Poser<'_> {
     fn look(&mut self, time: f64, floor: f64) -> f64 {
         self.to(time);
-        off(self.vertices, self.skin, &self.world, &self.weights).max(floor)
+        let (vertices, groups) = (self.vertices, self.groups);
+        let (far, held) = off(
+            vertices,
+            groups,
+            self.skin,
+            &self.world,
+            &self.weights,
+            floor,
+        );
+        self.work += 4 * groups.len() + held;
+        far
     }
 
     /// A vertex is off by a sum of where its joints would have it, times differences of weights.

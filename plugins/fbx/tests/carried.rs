@@ -7,7 +7,7 @@ mod ascii;
 mod support;
 
 use glam::DVec3;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use support::{array, converted, corners, field, geometry, json, link, lost, model, scene};
 
@@ -233,11 +233,35 @@ fn keyed_visibility_is_said() {
     let made = converted(&field("a08_visibility_curve.fbx"));
     assert_eq!(lost(&made, "keyed-visibility"), ["ghost"]);
     assert!(hidden(&json(&made)).is_empty());
+    let line = made
+        .report
+        .lost
+        .iter()
+        .find(|lost| lost.what == "keyed-visibility");
+    let detail = &line.expect("there is one").detail;
+    assert!(detail.contains("shown for 1.000 s of 2.000 s"), "{detail}");
     // Keys that say what is so without them are no loss.
     let text = String::from_utf8(field("a08_visibility_curve.fbx")).unwrap();
     let still = text.replace("a: 1.0,0.0,1.0", "a: 1.0,1.0,1.0");
     assert_ne!(still, text);
     assert!(converted(still.as_bytes()).report.lost.is_empty());
+}
+
+/// Why keys of visibility are not carried by KHR_animation_pointer: a reader that does not know it, Bevy's among them, refuses
+/// the whole file. When this fails they can be.
+#[test]
+fn readers_refuse_files_with_pointers() {
+    let mut document = json(&converted(&field("a08_visibility_curve.fbx")));
+    let read = |document: &Value| gltf::Gltf::from_slice(document.to_string().as_bytes());
+    assert!(read(&document).is_ok());
+    document["extensionsUsed"] = json!(["KHR_animation_pointer", "KHR_node_visibility"]);
+    document["animations"][0]["channels"][0]["target"] = json!({
+        "path": "pointer",
+        "extensions": { "KHR_animation_pointer": {
+            "pointer": "/nodes/0/extensions/KHR_node_visibility/visible",
+        } },
+    });
+    assert!(read(&document).is_err());
 }
 
 /// A mesh with a skin stands beside the tree, where nothing hides it but itself.

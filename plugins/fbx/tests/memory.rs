@@ -123,10 +123,7 @@ fn a_mesh_of_voxels_is_converted() {
     assert!((peak as f64) < allowed);
     // What the size of the packed file alone would allow does not do.
     let packed = Options {
-        limits: Some(Limits {
-            seconds: 60.0,
-            ..Limits::of_file(file.len())
-        }),
+        limits: Some(Limits::of_file(file.len())),
         ..Options::default()
     };
     let (refused, peak) = take(&file, &packed);

@@ -125,12 +125,15 @@ fn limits_and_options_are_kept() {
     let text = strip(90.0);
     let with =
         |options: Options| convert(text.as_bytes(), &Origin::default(), &options).unwrap_err();
-    let limits = |memory, seconds| Options {
-        limits: Some(Limits { memory, seconds }),
+    let limits = |memory, work| Options {
+        limits: Some(Limits { memory, work }),
         ..Options::default()
     };
-    assert!(matches!(with(limits(4096, 10.0)), FbxError::Memory { .. }));
-    assert!(matches!(with(limits(1 << 24, 0.0)), FbxError::Time { .. }));
+    assert!(matches!(
+        with(limits(4096, 1 << 24)),
+        FbxError::Memory { .. }
+    ));
+    assert!(matches!(with(limits(1 << 24, 0)), FbxError::Work { .. }));
     let wrong = Options {
         max_error: -1.0,
         ..Options::default()

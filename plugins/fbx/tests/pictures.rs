@@ -192,7 +192,7 @@ fn bombs_cost_a_line_and_no_memory() {
     let limits = |memory| Options {
         limits: Some(Limits {
             memory,
-            seconds: 60.0,
+            work: 1 << 24,
         }),
         ..Options::default()
     };

@@ -20,9 +20,9 @@ fn base(curves: Vec<Moved>) -> Layer {
 }
 
 fn converted(text: &str) -> Conversion {
-    // The memory that files of this size get, and time for machines that do much else.
+    // The memory that files of this size get, and work for takes that are far longer than their files.
     let limits = Limits {
-        seconds: 60.0,
+        work: 60_000_000,
         ..Limits::of_file(text.len())
     };
     let options = Options {

@@ -12,7 +12,7 @@ use crate::file::document;
 use crate::looks;
 use crate::play::{Glb, Posed};
 use crate::random::Random;
-use crate::scene::{Curve, Scene, Shows, Stack, TICKS, Target, Way};
+use crate::scene::{Beyond, Curve, Scene, Shows, Stack, TICKS, Target, Way};
 use crate::truth::{Pose, Reading, Truth, seconds};
 use dolomite_fbx::{
     Conversion, Effort, FbxError, Limits, Options, Origin, Report, Weights, convert,
@@ -87,11 +87,8 @@ pub fn converted(scene: &Scene) -> Result<Result<Conversion, FbxError>, Failure>
             Effort::Quick
         },
         threads: 1,
-        limits: Some(Limits {
-            // Of a core that others use too.
-            seconds: 60.0,
-            ..Limits::of_file(bytes.len())
-        }),
+        // As by default, but that a thorough search has no more than all else: it would be half of a long search's time.
+        limits: Some(Limits::of_contents(&bytes)),
         ..Options::default()
     };
     match catch_unwind(AssertUnwindSafe(|| convert(&bytes, &origin, &options))) {
@@ -108,7 +105,7 @@ pub fn hold(scene: &Scene, seed: u64) -> Result<Seen, Failure> {
     let made = match converted(scene)? {
         Ok(made) => made,
         // A file beyond the limits is refused, aloud; so much is promised.
-        Err(error @ (FbxError::Memory { .. } | FbxError::Time { .. })) => {
+        Err(error @ (FbxError::Memory { .. } | FbxError::Work { .. })) => {
             return Ok(Seen {
                 refused: Some(error.to_string()),
                 ..Seen::default()
@@ -473,15 +470,59 @@ fn jumps(stack: &Stack, begin: f64) -> Vec<f64> {
     let mut out = Vec::new();
     for curve in stack.heard().into_iter().flat_map(|layer| layer.curves()) {
         let steps = |way: &Way| matches!(way, Way::Constant | Way::ConstantNext);
+        let mut own: Vec<i64> = Vec::new();
         for pair in curve.keys.windows(2) {
             if steps(&pair[0].way) {
-                out.extend([pair[0].time, pair[1].time].map(|time| seconds(time) - begin));
+                own.extend([pair[0].time, pair[1].time]);
             }
         }
+        out.extend(own.iter().map(|&time| seconds(time) - begin));
+        repeated(curve, &own, [stack.start, stack.stop], |time| {
+            out.push(seconds(time) - begin);
+        });
     }
     out.sort_by(f64::total_cmp);
     out.dedup();
     out
+}
+
+/// Where `own` times of a curve and its seams come again beyond its keys, within a clip.
+fn repeated(curve: &Curve, own: &[i64], clip: [i64; 2], mut say: impl FnMut(i64)) {
+    let [first, last] = curve.span();
+    let length = last - first;
+    for (side, beyond) in curve.beyond.iter().enumerate() {
+        let (count, back) = match *beyond {
+            Beyond::Again(count) | Beyond::Climbs(count) => (count, false),
+            Beyond::Back(count) => (count, true),
+            Beyond::Stays | Beyond::Line => continue,
+        };
+        let past = if side == 0 {
+            first - clip[0]
+        } else {
+            clip[1] - last
+        };
+        if length <= 0 || past <= 0 {
+            continue;
+        }
+        let most = past / length + 1;
+        let most = if count < 0 {
+            most
+        } else {
+            most.min(count.into())
+        };
+        for number in 1..=most {
+            let shift = if side == 0 { -number } else { number } * length;
+            let times = own.iter().copied().chain([first, last]);
+            times.for_each(|time| {
+                say(shift
+                    + if back && number % 2 == 1 {
+                        first + last - time
+                    } else {
+                        time
+                    });
+            });
+        }
+    }
 }
 
 /// Times to look at, seconds from the clip's begin.

@@ -209,7 +209,8 @@ fn hold_material(
     Ok(())
 }
 
-/// Scaling repeats the picture; the file's V grows upwards and glTF's downwards.
+/// Scaling repeats the picture, rotation turns what is scaled, and then it is moved; the file's V grows upwards and glTF's
+/// downwards.
 fn hold_picture(
     name: &str,
     picture: &Picture,
@@ -239,9 +240,14 @@ fn hold_picture(
             turn.cos() * x + turn.sin() * y + offset[0],
             turn.cos() * y - turn.sin() * x + offset[1],
         ];
-        let wanted = [
+        let (u, v) = (
             picture.scaling[0] * corner[0],
-            1.0 - picture.scaling[1] * (1.0 - corner[1]),
+            picture.scaling[1] * (1.0 - corner[1]),
+        );
+        let (sine, cosine) = picture.rotation.to_radians().sin_cos();
+        let wanted = [
+            cosine * u - sine * v + picture.translation[0],
+            1.0 - (sine * u + cosine * v + picture.translation[1]),
         ];
         let right = near(at[0], wanted[0]) && near(at[1], wanted[1]);
         if !right && !lost(report, name) {

@@ -206,6 +206,10 @@ pub struct Picture {
     pub slot: &'static str,
     /// `Scaling`.
     pub scaling: [f64; 2],
+    /// `Rotation` about Z, degrees.
+    pub rotation: f64,
+    /// `Translation`.
+    pub translation: [f64; 2],
 }
 
 /// A clip.
@@ -279,6 +283,39 @@ pub enum Target {
 pub struct Curve {
     /// At least one.
     pub keys: Vec<Key>,
+    /// Before the first and after the last.
+    pub beyond: [Beyond; 2],
+}
+
+/// How a curve goes on beyond its keys. A number is how often, without end below 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beyond {
+    /// It stays.
+    Stays,
+    /// Along its tangent.
+    Line,
+    /// It is repeated.
+    Again(i32),
+    /// It is repeated, every other time backwards.
+    Back(i32),
+    /// It is repeated from where it ended.
+    Climbs(i32),
+}
+
+impl Curve {
+    /// That stays beyond its keys.
+    pub fn of(keys: Vec<Key>) -> Self {
+        Self {
+            keys,
+            beyond: [Beyond::Stays; 2],
+        }
+    }
+
+    /// From the first key to the last, ticks.
+    pub fn span(&self) -> [i64; 2] {
+        let time = |key: Option<&Key>| key.map_or(0, |key| key.time);
+        [time(self.keys.first()), time(self.keys.last())]
+    }
 }
 
 /// A key.

@@ -3,7 +3,7 @@
 use crate::hold::Failure;
 use crate::random::round;
 use crate::run::Property;
-use crate::scene::{Asked, Container, Scene, Shows, Target, Vec3, Way};
+use crate::scene::{Asked, Beyond, Container, Scene, Shows, Target, Vec3, Way};
 
 /// Simplifies a scene, one step after another, as long as it fails in the same way; at most `tries` conversions.
 pub fn shrink(
@@ -116,6 +116,8 @@ fn step(scene: &Scene, at: usize) -> Option<Scene> {
             offer(&|s| {
                 s.materials[number].pictures.remove(picture);
             });
+            offer(&|s| s.materials[number].pictures[picture].rotation = 0.0);
+            offer(&|s| s.materials[number].pictures[picture].translation = [0.0; 2]);
         }
         offer(&|s| s.materials[number].transparent = None);
         offer(&|s| s.materials[number].transparency = None);
@@ -171,6 +173,9 @@ fn of_curves(scene: &Scene, offer: &mut impl FnMut(&dyn Fn(&mut Scene))) {
             offer(&|s| of(s, &|l| l.solo = false));
             offer(&|s| of(s, &|l| l.by_channel = false));
             offer(&|s| of(s, &|l| l.add_scale = false));
+            if !matches!(layer.blend, None | Some(0..=2)) {
+                offer(&|s| of(s, &|l| l.blend = Some(1)));
+            }
             for (index, track) in layer.tracks.iter().enumerate() {
                 for axis in 0..3 {
                     let Some(curve) = &track.curves[axis] else {
@@ -180,6 +185,10 @@ fn of_curves(scene: &Scene, offer: &mut impl FnMut(&dyn Fn(&mut Scene))) {
                         change(&mut s.stacks[stack].layers[number].tracks[index].curves[axis]);
                     };
                     offer(&|s| of(s, &|curve| *curve = None));
+                    for side in 0..2 {
+                        let stays = |c: &mut crate::scene::Curve| c.beyond[side] = Beyond::Stays;
+                        offer(&|s| of(s, &|c| c.iter_mut().for_each(stays)));
+                    }
                     if curve.keys.len() > 1 {
                         for key in (0..curve.keys.len()).rev() {
                             offer(&|s| {

@@ -23,9 +23,7 @@ fn track(target: Target, axis: usize, keys: &[(f64, f32)]) -> Track {
         curves: [None, None, None],
         without: [0.0; 3],
     };
-    track.curves[axis] = Some(Curve {
-        keys: keys.iter().map(key).collect(),
-    });
+    track.curves[axis] = Some(Curve::of(keys.iter().map(key).collect()));
     track
 }
 

@@ -33,13 +33,8 @@ pub(crate) fn clip(
     bound: f64,
 ) -> Result<Reduced, FbxError> {
     let mut target = bound;
-    let mut made = first(source, samples, shells, bound)?;
-    // Its work is counted, so that the clock stands meanwhile.
-    let held = |made: &Reduced| {
-        let expected = made.report.error;
-        let check = || check(source, shells, &made.clip, (expected, bound));
-        source.budget.aside(check)
-    };
+    let mut made = first(source, &source.take.plan, samples, shells, bound)?;
+    let held = |made: &Reduced| check(source, shells, &made.clip, (made.report.error, bound));
     let mut best = held(&made);
     let mut plan = source.take.plan.clone();
     for attempt in 0..AGAIN {
@@ -54,15 +49,11 @@ pub(crate) fn clip(
         if attempt > 0 || best.peaks.is_empty() {
             target = (target * 0.9 * bound / best.keyed_error).clamp(0.3 * target, 0.9 * target);
         }
-        let whole = plan.samples() <= source.take.most as f64;
-        let again = match whole {
-            true => whole_clip(source, &plan, None, shells, target)?,
-            false => None,
-        };
-        let again = match again {
-            Some(again) => again,
-            None => in_parts(source, plan.clone(), shells, target, PART)?,
-        };
+        if source.budget.left() < plan.samples() as u64 * source.take.columns() as u64 {
+            // What there is stands, with its error.
+            break;
+        }
+        let again = first(source, &plan, None, shells, target)?;
         let checked = held(&again);
         let is_nearer = checked.keyed_error < NEARER * best.keyed_error;
         let is_better = checked.keyed_error < best.keyed_error;
@@ -85,14 +76,16 @@ fn say(made: &mut Reduced, checked: &Checked) {
     made.report.unseen = checked.loose;
 }
 
+/// In one piece where memory allows it.
 fn first(
     source: &Source,
+    plan: &Plan,
     samples: Option<Samples>,
     shells: &Shells,
     bound: f64,
 ) -> Result<Reduced, FbxError> {
-    let plan = &source.take.plan;
-    if samples.is_some()
+    let fits = plan.samples() <= source.take.most as f64;
+    if (samples.is_some() || fits)
         && let Some(made) = whole_clip(source, plan, samples, shells, bound)?
     {
         return Ok(made);
@@ -113,10 +106,10 @@ fn whole_clip(
         None => source.sample(plan, 0..plan.len())?,
     };
     let leverage = leverage(&samples, source.model, shells);
-    if !refine(&mut samples, source, &leverage, bound)? {
+    if !refine(&mut samples, source, &leverage, bound) {
         return Ok(None);
     }
-    reduce(&samples, source, shells, leverage, bound, &[]).map(Some)
+    Ok(Some(reduce(&samples, source, shells, leverage, bound, &[])))
 }
 
 /// One part of the clip after the other, each with so large a share of the samples that memory allows.
@@ -157,11 +150,11 @@ fn pass(
         let mut samples = source.sample(plan, window.clone())?;
         let leverage = leverage(&samples, source.model, shells);
         // What memory does not allow to be looked at, the check finds.
-        refine(&mut samples, source, &leverage, bound)?;
+        refine(&mut samples, source, &leverage, bound);
         if kinds.is_empty() {
-            *kinds = reduce(&samples, source, shells, leverage.clone(), bound, &[])?.kinds();
+            *kinds = reduce(&samples, source, shells, leverage.clone(), bound, &[]).kinds();
         }
-        let part = reduce(&samples, source, shells, leverage, bound, kinds)?;
+        let part = reduce(&samples, source, shells, leverage, bound, kinds);
         for (kind, needed) in kinds.iter_mut().zip(part.kinds()) {
             all_fit &= *kind == needed;
             *kind = needed;

@@ -90,7 +90,6 @@ pub(super) fn keys(
         repeated: 0,
     };
     for layer in &layers.playing {
-        budget.in_time("clips")?;
         for prop in layer.source.anim_props.iter() {
             let name: &str = &prop.prop_name;
             let moves = match prop.element.type_ {
@@ -150,6 +149,8 @@ impl Marks {
             most = own.iter().fold(most, |most, mark| most.max(mark.spin));
             let (before, after) = repeats(curve, span.0, span.1);
             self.repeat(curve, &own, (before, after), budget)?;
+            // Some tens of keys are passed as fast as a pose is worked out.
+            budget.must((self.all.len() + own.len()) / 32 + 1, "the keys of a clip")?;
             merge(&mut self.all, own.into_iter());
         }
         Ok(most)

@@ -48,7 +48,7 @@ struct Packing<'a> {
     options: &'a Options<'a>,
     /// Metres.
     bound: f64,
-    clock: &'a Budget,
+    purse: &'a Budget,
     /// Number of the track of each node that has one.
     tracks: BTreeMap<usize, usize>,
 }
@@ -68,14 +68,14 @@ pub(super) fn pack(
     sparse: &[Vec<Choice>],
     bound: f64,
     options: &Options,
-    clock: &Budget,
+    purse: &Budget,
 ) -> Option<(f64, Vec<Choice>)> {
     let tracks = work.samples.tracks.iter().enumerate();
     let packing = Packing {
         work,
         options,
         bound,
-        clock,
+        purse,
         tracks: tracks.map(|(number, track)| (track.node, number)).collect(),
     };
     let baked = sparse.first().map(|first| packing.baked(first));
@@ -152,7 +152,6 @@ impl Packing<'_> {
         };
         (-4..42_i32).find_map(|thirds| {
             let draft = fit(power(-thirds.div_euclid(3)) * THIRDS[thirds.rem_euclid(3) as usize]);
-            (!self.clock.is_late()).then_some(())?;
             self.good(draft)
         })
     }
@@ -169,7 +168,13 @@ impl Packing<'_> {
         exponent_below(share * self.bound / lever.max(1e-9)).clamp(-30, 20)
     }
 
+    /// A draft that keeps to the bound; `None` where it does not, or where no more can be paid for.
     fn good(&self, draft: Draft) -> Option<Good> {
+        // Rounded and played, it costs about as much as the poses of its samples twice.
+        let poses = self.work.times.len() * self.work.moved.len().max(1);
+        if !self.purse.pays(2 * poses) {
+            return None;
+        }
         let made = self.made(&draft);
         let error = self.work.error(&made, self.options);
         (error <= self.bound).then(|| Good {
@@ -200,7 +205,7 @@ impl Packing<'_> {
         let mut open: Vec<bool> = vec![true; good.draft.steps.len()];
         while open.iter().any(|open| *open) {
             for (number, open) in open.iter_mut().enumerate() {
-                if !*open || self.clock.is_late() {
+                if !*open {
                     *open = false;
                     continue;
                 }
@@ -227,7 +232,7 @@ impl Packing<'_> {
     fn exchange<'b>(&self, good: &mut Good, others: impl Iterator<Item = &'b Vec<Choice>>) {
         for other in others {
             for (number, choice) in other.iter().enumerate() {
-                if choice.channel == good.draft.choices[number].channel || self.clock.is_late() {
+                if choice.channel == good.draft.choices[number].channel {
                     continue;
                 }
                 let mut draft = good.draft.clone();

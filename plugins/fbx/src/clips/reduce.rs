@@ -9,7 +9,6 @@ use super::refine::{KNOWN_TO, Source};
 use super::sample::Samples;
 use super::spend::spend;
 use super::work::Work;
-use crate::error::FbxError;
 use crate::model::{Clip, Interpolation, Model};
 use crate::options::{Budget, Compression, Effort, Options};
 use crate::report::ClipReport;
@@ -54,7 +53,7 @@ pub(super) fn reduce(
     leverage: Vec<Leverage>,
     bound: f64,
     kinds: &[Kinds],
-) -> Result<Reduced, FbxError> {
+) -> Reduced {
     let Source {
         take,
         model,
@@ -64,19 +63,19 @@ pub(super) fn reduce(
     } = *source;
     let work = Work::new(samples, model, shells, leverage, options);
     let bound = for_keys(&samples.grid) * bound;
-    let (mut error, mut choices) = keys(&work, bound, kinds, options, budget)?;
+    let (mut error, mut choices) = keys(&work, bound, kinds, options, budget);
     // Parts of a clip have to have the same kinds of keys.
     if options.compress == Compression::Meshopt && kinds.is_empty() {
         // Rounding takes its share of the bound, so that keys have to leave some.
         let mut sparse = vec![choices.clone()];
         for share in SPARSE_SHARES {
-            sparse.push(keys(&work, share * bound, kinds, options, budget)?.1);
+            sparse.push(keys(&work, share * bound, kinds, options, budget).1);
         }
         let lines = vec![Kinds::Linear; samples.tracks.len() * 3];
         for share in LINE_SHARES {
             sparse.push(work.choose(share * bound, &lines, options));
         }
-        let packed = budget.search(|clock| pack(&work, &sparse, bound, options, clock));
+        let packed = budget.search(|purse| pack(&work, &sparse, bound, options, purse));
         (error, choices) = packed.unwrap_or((error, choices));
     }
     let keys = choices
@@ -89,7 +88,7 @@ pub(super) fn reduce(
         .count();
     let at_rest = choices.iter().map(|choice| choice.at_rest).collect();
     let last = samples.grid.labels.last().copied().unwrap_or(0.0);
-    Ok(Reduced {
+    Reduced {
         at_rest,
         report: ClipReport {
             name: take.stack().element.name.to_string(),
@@ -107,23 +106,26 @@ pub(super) fn reduce(
             duration: f64::from(last),
             channels: choices.into_iter().map(|choice| choice.channel).collect(),
         },
-    })
+    }
 }
 
-/// Keys for a clip, with their error.
+/// Keys for a clip, with their error. The tries that a first one leaves to be made end with the budget's work.
 fn keys(
     work: &Work,
     bound: f64,
     kinds: &[Kinds],
     options: &Options,
     budget: &Budget,
-) -> Result<(f64, Vec<Choice>), FbxError> {
+) -> (f64, Vec<Choice>) {
     let mut best: Option<(usize, f64, Vec<Choice>)> = None;
     let mut share = FIRST_SHARE;
     let is_part = !kinds.is_empty();
     let mut kinds = kinds.to_vec();
     for attempt in 0..TRIES + 8 {
-        budget.in_time("keys")?;
+        // A try takes about as long as the poses of its samples.
+        if attempt > 0 && !budget.pays(work.samples.tracks.len() * work.times.len()) {
+            break;
+        }
         let choices = work.choose(share * bound, &kinds, options);
         if kinds.is_empty() {
             kinds = choices.iter().map(kind).collect();
@@ -153,7 +155,7 @@ fn keys(
         _ if is_part => (error, choices),
         Effort::Quick => (error, choices),
         Effort::Thorough => {
-            let spent = budget.search(|clock| spend(work, &choices, bound, options, clock))?;
+            let spent = budget.search(|purse| spend(work, &choices, bound, options, purse));
             let spent = spent.map(|spent| (work.error(&spent, options), spent));
             let better = spent.filter(|(error, spent)| {
                 *error <= bound && moving_bytes(spent) < moving_bytes(&choices)
@@ -161,7 +163,7 @@ fn keys(
             better.unwrap_or((error, choices))
         }
     };
-    Ok((error, choices))
+    (error, choices)
 }
 
 /// The share of the bound that keys get; what lies between samples is known to the rest of it.

@@ -42,19 +42,18 @@ impl Source<'_, '_> {
     }
 }
 
-/// Adds samples until what lies between them is known to a share of `bound`, metres. Says whether memory
-/// allowed it.
+/// Adds samples until what lies between them is known to a share of `bound`, metres, or the budget's work is done. Says
+/// whether memory allowed it.
 pub(crate) fn refine(
     samples: &mut Samples,
     source: &Source,
     leverage: &[Leverage],
     bound: f64,
-) -> Result<bool, FbxError> {
+) -> bool {
     let near = KNOWN_TO * bound;
     // Gaps that are still asked about.
     let mut open = vec![true; samples.grid.len().saturating_sub(1)];
     for _ in 0..ROUNDS {
-        source.budget.in_time("clips")?;
         let grid = &samples.grid;
         let middles: Vec<Middle> = (0..open.len())
             .filter(|&gap| open[gap] && !grid.jumps[gap])
@@ -65,12 +64,16 @@ pub(crate) fn refine(
             break;
         }
         if grid.len() + middles.len() > source.take.most {
-            return Ok(false);
+            return false;
         }
-        open = add(samples, source, &middles, leverage, near)?;
+        // What is not looked at, the check bounds.
+        if !source.budget.pays(source.take.columns() * middles.len()) {
+            break;
+        }
+        open = add(samples, source, &middles, leverage, near);
     }
     predict(samples, source.take.most);
-    Ok(true)
+    true
 }
 
 /// Puts the predicted middle into every gap, so that keys are held to what lies between samples too.
@@ -252,9 +255,9 @@ fn add(
     middles: &[Middle],
     leverage: &[Leverage],
     near: f64,
-) -> Result<Vec<bool>, FbxError> {
+) -> Vec<bool> {
     let times: Vec<f64> = middles.iter().map(|middle| middle.time).collect();
-    let mut looked = source.take.poses(&times, source.options, source.budget)?;
+    let mut looked = source.take.poses(&times, source.options);
     let mut missed = vec![false; middles.len()];
     for (track, poses) in samples.tracks.iter_mut().zip(&mut looked) {
         if !track.spins {
@@ -280,10 +283,9 @@ fn add(
         morph.weights = woven(&morph.weights, middles, looked, morph.targets);
     }
     let from = weave_grid(samples, middles);
-    Ok(from
-        .into_iter()
+    from.into_iter()
         .map(|middle| middle.is_some_and(|middle| missed[middle]))
-        .collect())
+        .collect()
 }
 
 /// `new` rows between those of `old`, after the samples that begin their gaps.

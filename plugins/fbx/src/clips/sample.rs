@@ -113,7 +113,7 @@ impl<'a> Take<'a> {
         if most < LEAST {
             return Err(budget.too_much("the poses of a clip"));
         }
-        Ok(Self {
+        let take = Self {
             scene,
             number,
             plan,
@@ -121,7 +121,10 @@ impl<'a> Take<'a> {
             meshes,
             shapes,
             most,
-        })
+        };
+        // A first look at all of it must be within the limits; what more there is to look at is done as far as they go.
+        budget.can_pay(take.first_look(), "the poses of a clip")?;
+        Ok(take)
     }
 
     /// Whether all of it fits into memory at once, with room for more samples where it bends.
@@ -165,7 +168,8 @@ impl<'a> Take<'a> {
         options: &Options,
         budget: &Budget,
     ) -> Result<Samples, FbxError> {
-        let poses = self.poses(&grid.times, options, budget)?;
+        budget.pay(self.columns() * grid.len());
+        let poses = self.poses(&grid.times, options);
         let tracks = self
             .moving
             .iter()
@@ -189,7 +193,6 @@ impl<'a> Take<'a> {
                 weights: self.weights(mesh, &grid.times),
             })
             .collect();
-        budget.in_time("clips")?;
         Ok(Samples {
             first: grid.len(),
             stops: (0..grid.len()).collect(),
@@ -214,28 +217,31 @@ impl<'a> Take<'a> {
         NodeCurves::of(layers, &self.scene.nodes[node])
     }
 
+    /// What a look at all of its samples costs, in poses of nodes.
+    pub(crate) fn first_look(&self) -> usize {
+        self.plan.samples() as usize * self.columns()
+    }
+
+    /// What a time costs, in poses of nodes.
+    pub(crate) fn columns(&self) -> usize {
+        let weights = self.meshes.iter().map(|&mesh| self.shapes[mesh].len());
+        (self.moving.len() + weights.sum::<usize>()).max(1)
+    }
+
     /// Where each node that moves is at each of `times`.
-    pub(crate) fn poses(
-        &self,
-        times: &[f64],
-        options: &Options,
-        budget: &Budget,
-    ) -> Result<Vec<Vec<Trs>>, FbxError> {
+    pub(crate) fn poses(&self, times: &[f64], options: &Options) -> Vec<Vec<Trs>> {
         let nodes = &self.moving;
         let threads = threads(nodes.len() * times.len(), options);
         let parts = in_parts(nodes.len(), threads, |range| -> Vec<Vec<Trs>> {
             // ufbx's scene alone may go from thread to thread.
             let layers = self.layers(Reading::Usual);
-            let in_time = nodes[range].iter().take_while(|_| !budget.is_late());
             let track = |&node: &usize| {
                 let mut curves = self.curves(&layers, node);
                 times.iter().map(|&time| curves.at(time)).collect()
             };
-            in_time.map(track).collect()
+            nodes[range].iter().map(track).collect()
         });
-        let tracks = parts.into_iter().flatten().collect();
-        budget.in_time("clips")?;
-        Ok(tracks)
+        parts.into_iter().flatten().collect()
     }
 
     /// What the targets of a mesh weigh.

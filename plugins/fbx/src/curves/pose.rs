@@ -107,6 +107,11 @@ impl<'a> NodeCurves<'a> {
         self.last
     }
 
+    /// What is no transform leaves it at rest from here on.
+    pub(crate) fn forget(&mut self) {
+        self.last = rest_of(self.node);
+    }
+
     pub(super) fn rotation_order(&mut self, time: f64) -> RotationOrder {
         rotation_order(self.order.at(time, Meaning::Plain).x as i64)
     }

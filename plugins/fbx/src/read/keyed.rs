@@ -5,7 +5,10 @@
 use super::names::Names;
 use super::visibility::{SHOW, VISIBILITY};
 use crate::clips::{BLENDS, MOVES};
+use crate::curves::{Layers, Meaning, Reading, Value};
 use crate::report::Report;
+use glam::DVec3;
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use ufbx::{AnimProp, Element, ElementType, Scene};
 
@@ -47,11 +50,16 @@ pub(crate) fn report_keyed(scene: &Scene, names: &Names, report: &mut Report) {
             name => name,
         };
         match shows {
-            true => report.lose(
-                "keyed-visibility",
-                &object,
-                format!("is shown and hidden by {keys} keys, which glTF cannot play; it is shown"),
-            ),
+            true => {
+                let (hidden, all) = hidden_for(scene, element, property);
+                report.lose(
+                    "keyed-visibility",
+                    &object,
+                    format!(
+                        "is shown and hidden by {keys} keys, which glTF cannot play; it is shown for {hidden:.3} s of {all:.3} s in which it should not be"
+                    ),
+                );
+            }
             false => report.lose(
                 "keyed-property",
                 &format!("{object}.{property}"),
@@ -71,6 +79,37 @@ pub(crate) fn report_keyed(scene: &Scene, names: &Names, report: &mut Report) {
             report.lose(what, &(count - LINES).to_string(), detail);
         }
     }
+}
+
+/// For how long an object is hidden by the keys of a property, and for how long the clips play that have these, seconds.
+fn hidden_for(scene: &Scene, element: &Element, property: &str) -> (f64, f64) {
+    let (mut hidden, mut all) = (0.0, 0.0);
+    for stack in &scene.anim_stacks {
+        let (begin, end) = (stack.time_begin, stack.time_end);
+        let layers = Layers::of(scene, stack, Reading::Usual);
+        let mut value = Value::of(&layers, element, property, DVec3::ONE);
+        if !value.moves() || end.partial_cmp(&begin) != Some(Ordering::Greater) {
+            continue;
+        }
+        let playing = layers.playing.iter();
+        let own = playing.filter_map(|layer| ufbx::find_anim_prop(layer.source, element, property));
+        let curves = own.flat_map(|prop| prop.anim_value.curves.iter().flatten());
+        let mut times: Vec<f64> = curves
+            .flat_map(|curve| curve.keyframes.iter().map(|key| key.time))
+            .filter(|time| *time > begin && *time < end)
+            .chain([begin, end])
+            .collect();
+        times.sort_by(f64::total_cmp);
+        // Programs write steps, so that the middle says what is so between two keys.
+        for pair in times.windows(2) {
+            let middle = f64::midpoint(pair[0], pair[1]);
+            if value.at(middle, Meaning::Plain).x <= 0.0 {
+                hidden += pair[1] - pair[0];
+            }
+        }
+        all += end - begin;
+    }
+    (hidden, all)
 }
 
 fn is_carried(element: ElementType, property: &str) -> bool {

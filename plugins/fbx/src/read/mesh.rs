@@ -125,6 +125,11 @@ fn read_mesh(
         "the triangles of a mesh",
     )?;
 
+    budget.must(
+        mesh.num_triangles * 3 * (1 + shapes.targets.len()),
+        "the triangles of a mesh",
+    )?;
+
     let mut soups: BTreeMap<usize, Soup> = BTreeMap::new();
     let mut triangles = vec![0; mesh.max_face_triangles * 3];
     for (face_number, face) in mesh.faces.iter().enumerate() {
@@ -150,7 +155,6 @@ fn read_mesh(
     let uv_sets: Vec<&str> = mesh.uv_sets.iter().map(|set| &*set.name).collect();
     let mut parts = Vec::new();
     for (slot, mut soup) in soups {
-        budget.in_time("meshes")?;
         let material = of_node
             .get(slot)
             .copied()

@@ -230,7 +230,7 @@ impl<'a> Textures<'a> {
     /// As glTF holds it.
     fn fit(&mut self, name: &str, bytes: Vec<u8>) -> Result<Image, Missing> {
         let memory = self.memory(bytes.len());
-        let made = self.budget.aside(|| picture(name, &bytes, memory));
+        let made = picture(name, &bytes, memory);
         let made = made.map_err(|why| Missing::Unfit("texture-format", why))?;
         let (mime, bytes) = match made {
             Picture::Kept(mime) => (mime, bytes),
@@ -267,7 +267,7 @@ impl<'a> Textures<'a> {
         if let Some(bytes) = given {
             return self.take(bytes).map(Some);
         }
-        let found = self.budget.aside(|| self.finder.find(names));
+        let found = self.finder.find(names);
         let Some(path) = found else {
             return Ok(None);
         };

@@ -128,6 +128,13 @@ impl<'a> Actors<'a> {
         }
     }
 
+    /// Nothing of what it saw stands for what is no transform.
+    pub(super) fn forget(&mut self) {
+        self.curves
+            .iter_mut()
+            .for_each(|(_, curves)| curves.forget());
+    }
+
     /// The file's poses alone, at `time`.
     fn true_pose(&mut self, time: f64) {
         for (node, curves) in &mut self.curves {

@@ -35,13 +35,23 @@ pub(crate) struct Body {
     /// How far each morph target reaches.
     reaches: Vec<f64>,
     each_target: bool,
+    /// What vertices follow, those of a vertex together: numbers of joints, and weights.
+    follows: Vec<(u32, f64)>,
 }
 
 /// Some vertices of a part.
 struct Group {
     part: usize,
-    vertices: Vec<u32>,
+    vertices: Vec<Held>,
     rows: Vec<Row>,
+}
+
+/// A vertex of a group.
+struct Held {
+    number: u32,
+    place: DVec3,
+    /// Where in [`Body::follows`] what it follows begins and ends.
+    follows: (u32, u32),
 }
 
 /// Where what follows a joint lies beside it.
@@ -123,8 +133,7 @@ impl Body {
             }
         };
         let mut boxes = vec![(DVec3::INFINITY, DVec3::NEG_INFINITY); joints.len()];
-        let mut groups = Vec::new();
-        let mut balls = Vec::new();
+        let (mut groups, mut balls, mut all_follows) = (Vec::new(), Vec::new(), Vec::new());
         for (number, part) in of.parts.iter().enumerate() {
             let order = order(part, skin.is_some());
             for some in order.chunks(GROUPS * TOGETHER) {
@@ -137,6 +146,7 @@ impl Body {
                         skin.is_some(),
                         &joints,
                         &mut sides,
+                        &mut all_follows,
                     ));
                 }
                 for (&joint, &(low, high)) in &sides {
@@ -162,6 +172,7 @@ impl Body {
             balls,
             reaches: of.targets.iter().map(|target| target.reach).collect(),
             each_target: vertices * targets <= TARGETS,
+            follows: all_follows,
         }
     }
 
@@ -283,29 +294,32 @@ impl Body {
         weights: &Weights,
     ) -> f64 {
         let part = &model.meshes[self.mesh].parts[group.part];
-        let skinned = model.nodes[self.node].skin.is_some();
         let mut farthest = 0.0_f64;
-        for &vertex in &group.vertices {
-            let vertex = vertex as usize;
-            let mut place = vector(part.positions[vertex]);
+        for held in &group.vertices {
+            let mut place = held.place;
             let mut change = DVec3::ZERO;
-            if self.has_targets() {
-                let pairs = weights.wanted.iter().zip(&weights.played);
-                for ((offsets, _), (wanted, played)) in part.offsets.iter().zip(pairs) {
-                    let offset = vector(offsets[vertex]);
-                    place += offset * *played;
-                    change += offset * (played - wanted);
+            let follows = &self.follows[held.follows.0 as usize..held.follows.1 as usize];
+            if !self.has_targets() {
+                let mut sum = DVec3::ZERO;
+                for &(joint, weight) in follows {
+                    sum += moved[joint as usize].0.transform_point3(place) * weight;
                 }
+                farthest = farthest.max(sum.length_squared());
+                continue;
             }
-            let sum: DVec3 = follows(part, vertex, skinned)
-                .map(|(joint, weight)| {
-                    let (off, world) = &moved[joint];
-                    (off.transform_point3(place) + *world * change) * weight
-                })
-                .sum();
-            farthest = farthest.max(sum.length());
+            let pairs = weights.wanted.iter().zip(&weights.played);
+            for ((offsets, _), (wanted, played)) in part.offsets.iter().zip(pairs) {
+                let offset = vector(offsets[held.number as usize]);
+                place += offset * *played;
+                change += offset * (played - wanted);
+            }
+            let parts = follows.iter().map(|&(joint, weight)| {
+                let (off, world) = &moved[joint as usize];
+                (off.transform_point3(place) + *world * change) * weight
+            });
+            farthest = farthest.max(parts.sum::<DVec3>().length_squared());
         }
-        farthest
+        farthest.sqrt()
     }
 }
 
@@ -339,7 +353,19 @@ fn group(
     skinned: bool,
     joints: &[(usize, DAffine3)],
     sides: &mut BTreeMap<usize, (DVec3, DVec3)>,
+    all_follows: &mut Vec<(u32, f64)>,
 ) -> Group {
+    let held = |&number: &u32| {
+        let from = all_follows.len() as u32;
+        let its = follows(part, number as usize, skinned);
+        all_follows.extend(its.map(|(joint, weight)| (joint as u32, weight)));
+        Held {
+            number,
+            place: vector(part.positions[number as usize]),
+            follows: (from, all_follows.len() as u32),
+        }
+    };
+    let held = vertices.iter().map(held).collect();
     let mut rows: Vec<Row> = Vec::new();
     let count = vertices.len() as f64;
     let mut all: Vec<(usize, usize, DVec3, f64)> = Vec::with_capacity(vertices.len() * 4);
@@ -392,7 +418,7 @@ fn group(
     }
     Group {
         part: number,
-        vertices: vertices.to_vec(),
+        vertices: held,
         rows,
     }
 }

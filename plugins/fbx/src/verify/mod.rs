@@ -15,4 +15,4 @@ mod times;
 pub(crate) use bodies::Bodies;
 pub(crate) use bound::{Found, Span, Subject};
 pub(crate) use chain::{Chain, down};
-pub(crate) use times::{Checked, check, dice, doubts};
+pub(crate) use times::{Checked, check, doubts};

@@ -28,6 +28,9 @@ pub(crate) struct Checked {
 /// moves for each span between keys.
 const WORK: (usize, usize) = (1_000_000, 40);
 
+/// The least of the second, where checks before it did much.
+const LEAST: usize = 4;
+
 /// Spans that are looked at by themselves, whoever looks at the others.
 const TOGETHER: usize = 64;
 
@@ -46,7 +49,9 @@ pub(crate) fn check(
     let keys = key_times(clip);
     let spans = spans(take.plan.gaps(), &keys, clip.begin);
     let end = take.plan.end.max(take.plan.begin);
-    let each = WORK.1 * take.moving.len().max(1);
+    let poses = spans.len() * take.moving.len().max(1);
+    let left = usize::try_from(source.budget.left_for_checks()).unwrap_or(usize::MAX);
+    let each = WORK.1.min(left / poses.max(1)).max(LEAST) * take.moving.len().max(1);
     let actors = || Actors::of(source, shells, clip, &moving, Reading::Usual);
     let mut found = Found::new(expected, NOTHING * bound, bound);
     let mut own = actors();
@@ -60,10 +65,11 @@ pub(crate) fn check(
     }
     let known = found.apart();
     let groups = spans.len().div_ceil(TOGETHER);
-    let poses = 4 * spans.len() * take.moving.len().max(1);
-    let parts = in_parts(groups, threads(poses, source.options), |range| {
+    let parts = in_parts(groups, threads(4 * poses, source.options), |range| {
         let mut actors = actors();
         let of_group = |group: usize| {
+            // What a group finds is not to depend on who was looked at before it.
+            actors.forget();
             let mut found = known.apart();
             let spans = spans[group * TOGETHER..].iter().take(TOGETHER);
             let most = actors.work() + each * spans.len();
@@ -75,16 +81,19 @@ pub(crate) fn check(
             }
             found
         };
-        range.map(of_group).collect::<Vec<Found>>()
+        let found: Vec<Found> = range.map(of_group).collect();
+        (found, actors.work())
     });
-    parts
-        .into_iter()
-        .flatten()
-        .for_each(|part| found.join(part));
+    let mut work = 0;
+    for (parts, own) in parts {
+        work += own;
+        parts.into_iter().for_each(|part| found.join(part));
+    }
     found.key(&mut own, end);
-    let most =
-        own.work() + WORK.0 / source.take.scene.anim_stacks.len().max(1) + each * spans.len() / 4;
+    let more = WORK.0 / source.take.scene.anim_stacks.len().max(1) + each * spans.len() / 4;
+    let most = own.work() + more.min(left.saturating_sub(work));
     found.finish(&mut own, most);
+    source.budget.pay_for_checks(work + own.work());
     let [keyed_error, error] = found.bounds();
     let length = end - take.plan.begin;
     let mut peaks = std::mem::take(&mut found.peaks);
@@ -164,18 +173,6 @@ fn spans(stretches: impl Iterator<Item = Stretch>, keys: &[f32], begin: f64) -> 
         }
     }
     out
-}
-
-/// A pseudo-random share, 0.1 to 0.9, the same in every run.
-pub(crate) fn dice(stretch: usize, gap: usize, look: usize) -> f64 {
-    let mut x = (stretch as u64)
-        .wrapping_mul(0x9e37_79b9_7f4a_7c15)
-        .wrapping_add((gap as u64).wrapping_mul(0xbf58_476d_1ce4_e5b9))
-        .wrapping_add(look as u64);
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^= x >> 31;
-    0.1 + 0.8 * (x >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// Times at which readings of the same layers are held against each other.

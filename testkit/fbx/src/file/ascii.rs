@@ -63,6 +63,7 @@ fn plain(value: &Value) -> String {
         Value::Int(x) => x.to_string(),
         Value::Long(x) => x.to_string(),
         Value::Double(x) => number(*x),
+        Value::Letter(x) => char::from(*x).to_string(),
         // Binary files have name and kind the other way round.
         Value::Text(text) => match text.split_once("\0\u{1}") {
             Some((name, kind)) => format!("\"{kind}::{name}\""),

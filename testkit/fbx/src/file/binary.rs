@@ -100,6 +100,7 @@ fn put(value: &Value, deflate: bool, out: &mut Vec<u8>) {
             out.push(b'D');
             out.extend(x.to_le_bytes());
         }
+        Value::Letter(x) => out.extend([b'C', *x]),
         Value::Text(text) => {
             out.push(b'S');
             out.extend((text.len() as u32).to_le_bytes());

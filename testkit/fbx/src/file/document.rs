@@ -2,8 +2,8 @@
 
 use super::{Record, Value, ascii, binary};
 use crate::scene::{
-    Camera, Channel, Clamp, Container, Curve, Layer, Light, Material, Mesh, Node, Scene, Shows,
-    Target, Way,
+    Beyond, Camera, Channel, Clamp, Container, Curve, Layer, Light, Material, Mesh, Node, Scene,
+    Shows, Target, Way,
 };
 use crate::truth::bind;
 use glam::DMat4;
@@ -257,8 +257,16 @@ impl Ids {
                 Record::new("FileName", vec!["dot.png".into()]),
                 Record::new("RelativeFilename", vec!["dot.png".into()]),
             ];
-            let scaling = vec![vector("Scaling", "Vector3D", "A", scaling)];
-            let texture = self.object("Texture", ("Texture", &name), "", scaling, below);
+            let mut placed = vec![vector("Scaling", "Vector3D", "A", scaling)];
+            if picture.rotation != 0.0 {
+                let turn = [0.0, 0.0, picture.rotation];
+                placed.push(vector("Rotation", "Vector3D", "A", turn));
+            }
+            if picture.translation != [0.0; 2] {
+                let by = [picture.translation[0], picture.translation[1], 0.0];
+                placed.push(vector("Translation", "Vector3D", "A", by));
+            }
+            let texture = self.object("Texture", ("Texture", &name), "", placed, below);
             self.connect_to(texture, id, picture.slot);
         }
     }
@@ -694,7 +702,7 @@ fn keys(curve: &Curve) -> Vec<Record> {
             }
         }
     }
-    vec![
+    let mut out = vec![
         Record::new("Default", vec![0.0.into()]),
         Record::new("KeyVer", vec![4009.into()]),
         Record::new(
@@ -715,5 +723,21 @@ fn keys(curve: &Curve) -> Vec<Record> {
             vec![Value::Bits(data.into_iter().flatten().collect())],
         ),
         Record::new("KeyAttrRefCount", vec![Value::Ints(counts)]),
-    ]
+    ];
+    let sides = ["Pre-Extrapolation", "Post-Extrapolation"];
+    for (name, beyond) in sides.into_iter().zip(curve.beyond) {
+        let (letter, count) = match beyond {
+            Beyond::Stays => continue,
+            Beyond::Line => (b'K', -1),
+            Beyond::Again(count) => (b'R', count),
+            Beyond::Back(count) => (b'M', count),
+            Beyond::Climbs(count) => (b'A', count),
+        };
+        out.push(
+            Record::new(name, vec![])
+                .with(Record::new("Type", vec![Value::Letter(letter)]))
+                .with(Record::new("Repetition", vec![count.into()])),
+        );
+    }
+    out
 }

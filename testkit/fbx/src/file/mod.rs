@@ -17,6 +17,8 @@ pub enum Value {
     Long(i64),
     /// A number.
     Double(f64),
+    /// A letter.
+    Letter(u8),
     /// Text; the two parts of a name are parted by `\0\1`, as in binary files.
     Text(String),
     /// Whole numbers of 32 bits.

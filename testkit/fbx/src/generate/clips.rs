@@ -273,7 +273,5 @@ fn spin(clip: [i64; 2], degrees: f64, random: &mut Random) -> Curve {
         true => (degrees / 360.0).round() * 360.0,
         false => degrees,
     };
-    Curve {
-        keys: vec![key(clip[0], 0.0), key(clip[1], whole)],
-    }
+    Curve::of(vec![key(clip[0], 0.0), key(clip[1], whole)])
 }

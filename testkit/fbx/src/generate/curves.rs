@@ -73,7 +73,7 @@ pub(super) fn curve(clip: [i64; 2], range: Range, random: &mut Random) -> Curve 
         });
     }
     tidy(&mut keys, random);
-    Curve { keys }
+    Curve::of(keys)
 }
 
 fn way(style: usize, range: Range, next: f64, random: &mut Random) -> Way {

@@ -55,7 +55,12 @@ fn material(random: &mut Random) -> Material {
                 true => [0, 1].map(|_| round(random.magnitude(0.2, 8.0), 2)),
                 false => [1.0; 2],
             };
-            pictures.push(Picture { slot, scaling });
+            pictures.push(Picture {
+                slot,
+                scaling,
+                rotation: 0.0,
+                translation: [0.0; 2],
+            });
         }
     }
     Material {

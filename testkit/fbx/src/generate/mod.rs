@@ -1,6 +1,7 @@
 //! Random files. Each seed is a file of some topic (clips of plain curves, layers, spins, skins, looks, ...), small enough
 //! to be read by eye once it is shrunk.
 
+mod beyond;
 mod clips;
 mod curves;
 mod looks;
@@ -74,6 +75,8 @@ pub fn generate(seed: u64) -> Scene {
         let clip = clips::clip(number, &scene, size, inherit == Inherit::Mixed, random);
         scene.stacks.push(clip);
     }
+    // By numbers of its own: what stands above is the same for the same seed as ever.
+    beyond::add(&mut scene, &mut Random::new(seed ^ 0x6265_796f_6e64));
     scene
 }
 

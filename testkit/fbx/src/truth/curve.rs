@@ -4,7 +4,7 @@
 //! the keys away, a third where none is said, along the slope at each key: with two thirds that is a Hermite curve.
 
 use super::Reading;
-use crate::scene::{Clamp, Curve, Key, TICKS, Way};
+use crate::scene::{Beyond, Clamp, Curve, Key, TICKS, Way};
 
 /// Ticks as seconds.
 pub fn seconds(ticks: i64) -> f64 {
@@ -17,6 +17,7 @@ pub struct Line {
     times: Vec<f64>,
     values: Vec<f64>,
     pieces: Vec<Piece>,
+    beyond: [Beyond; 2],
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -39,11 +40,79 @@ impl Line {
             times: keys.iter().map(|key| seconds(key.time)).collect(),
             values: keys.iter().map(|key| f64::from(key.value)).collect(),
             pieces,
+            beyond: curve.beyond,
         }
     }
 
-    /// The value at a time on the file's clock, seconds. Before the first key and after the last it stays.
+    /// The value at a time on the file's clock, seconds.
     pub fn at(&self, time: f64) -> f64 {
+        let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
+        match (time < first, time > last) {
+            (true, _) => self.outside(self.beyond[0], first - time, true),
+            (_, true) => self.outside(self.beyond[1], time - last, false),
+            _ => self.inside(time),
+        }
+    }
+
+    /// So many seconds before the first key or after the last.
+    fn outside(&self, beyond: Beyond, past: f64, before: bool) -> f64 {
+        let last = self.times.len() - 1;
+        let end = if before { 0 } else { last };
+        let length = self.times[last] - self.times[0];
+        let (count, back, climb) = match beyond {
+            Beyond::Stays => return self.values[end],
+            Beyond::Line => {
+                let slope = self.slope(before);
+                return self.values[end] + if before { -slope * past } else { slope * past };
+            }
+            Beyond::Again(count) => (count, false, 0.0),
+            Beyond::Back(count) => (count, true, 0.0),
+            Beyond::Climbs(count) => (count, false, self.values[last] - self.values[0]),
+        };
+        if count == 0 || length <= 0.0 {
+            return self.values[end];
+        }
+        // Which repetition, from 0, and how far into it, away from the keys.
+        let (mut number, mut into) = ((past / length).floor(), past % length);
+        if count > 0 && number >= f64::from(count) {
+            (number, into) = (f64::from(count - 1), length);
+        }
+        // The first one backwards meets the curve at the end that it begins at.
+        let turned = back && number % 2.0 == 0.0;
+        let from_first = match before != turned {
+            true => length - into,
+            false => into,
+        };
+        let climbed = climb * (number + 1.0);
+        let inside = (self.times[0] + from_first).clamp(self.times[0], self.times[last]);
+        self.inside(inside) + if before { -climbed } else { climbed }
+    }
+
+    /// The slope into the curve at its first key, or out of it at its last.
+    fn slope(&self, first: bool) -> f64 {
+        let at = if first {
+            0
+        } else {
+            self.pieces.len().saturating_sub(1)
+        };
+        let Some(piece) = self.pieces.get(at) else {
+            return 0.0;
+        };
+        let (from, to) = (self.values[at], self.values[at + 1]);
+        let length = self.times[at + 1] - self.times[at];
+        let over = |rise: f64, share: f64| match share > 0.0 {
+            true => rise / (share * length),
+            false => 0.0,
+        };
+        match piece {
+            Piece::Hold | Piece::Next => 0.0,
+            Piece::Straight => over(to - from, 1.0),
+            Piece::Cubic(x, y) if first => over(y[0] - from, x[0]),
+            Piece::Cubic(x, y) => over(to - y[1], 1.0 - x[1]),
+        }
+    }
+
+    fn inside(&self, time: f64) -> f64 {
         let next = self.times.partition_point(|&t| t <= time);
         if next == 0 {
             return self.values[0];
@@ -252,7 +321,7 @@ mod tests {
             velocity: false,
         };
         let keys = keys.iter().map(key).collect();
-        Line::of(&Curve { keys }, Reading::EXACT)
+        Line::of(&Curve::of(keys), Reading::EXACT)
     }
 
     const AUTO: Way = Way::Auto {
@@ -301,6 +370,31 @@ mod tests {
     }
 
     #[test]
+    fn curves_go_on_beyond_their_keys() {
+        let ways = [
+            (Beyond::Stays, [2.0, 2.0], [6.0, 6.0]),
+            (Beyond::Line, [0.0, -8.0], [8.0, 16.0]),
+            (Beyond::Again(-1), [4.0, 4.0], [4.0, 4.0]),
+            (Beyond::Back(-1), [4.0, 4.0], [4.0, 4.0]),
+            (Beyond::Climbs(-1), [0.0, -8.0], [8.0, 16.0]),
+            // Once, and then as it ended.
+            (Beyond::Again(1), [4.0, 2.0], [4.0, 6.0]),
+            (Beyond::Back(1), [4.0, 6.0], [4.0, 2.0]),
+            (Beyond::Climbs(1), [0.0, -2.0], [8.0, 10.0]),
+            (Beyond::Climbs(0), [2.0, 2.0], [6.0, 6.0]),
+        ];
+        for (beyond, before, after) in ways {
+            let mut line = line(&[(1.0, 2.0, Way::Linear), (3.0, 6.0, Way::Linear)]);
+            line.beyond = [beyond; 2];
+            // Halfway into the first repetition, and into the third.
+            let got = [0.0, -4.0, 4.0, 8.0].map(|time| line.at(time));
+            for (got, wanted) in got.iter().zip(before.iter().chain(&after)) {
+                assert!((got - wanted).abs() < 1e-9, "{beyond:?}: {got} {wanted}");
+            }
+        }
+    }
+
+    #[test]
     fn weights_bend_time() {
         let keys = [(0, 0.0), (TICKS, 1.0)].map(|(time, value)| Key {
             time,
@@ -313,12 +407,7 @@ mod tests {
             weights: Some([9000, 9000]),
             velocity: false,
         });
-        let line = Line::of(
-            &Curve {
-                keys: keys.to_vec(),
-            },
-            Reading::EXACT,
-        );
+        let line = Line::of(&Curve::of(keys.to_vec()), Reading::EXACT);
         // Flat for long at both ends, so steep in the middle, which stays where it is.
         assert!((line.at(0.5) - 0.5).abs() < 1e-12);
         assert!(

@@ -138,11 +138,7 @@ mod tests {
         };
         Track {
             target,
-            curves: values.map(|value| {
-                Some(Curve {
-                    keys: vec![key(value)],
-                })
-            }),
+            curves: values.map(|value| Some(Curve::of(vec![key(value)]))),
             without: [0.0; 3],
         }
     }

@@ -6,7 +6,6 @@ use super::{Plan, Spending};
 use crate::clips::choose::Choice;
 use crate::clips::parts::in_parts;
 use crate::clips::work::Work;
-use crate::error::FbxError;
 use crate::model::Property;
 use crate::options::{Budget, Options};
 
@@ -25,29 +24,29 @@ const MORE: [f64; 3] = [0.75, 1.0, 1.2];
 const STRAIGHT: f64 = 0.3;
 
 /// Clips with more keys than this, dense, are tried in one plan alone, with more than the second not at
-/// all: a key takes some 17 microseconds a plan (measured, trees of 18 and 35 joints), and there are up
-/// to sixteen. Counted, not timed, so that the result does not depend on the machine.
+/// all, for there are up to sixteen plans. Counted, not timed, so that the result does not depend on the machine.
 const MOST: [usize; 2] = [16_000, 160_000];
+
+/// Work of a key in a plan, in poses of nodes: some 17 microseconds (measured, trees of 18 and 35 joints).
+const KEY: usize = 17;
 
 /// Bytes that a sample of a moving node takes while a plan is tried: two poses, three matrices, two
 /// rotations, an error.
 const TRIAL: usize = 500;
 
 /// Smaller keys for what `first` moves, with at most `bound` metres of error; `None` where there are
-/// none.
+/// none, or no more work can be paid for.
 pub(in crate::clips) fn spend(
     work: &Work,
     first: &[Choice],
     bound: f64,
     options: &Options,
     budget: &Budget,
-) -> Result<Option<Vec<Choice>>, FbxError> {
-    let Some(spending) = Spending::new(work, first, bound) else {
-        return Ok(None);
-    };
+) -> Option<Vec<Choice>> {
+    let spending = Spending::new(work, first, bound)?;
     let dense = spending.open.len() * work.samples.stops.len();
     if dense > MOST[1] {
-        return Ok(None);
+        return None;
     }
     let trial = work.truth.len() * TRIAL;
     let affordable = budget.limits.memory / 2 / trial.max(1);
@@ -67,7 +66,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn best(&self) -> Result<Option<Vec<Choice>>, FbxError> {
+    fn best(&self) -> Option<Vec<Choice>> {
         let count = self.spending.open.len();
         let straight = self.may_be_straight();
         let alone = |cubic: Vec<bool>| Plan {
@@ -76,7 +75,7 @@ impl Search<'_> {
         };
         let lines = alone(straight.iter().map(|straight| !straight).collect());
         let cubics = alone(vec![true; count]);
-        let tried = self.run(&[(&lines, TRIED), (&cubics, TRIED)])?;
+        let tried = self.run(&[(&lines, TRIED), (&cubics, TRIED)]);
         let mut plans = vec![lines, cubics];
         if let [Some(lines), Some(cubics)] = &tried[..] {
             let pairs = lines.iter().zip(cubics);
@@ -103,16 +102,21 @@ impl Search<'_> {
             .flat_map(|plan| SHARES.map(|share| (plan, share)))
             .skip(usize::from(self.is_long()))
             .collect();
-        let made = self.run(&jobs)?.into_iter().chain(tried);
+        let made = self.run(&jobs).into_iter().chain(tried);
         let sized = made
             .flatten()
             .map(|curves| (self.spending.bytes(&curves), curves));
         let best = sized.min_by_key(|(bytes, _)| *bytes);
-        Ok(best.map(|(_, curves)| self.spending.choices(&curves)))
+        best.map(|(_, curves)| self.spending.choices(&curves))
     }
 
     fn is_long(&self) -> bool {
-        self.spending.open.len() * self.spending.work.samples.stops.len() > MOST[0]
+        self.dense() > MOST[0]
+    }
+
+    /// Keys where every stop has one.
+    fn dense(&self) -> usize {
+        self.spending.open.len() * self.spending.work.samples.stops.len()
     }
 
     /// `groups` of straight curves, and everything else alone.
@@ -128,14 +132,17 @@ impl Search<'_> {
         Plan { cubic, groups }
     }
 
-    fn run(&self, jobs: &[(&Plan, f64)]) -> Result<Vec<Option<Vec<Curve>>>, FbxError> {
-        let made = in_parts(jobs.len(), self.threads, |range| {
-            let jobs = jobs[range].iter().take_while(|_| !self.budget.is_late());
-            jobs.map(|(plan, share)| self.spending.run(plan, *share))
+    /// As many of `jobs` as can be paid for.
+    fn run(&self, jobs: &[(&Plan, f64)]) -> Vec<Option<Vec<Curve>>> {
+        let each = KEY * self.dense();
+        let paid = jobs.iter().take_while(|_| self.budget.pays(each)).count();
+        let made = in_parts(paid, self.threads, |range| {
+            jobs[range]
+                .iter()
+                .map(|(plan, share)| self.spending.run(plan, *share))
                 .collect::<Vec<_>>()
         });
-        self.budget.in_time("keys")?;
-        Ok(made.into_iter().flatten().collect())
+        made.into_iter().flatten().collect()
     }
 
     /// For each channel whether lines through all stops are near enough.

@@ -92,9 +92,7 @@ fn keys_keep_to_the_bound_and_are_fewer() {
         let dear = moving_bytes(first);
         let mut last = usize::MAX;
         for bound in [1e-4, 1e-3, 1e-2] {
-            let spent = spend(work, first, bound, options, &budget)
-                .unwrap()
-                .unwrap();
+            let spent = spend(work, first, bound, options, &budget).unwrap();
             let error = work.error(&spent, options);
             assert!(error <= bound, "{error:e} of {bound:e}");
             // Where there are many keys, the last one that could go was a small step from the bound.
@@ -123,7 +121,7 @@ fn what_hardly_moves_is_at_rest() {
             choices.iter().find(last).unwrap().clone()
         };
         assert!(still(first).channel.times.len() > 1);
-        let spent = spend(work, first, 1e-3, options, &budget).unwrap().unwrap();
+        let spent = spend(work, first, 1e-3, options, &budget).unwrap();
         assert!(still(&spent).at_rest && still(&spent).channel.times.len() == 1);
     });
 }
@@ -207,9 +205,7 @@ fn the_same_on_any_number_of_threads() {
                 threads,
                 ..*options
             };
-            let spent = spend(work, first, 1e-4, &options, &budget)
-                .unwrap()
-                .unwrap();
+            let spent = spend(work, first, 1e-4, &options, &budget).unwrap();
             spent
                 .into_iter()
                 .map(|choice| choice.channel)
@@ -228,7 +224,7 @@ fn long_clips_are_tried_less() {
         let samples = turned(&model, frames, swings);
         with_work(&model, &samples, |work, _, options| {
             let first = work.choose(1e-3, &[], options);
-            let spent = spend(work, &first, 1e-2, options, &budget).unwrap();
+            let spent = spend(work, &first, 1e-2, options, &budget);
             assert_eq!(spent.is_some(), is_tried);
             if let Some(spent) = spent {
                 assert!(work.error(&spent, options) <= 1e-2);

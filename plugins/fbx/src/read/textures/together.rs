@@ -62,12 +62,12 @@ impl Textures<'_> {
         };
         let bytes = of(first).map_or(0, <[u8]>::len) + of(second).map_or(0, <[u8]>::len);
         let memory = self.memory(bytes);
-        let made = self.budget.aside(|| match parts {
+        let made = match parts {
             Parts::MetalRough(_, _, is_gloss) => {
                 metal_rough(of(first), of(second).map(|bytes| (bytes, is_gloss)), memory)
             }
             Parts::Opacity(..) => with_opacity(of(first), of(second).unwrap_or_default(), memory),
-        });
+        };
         let names = [first, second].into_iter().flatten();
         let names = names.filter_map(|number| self.images.get(number));
         let names: Vec<&str> = names.map(|image| image.name.as_str()).collect();
