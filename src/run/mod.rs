@@ -12,6 +12,7 @@ pub mod device;
 pub mod offscreen;
 pub mod patient;
 pub mod shot;
+pub mod unseen;
 pub mod window;
 
 use std::path::PathBuf;

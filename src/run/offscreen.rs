@@ -15,15 +15,17 @@ use bevy::shader::ShaderCacheError;
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
+use dolomite::ground::detail::MakingBudget;
 use dolomite::ground::render::TerrainRelief;
 use dolomite::tessellation::render::GeometryStats;
 use thiserror::Error;
 
 use super::device::{self, Device};
+use super::unseen::{self, Unseen};
 use super::{GameError, Setup, log_plugin};
 use crate::play::Landscape;
 use crate::scene::CurrentScene;
-use crate::settings::MAX_SIDE;
+use crate::settings::{MAX_SIDE, Settings};
 use crate::view::progress::Progress;
 use crate::view::{OffscreenTarget, hero};
 
@@ -149,6 +151,7 @@ impl Offscreen {
                 ));
         app.insert_resource(OffscreenTarget(target.clone()));
         setup.add_to(&mut app)?;
+        unseen::add(&mut app);
         app.finish();
         app.cleanup();
         Ok(Self {
@@ -182,12 +185,29 @@ impl Offscreen {
         }
     }
 
-    /// Steps without virtual time until every pipeline is there and the ground no longer changes. Where that
+    /// Steps without virtual time until every pipeline is there and the ground no longer changes, and draws that. Nobody
+    /// sees the frames before, which have no pixels, and in which as many blocks of ground are made as a frame may. Where that
     /// takes longer than a second, lines on standard error say what is being done.
     ///
     /// # Errors
     /// [`OffscreenError`] when a pipeline fails or nothing comes to rest.
     pub fn settle(&mut self) -> Result<(), OffscreenError> {
+        let making = hurry(self.app.world_mut());
+        // A budget learns from the times of frames as they are seen.
+        let budget = self.app.world().resource::<Settings>().budget;
+        self.app.insert_resource(Unseen(budget.is_none()));
+        let settled = self.rest();
+        self.app.insert_resource(Unseen(false));
+        if let Some(making) = making {
+            self.app.insert_resource(making);
+        }
+        settled?;
+        // With pixels.
+        self.step(Duration::ZERO)
+    }
+
+    /// Steps until nothing changes any more.
+    fn rest(&mut self) -> Result<(), OffscreenError> {
         let _told = self.app.world().resource::<Progress>().told();
         let mut calm = 0;
         let mut last = None;
@@ -282,6 +302,18 @@ impl Offscreen {
         }
         Err(OffscreenError::NoPicture)
     }
+}
+
+/// Lets frames make as many blocks of ground as they may, where nobody waits for a frame but for what is settled. Returns
+/// how many it was; nothing where no ground asks.
+pub fn hurry(world: &mut World) -> Option<MakingBudget> {
+    let mut making = world.get_resource_mut::<MakingBudget>()?;
+    Some(std::mem::replace(
+        &mut *making,
+        MakingBudget {
+            blocks: Some(u32::MAX),
+        },
+    ))
 }
 
 fn draws_itself(world: &World) -> bool {

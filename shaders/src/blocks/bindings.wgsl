@@ -35,7 +35,8 @@ struct SeenBlock {
 @group(0) @binding(3) var<storage, read_write> heads: array<BlockHead>;
 // Of this view.
 @group(0) @binding(4) var<storage, read_write> seen: array<SeenBlock>;
-// By DetailParams.capacity = n: n blocks to look at, n that are drawn, n that are shown, n beside the eye, then blocks to make.
+// By DetailParams.capacity = n: n blocks to look at, n that are drawn, n that are shown, n beside the eye, then blocks to make,
+// then whether there was nothing left to make in the last round.
 @group(0) @binding(6) var<storage, read_write> lists: array<u32>;
 
 // Words of `counts`, all of them 0 before the first pass; from 352 on the map of the horizon.
@@ -56,6 +57,9 @@ const WISHES: u32 = 12u;
 const MISSING: u32 = 13u;
 // How many vertices appear by coarsening.
 const CURVE: u32 = 16u;
+
+// Most blocks that a round makes.
+const MOST_MADE: u32 = 64u;
 
 fn record_at(slot: u32) -> u32 {
     return slot * RECORD_WORDS;
@@ -79,4 +83,8 @@ fn near_list() -> u32 {
 
 fn made_list() -> u32 {
     return 4u * detail.capacity;
+}
+
+fn done_word() -> u32 {
+    return made_list() + MOST_MADE;
 }

@@ -1,7 +1,7 @@
 // Decides by what error ratios are divided, so that what appears has room and nothing depends on a block that has not been
 // made; which blocks are drawn; and which are made, the largest error ratios first. One workgroup.
 
-#import dolomite::blocks::bindings::{CANDIDATES, COARSENING, CURVE, DRAWN, LEFT, MADE, MISSING, WISHES, candidate_list, drawn_list, heads, lists, made_list, near_list, numbers, seen}
+#import dolomite::blocks::bindings::{CANDIDATES, COARSENING, CURVE, DRAWN, LEFT, MADE, MISSING, WISHES, candidate_list, done_word, drawn_list, heads, lists, made_list, near_list, numbers, seen}
 #import dolomite::blocks::counting::{COARSENINGS, coarsening_of}
 #import dolomite::blocks::record::{BlockHead, LEAST_HALF, NEST, NO_BLOCK, WINDOW}
 #import dolomite::blocks::beside::is_beside
@@ -201,6 +201,7 @@ fn close(candidates: u32) {
     for (var k = 0u; k < WISH_BINS; k++) {
         wished += atomicLoad(&wishes[k]);
     }
+    lists[done_word()] = select(0u, 1u, made == 0u);
     atomicStore(&counts[COARSENING], bitcast<u32>(plan.coarsening));
     atomicStore(&counts[LEFT], atomicLoad(&left));
     atomicStore(&counts[CANDIDATES], candidates);

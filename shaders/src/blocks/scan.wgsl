@@ -1,7 +1,6 @@
-// Finds the blocks of which a vertex may be there: by the largest error in them and the box of all. A thread a slot. All of
-// them clear the map of the horizon.
+// Finds the blocks of which a vertex may be there: by the largest error in them and the box of all. A thread a slot.
 
-#import dolomite::blocks::bindings::{candidate_list, heads, lists, seen}
+#import dolomite::blocks::bindings::{candidate_list, done_word, heads, lists, seen}
 #import dolomite::blocks::ratio::{BEFORE, GREATEST, box_factor, edge_of, frame_of, place_before}
 #import dolomite::blocks::record::{NO_BLOCK, WINDOW}
 #import dolomite::detail::bindings::detail
@@ -15,6 +14,10 @@ fn scan_blocks(@builtin(global_invocation_id) id: vec3<u32>) {
     if slot == 0u {
         atomicStore(&arguments[1], 1u);
         atomicStore(&arguments[2], 1u);
+    }
+    // Rounds behind one that made nothing would find what it found.
+    if lists[done_word()] != 0u {
+        return;
     }
     // The first slot is no block; a free one has no half.
     if slot == NO_BLOCK || slot >= detail.capacity || heads[slot].half == 0u {

@@ -11,7 +11,7 @@ use dolomite_ground::blocks::layout::{
 };
 use dolomite_ground::detail::layout::{DetailParams, OCCLUDED};
 use dolomite_ground::render::blocks::record::{
-    BlockBound, Extras, record_clear, record_step, steps,
+    BlockBound, Extras, record_clear, record_look_again, record_step, steps,
 };
 use std::time::Instant;
 use wgpu::{Buffer, BufferUsages, Features};
@@ -79,6 +79,7 @@ impl BlockStage<'_> {
         let steps: Vec<_> = steps(extras).collect();
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         record_clear(&mut encoder, [&buffers.looked, &buffers.counts]);
+        record_look_again(&mut encoder, &buffers.lists, self.slots);
         let told = gpu.device().features().contains(Features::TIMESTAMP_QUERY);
         let mut timer = (self.timed && told).then(|| Timer::new(gpu, steps.len()));
         if let Some(timer) = &mut timer {

@@ -125,6 +125,13 @@ pub const LEAST_SLOTS: u32 = 128;
 /// Words of the lists.
 #[must_use]
 pub const fn list_words(slots: u32) -> u64 {
+    done_at(slots) + 1
+}
+
+/// Word of the lists that says whether there was nothing left to make in the last round of looking and making: then the
+/// rounds that follow in the same frame look at nothing. 0 before the first.
+#[must_use]
+pub const fn done_at(slots: u32) -> u64 {
     made_at(slots) + MOST_MADE as u64
 }
 

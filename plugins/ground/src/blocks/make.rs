@@ -104,7 +104,12 @@ fn rulers(lattice: &DetailLattice, place: BlockPlace) -> Option<[Vec<f32>; 2]> {
         let all = (0..SAMPLES).map(|k| (at(k).wrapping_sub(first) as f64 / step) as f32);
         all.collect::<Vec<f32>>()
     };
-    let uneven = |ruler: &Vec<f32>| (ruler[SAMPLES - 1] - (SAMPLES - 1) as f32).abs() > 1e-4;
+    // Step by step: a narrow first column and a wide last one may have the length of two like the others.
+    let uneven = |ruler: &Vec<f32>| {
+        ruler
+            .array_windows()
+            .any(|[a, b]| (b - a - 1.0).abs() > 1e-4)
+    };
     let rulers = [along(0), along(1)];
     (lattice.border.width > 0 && rulers.iter().any(uneven)).then_some(rulers)
 }

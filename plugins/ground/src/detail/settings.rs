@@ -140,9 +140,9 @@ pub struct TerrainLod {
     /// With [`Choice::Cells`] a vertex takes 472 bytes a view (64 of pools, 408 of the four cells that it is counted
     /// with), and another 452 of cells that all views of the terrain with the same `finest` share, as large as the
     /// greatest of them asks for: by default 118 MiB a view, and 113 MiB a terrain and value of `finest`. With
-    /// [`Choice::Blocks`] it takes 50 bytes a view (44 of pools, six of the block that there is room for with every 38
-    /// of them) and another 364 of blocks, and a terrain 4 MiB for what is being made: by default 12.6 MiB a view, and
-    /// 95 MiB a terrain. They are published as `dolomite/geometry/allocated/…` and in `GeometryStats::pools`, with the
+    /// [`Choice::Blocks`] pools grow as a view needs them, from 1.4 MiB on, and a vertex that is drawn takes 55 bytes of
+    /// them; each vertex of this number takes six more of a view (of the block that there is room for with every 38) and
+    /// 364 of blocks, and a terrain 4 MiB for what is being made: by default 3 to 13 MiB a view, and 95 MiB a terrain. They are published as `dolomite/geometry/allocated/…` and in `GeometryStats::pools`, with the
     /// terrain's relief map, its textures and its heights.
     pub max_vertices: u32,
     /// Share of the detail that ground gets which is seen through its shadow alone, 0 to 1.

@@ -12,6 +12,7 @@ mod drawn;
 mod kind;
 mod look;
 mod noise;
+mod pools;
 pub mod relief;
 mod room;
 mod terrain;

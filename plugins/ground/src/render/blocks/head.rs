@@ -5,8 +5,8 @@ use dolomite_geometry::layout::{OWN, OWN_WORDS};
 use dolomite_geometry::render::GeometryView;
 
 use crate::blocks::layout::{
-    HEAD_CANDIDATES, HEAD_COARSENING, HEAD_CURVE, HEAD_LEFT, HEAD_MADE, HEAD_STAMP, HEAD_USED,
-    HEAD_WISHES,
+    HEAD_CANDIDATES, HEAD_COARSENING, HEAD_CURVE, HEAD_DRAWN, HEAD_LEFT, HEAD_MADE, HEAD_STAMP,
+    HEAD_USED, HEAD_WISHES,
 };
 use crate::detail::work::ErrorCounts;
 
@@ -18,6 +18,10 @@ const STEPS_AN_OCTAVE: f32 = 2.0;
 const BEYOND: i32 = 20;
 /// Vertices of a root that are there whatever the tolerance, as `ROOT_CORNERS` in `fit.wgsl`.
 const ROOT_CORNERS: f32 = 145.0;
+/// Triangles of a root where nothing is finer, as `ROOT_TRIANGLES` there.
+const ROOT_TRIANGLES: f32 = 512.0;
+/// Vertices of a block that an older one may have as well, as `SHARED` there.
+const SHARED: f32 = 33.0;
 
 /// The producer's own words of a view's head.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,8 +37,9 @@ pub(in crate::render) struct Head {
     /// Blocks that were made, and those that would have been with more time or room.
     pub made: u32,
     pub wishes: u32,
-    /// Blocks that were looked at.
+    /// Blocks that were looked at, and that are drawn.
     pub candidates: u32,
+    pub drawn: u32,
     /// Vertices that appear at the coarsenings 2^(k/2).
     pub curve: [u32; CURVE],
 }
@@ -55,6 +60,7 @@ impl Head {
             made: word(HEAD_MADE),
             wishes: word(HEAD_WISHES),
             candidates: word(HEAD_CANDIDATES),
+            drawn: word(HEAD_DRAWN),
             curve: std::array::from_fn(|k| word(HEAD_CURVE + k)),
         })
     }
@@ -62,6 +68,21 @@ impl Head {
     /// The bound that was kept, in tolerances.
     pub const fn held(&self) -> f32 {
         self.coarsening.max(self.left).max(1.0)
+    }
+
+    /// Vertices for which there has to be room so that nothing is coarsened, as `fit.wgsl` counts them; pools have room for
+    /// twice as many triangles. Where it was coarsened not all blocks were drawn that will be: then those count that were
+    /// looked at.
+    pub fn needed(&self, roots: u32) -> u32 {
+        let drawn = if self.coarsening > 1.0 {
+            self.candidates
+        } else {
+            self.drawn
+        };
+        let own = self.curve[0] as f32;
+        let vertices = own + SHARED * drawn as f32 + ROOT_CORNERS * roots as f32;
+        let triangles = 2.0 * own + ROOT_TRIANGLES * roots as f32;
+        vertices.max(0.5 * triangles) as u32
     }
 
     /// What the view asks for at every tolerance from the first on that all blocks were there for; the asked one is
@@ -102,6 +123,7 @@ mod tests {
             made: 0,
             wishes: 0,
             candidates: 1,
+            drawn: 1,
             curve,
         }
     }
@@ -135,6 +157,18 @@ mod tests {
         let always = nothing.curve(1.0, 8.0).expect("ends").at(4.0);
         // The curve keeps logarithms.
         assert!((always - 145.0).abs() < 0.01, "{always}");
+    }
+
+    #[test]
+    fn pools_have_room_for_all_that_is_counted() {
+        let mut of = head(1.0, law(1.0));
+        of.drawn = 1000;
+        of.candidates = 1500;
+        assert_eq!(of.needed(4), 100_000 + 33_000 + 580);
+        of.coarsening = 1.5;
+        assert_eq!(of.needed(4), 100_000 + 49_500 + 580);
+        let roots = head(1.0, [0; CURVE]);
+        assert_eq!(roots.needed(4), 1024, "two triangles a vertex");
     }
 
     #[test]

@@ -20,6 +20,7 @@ use bevy::render::{Render, RenderApp, RenderSystems};
 use dolomite_geometry::render::{GeometrySystems, ModuleShaders, shader_asset};
 
 use super::detail::{self, DetailKind};
+use super::pools::PoolRooms;
 use crate::blocks::layout::PASSES;
 
 /// Entry shaders of the passes, in the order of [`PASSES`].
@@ -38,6 +39,7 @@ pub(super) fn build<K: DetailKind>(app: &mut App) {
     render_app
         .insert_resource(shaders)
         .init_resource::<prepare::BlockViews<K>>()
+        .init_resource::<PoolRooms<K>>()
         .add_systems(
             Render,
             (

@@ -8,7 +8,7 @@ use dolomite_geometry::render::{ExtractedGeometryCamera, GeometryShared, Produce
 
 use super::parts::Part;
 use super::prepare::BlockViews;
-use super::record::{BlockBound, record_clear, record_step};
+use super::record::{BlockBound, record_clear, record_look_again, record_step};
 use crate::render::detail::prepare::DetailViews;
 use crate::render::detail::{DetailKind, detail_key};
 
@@ -58,7 +58,7 @@ pub fn choose<K: DetailKind>(
     let recorder = ctx.diagnostic_recorder();
     let recorder = recorder.as_deref();
     let encoder = ctx.command_encoder();
-    let mut dispatches = 0;
+    let (mut dispatches, mut looked) = (0, false);
     let rounds = (1..own.rounds).flat_map(|_| [Part::Look, Part::Make]);
     let parts = [Part::Begin].into_iter().chain(rounds);
     for part in parts.chain([Part::Choose, Part::Make]) {
@@ -68,6 +68,11 @@ pub fn choose<K: DetailKind>(
         }
         if matches!(part, Part::Look | Part::Choose) {
             record_clear(encoder, [&own.looked, &own.counts]);
+            // Rounds behind one that made nothing have nothing to do; what is drawn is chosen in any case.
+            if part == Part::Choose || !looked {
+                record_look_again(encoder, &own.lists, own.slots);
+            }
+            looked = true;
         }
         let makes = part == Part::Make;
         let name = if makes { "detail_making" } else { "detail" };

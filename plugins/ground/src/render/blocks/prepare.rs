@@ -22,6 +22,7 @@ use crate::render::detail::prepare::DetailViews;
 use crate::render::detail::view::{detail_view, picture};
 use crate::render::detail::{DetailKind, ExtractedGround, detail_key};
 use crate::render::drawn::DrawnGround;
+use crate::render::pools::PoolRooms;
 
 /// Every view that chooses its ground in blocks, and what all have in common.
 #[derive(Resource)]
@@ -163,7 +164,11 @@ fn sweeps<K>(blocks: &mut BlockViews<K>, producer: &mut Producer) -> HashMap<u32
 pub fn prepare<K: DetailKind>(
     mut producers: ResMut<Producers>,
     mut blocks: ResMut<BlockViews<K>>,
-    (details, ground): (Res<DetailViews<K>>, Res<ExtractedGround<K>>),
+    (details, ground, mut rooms): (
+        Res<DetailViews<K>>,
+        Res<ExtractedGround<K>>,
+        ResMut<PoolRooms<K>>,
+    ),
     cameras: Query<&ExtractedView>,
     (shaders, cache): (Res<BlockShaders>, Res<PipelineCache>),
     (device, queue, adapter): (Res<RenderDevice>, Res<RenderQueue>, Res<RenderAdapterInfo>),
@@ -178,6 +183,7 @@ pub fn prepare<K: DetailKind>(
         .collect();
     let is_seeing = |entity: &Entity| seeing.iter().any(|(camera, _)| camera == entity);
     blocks.views.retain(|entity, _| is_seeing(entity));
+    rooms.keep(is_seeing);
     let (Some(data), Some(terrain), false) = (&details.ground, &ground.terrain, seeing.is_empty())
     else {
         blocks.views.clear();
@@ -248,7 +254,11 @@ pub fn prepare<K: DetailKind>(
         state.own_bytes = own.bytes();
         if let Some(head) = own.news(state) {
             state.looked_at = head.candidates;
+            let roots = store.ground.lattice.roots;
+            let needed = head.needed(roots.x * roots.y);
+            let grows = rooms.fit(*entity, needed, detail.max_vertices);
             own.rests |= state.settled && own.is_done(head);
+            own.rests &= !grows;
         }
         state.settled &= own.rests;
         let written = [&state.vertices, &state.indices, &state.work];

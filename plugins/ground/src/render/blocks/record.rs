@@ -1,6 +1,6 @@
 //! What is recorded for a choice, in wgpu's own types: Bevy's systems, tests and studies all call this.
 
-use crate::blocks::layout::{Groups, PASSES, Second, making, slot_groups};
+use crate::blocks::layout::{Groups, PASSES, Second, done_at, making, slot_groups};
 
 /// What the passes bind and read.
 #[derive(Clone, Copy)]
@@ -79,6 +79,12 @@ pub fn record_clear(encoder: &mut wgpu::CommandEncoder, buffers: [&wgpu::Buffer;
     for buffer in buffers {
         encoder.clear_buffer(buffer, 0, None);
     }
+}
+
+/// Lets the next round look at the blocks of so many slots, whatever the last one came to: before the first round of a
+/// frame, and before what is drawn is chosen.
+pub fn record_look_again(encoder: &mut wgpu::CommandEncoder, lists: &wgpu::Buffer, slots: u32) {
+    encoder.clear_buffer(lists, 4 * done_at(slots), Some(4));
 }
 
 /// Records a dispatch.

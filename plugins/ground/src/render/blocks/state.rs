@@ -67,7 +67,7 @@ pub(in crate::render) struct BlockState {
     pub heads: Buffer,
     pub seen: Buffer,
     pub counts: Buffer,
-    lists: Buffer,
+    pub lists: Buffer,
     pub looked: Buffer,
     pub arguments: Buffer,
     /// Of others' buffers that the groups hold.

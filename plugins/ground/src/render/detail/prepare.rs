@@ -21,7 +21,8 @@ use super::{DetailKind, DetailShaders, ExtractedGround, detail_key, host};
 use crate::blocks::kept::lattice_of;
 use crate::blocks::layout::least_pools;
 use crate::detail::layout::{HEAD_USED, without};
-use crate::detail::{Choice, Metric, TerrainLod};
+use crate::detail::{Choice, DetailLattice, Metric, TerrainLod};
+use crate::render::pools::PoolRooms;
 use crate::render::told::is_news;
 use dolomite_geometry::layout::OWN;
 use dolomite_geometry::render::{GeometryPool, GeometryShared, GeometryView, Producer, Producers};
@@ -123,16 +124,14 @@ fn height_buffers(bindings: &BindingResources) -> Option<[Buffer; 3]> {
     Some([buffer(0)?, buffer(1)?, buffer(2)?])
 }
 
-/// Room for what a view asks for, and for what is there whatever it asks for.
-fn pool_for(terrain: &Terrain, detail: &TerrainLod) -> GeometryPool {
-    let [vertices, primitives] = match detail.choice {
-        Choice::Blocks => least_pools(&lattice_of(terrain, detail.finest)),
-        Choice::Cells => [0; 2],
-    };
+/// Room for so many vertices, and for what is there whatever a view asks for; `blocks` is the lattice of who chooses in
+/// blocks.
+fn pool_for(room: u32, blocks: Option<DetailLattice>) -> GeometryPool {
+    let [vertices, primitives] = blocks.as_ref().map_or([0; 2], least_pools);
     GeometryPool {
-        vertices: detail.max_vertices.max(vertices),
+        vertices: room.max(vertices),
         // Two a vertex, those at a border left out.
-        primitives: detail.max_vertices.saturating_mul(2).max(primitives),
+        primitives: room.saturating_mul(2).max(primitives),
     }
 }
 
@@ -140,7 +139,7 @@ fn pool_for(terrain: &Terrain, detail: &TerrainLod) -> GeometryPool {
 pub fn want<K: DetailKind>(
     mut producers: ResMut<Producers>,
     mut details: ResMut<DetailViews<K>>,
-    mut ground: ResMut<ExtractedGround<K>>,
+    (mut ground, rooms): (ResMut<ExtractedGround<K>>, Res<PoolRooms<K>>),
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
     param: StaticSystemParam<<K as AsBindGroup>::Param>,
@@ -195,7 +194,13 @@ pub fn want<K: DetailKind>(
     }
     if let (Some(_), Some(terrain)) = (&producer.data, &ground.terrain) {
         let wanted = ground.cameras.iter().map(|(camera, detail)| {
-            let pool = pool_for(terrain, detail);
+            let most = detail.max_vertices;
+            let pool = if detail.choice == Choice::Blocks && !ground.on_host {
+                let room = rooms.vertices(*camera, most);
+                pool_for(room, Some(lattice_of(terrain, detail.finest)))
+            } else {
+                pool_for(most, None)
+            };
             let pool = pool.bounded([u64::MAX; 2], producer.traits.vertex_bytes());
             (*camera, pool)
         });

@@ -32,10 +32,10 @@ fn compare(gpu: &Gpu, terrain: &Terrain, finest: f32, pixels: f32) {
     let blocks = stage.blocks().expect("read");
     let [shared, unequal] = same_bits(&blocks);
     assert!(shared > 5000 && unequal > 5000, "{shared} {unequal}");
-    let [heights, _, intervals] = unlike_the_cpu(&cells, &blocks);
-    // As on an even lattice; heights are less. Errors of coarse cells beside the border are larger than on the CPU by some
-    // hundredths, which is printed, not tested: what is drawn above is the same.
-    assert!(heights < 1e-4 && intervals < 1e-3, "{heights} {intervals}");
+    let largest = unlike_the_cpu(&cells, &blocks);
+    // As on an even lattice; heights are less.
+    assert!(largest[0] < 1e-4, "{largest:?}");
+    assert!(largest[1] < 1e-3 && largest[2] < 1e-3, "{largest:?}");
 }
 
 #[test]
