@@ -15,9 +15,35 @@ pub enum Chosen {
     BruteForce,
 }
 
-/// Up to so many lights in view, each pixel goes through all of them: lists of tiles cost a pass. At eight both take
-/// the same time on software Vulkan (docs/measured/light.md); the picture is the same on either side of it.
-pub const FEW: u32 = 8;
+/// What the pipelines of a view are compiled for, so that what no light needs is not in them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Variation {
+    /// How point and spot lights are found.
+    pub chosen: Chosen,
+    /// What directional lights need.
+    pub suns: Suns,
+    /// Whether a point or spot light in view casts shadows.
+    pub casters: bool,
+    /// Whether lights are tested against the depth pyramid.
+    pub culled: bool,
+}
+
+/// What the directional lights of the world need.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Suns {
+    /// There are none.
+    #[default]
+    None,
+    /// None casts shadows.
+    Open,
+    /// At least one does.
+    Shadowed,
+}
+
+/// Up to so many lights in view, each pixel goes through all of them: lists of tiles cost a pass. On software Vulkan
+/// going through 8 takes three quarters of the time of lists of them, and each more takes four times what it takes in
+/// lists, so that both meet near 16 (docs/measured/light.md); the picture is the same on either side of it.
+pub const FEW: u32 = 16;
 
 /// The way for so many lights in view.
 #[must_use]

@@ -52,13 +52,15 @@ impl Sides {
     }
 }
 
-/// What a view sees of all lights, in their order.
+/// What a view sees of all lights: four runs of rows, each in the order of all lights.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Listed {
     /// Indices of rows.
     pub indices: Vec<u32>,
-    /// How many of them are point lights; those come first.
-    pub points: u32,
+    /// Where the runs end: points and spots that cast no shadows, points and spots that do.
+    pub ends: [u32; 4],
+    /// Kept for its memory.
+    runs: [Vec<u32>; 3],
 }
 
 impl Listed {
@@ -66,22 +68,46 @@ impl Listed {
     /// each row whether the view may see it at all.
     pub fn fill(&mut self, rows: &[LightRow], sides: Option<&Sides>, may: impl Fn(usize) -> bool) {
         self.indices.clear();
-        self.points = 0;
         for (index, row) in rows.iter().enumerate() {
             let seen = row.shines()
                 && may(index)
                 && sides.is_none_or(|sides| sides.touch(row.position.into(), row.range));
-            if seen {
-                self.indices.push(index as u32);
-                self.points += u32::from(row.is_point());
+            if !seen {
+                continue;
             }
+            let run = match (row.casts(), row.is_point()) {
+                (false, true) => &mut self.indices,
+                (false, false) => &mut self.runs[0],
+                (true, true) => &mut self.runs[1],
+                (true, false) => &mut self.runs[2],
+            };
+            run.push(index as u32);
         }
+        self.ends[0] = self.indices.len() as u32;
+        for (run, end) in self.runs.iter_mut().zip(&mut self.ends[1..]) {
+            self.indices.append(run);
+            *end = self.indices.len() as u32;
+        }
+    }
+
+    /// How many cast no shadows; those come first.
+    #[must_use]
+    pub const fn open(&self) -> u32 {
+        self.ends[1]
+    }
+
+    /// Rows of each run: points and spots without shadows, points and spots with.
+    #[must_use]
+    pub fn runs(&self) -> [std::ops::Range<u32>; 4] {
+        let [a, b, c, d] = self.ends;
+        [0..a, a..b, b..c, c..d]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::light::{CASTS, CONTACT, SPOT};
     use bevy::math::Quat;
 
     fn view(rotation: Quat, place: Vec3) -> Sides {
@@ -124,31 +150,29 @@ mod tests {
     }
 
     #[test]
-    fn points_are_counted_and_order_is_kept() {
-        let row = |z: f32, cos_outer: f32| LightRow {
+    fn runs_keep_the_order_of_all_lights() {
+        let row = |z: f32, kind: u32| LightRow {
             position: [0.0, 0.0, z],
             range: 1.0,
             color: [1.0; 3],
-            cos_outer,
+            kind,
             ..LightRow::default()
         };
         let rows = [
-            row(-5.0, -2.0),
-            row(5.0, -2.0),
-            row(-6.0, -2.0),
-            row(-7.0, 0.5),
+            row(-5.0, CASTS | SPOT),
+            row(5.0, 0),
+            row(-6.0, 0),
+            row(-7.0, SPOT),
+            row(-8.0, CONTACT),
+            row(-9.0, 0),
         ];
         let sides = view(Quat::IDENTITY, Vec3::ZERO);
         let mut listed = Listed::default();
         listed.fill(&rows, Some(&sides), |_| true);
-        assert_eq!(
-            (listed.indices.as_slice(), listed.points),
-            ([0, 2, 3].as_slice(), 2)
-        );
+        assert_eq!(listed.indices, [2, 5, 3, 4, 0]);
+        assert_eq!(listed.runs(), [0..2, 2..3, 3..4, 4..5]);
         listed.fill(&rows, None, |index| index != 0);
-        assert_eq!(
-            (listed.indices.as_slice(), listed.points),
-            ([1, 2, 3].as_slice(), 2)
-        );
+        assert_eq!(listed.indices, [1, 2, 5, 3, 4]);
+        assert_eq!((listed.ends, listed.open()), ([3, 4, 5, 5], 4));
     }
 }

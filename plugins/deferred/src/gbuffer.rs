@@ -15,6 +15,8 @@ pub const UNLIT: u32 = 1;
 pub const FOG: u32 = 2;
 /// Shadows fall on it.
 pub const SHADOW_RECEIVER: u32 = 4;
+/// Of the Blinn-Phong model: the highlight is Phong's.
+pub const PHONG: u32 = 8;
 
 /// Four numbers in `0..=1` as bytes; others are clamped, NaN is 0. Off by 1 / 510.
 #[must_use]

@@ -24,6 +24,7 @@
 //! | [`light`] | point and spot lights as the GPU reads them; which are refused, and why |
 //! | [`cull`] | which of them a view can see |
 //! | [`model`] | shading models beside Bevy's standard material |
+//! | [`pyramid`] | what lies behind what is drawn |
 //! | [`choice`] | the way that `Auto` takes |
 //! | `render` | the passes (feature `render`) |
 //!
@@ -35,6 +36,7 @@ pub mod cull;
 pub mod gbuffer;
 pub mod light;
 pub mod model;
+pub mod pyramid;
 #[cfg(feature = "render")]
 pub mod render;
 

@@ -23,7 +23,25 @@ pub struct LightSource {
     pub radius: f32,
     /// Of a spot light.
     pub cone: Option<Cone>,
+    /// What it casts.
+    pub shadows: Shadows,
 }
+
+/// The shadows of a light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shadows {
+    /// From a map of its own.
+    pub map: bool,
+    /// Of what is near on the screen.
+    pub contact: bool,
+}
+
+/// A bit of [`LightRow::kind`]: it is a spot light.
+pub const SPOT: u32 = 1;
+/// A bit of [`LightRow::kind`]: it has a shadow map.
+pub const CASTS: u32 = 2;
+/// A bit of [`LightRow::kind`]: it casts contact shadows.
+pub const CONTACT: u32 = 4;
 
 /// Where a spot light shines.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,8 +91,10 @@ pub struct LightRow {
     pub cone_scale: f32,
     /// Of the outer angle.
     pub sin_outer: f32,
+    /// [`SPOT`], [`CASTS`], [`CONTACT`].
+    pub kind: u32,
     /// To 64 bytes.
-    pub pad: [f32; 2],
+    pub pad: u32,
 }
 
 impl LightRow {
@@ -105,11 +125,18 @@ impl LightRow {
             cone_scale: 1.0,
             ..Self::zeroed()
         };
+        for (has, bit) in [
+            (source.shadows.map, CASTS),
+            (source.shadows.contact, CONTACT),
+        ] {
+            row.kind |= if has { bit } else { 0 };
+        }
         if let Some(cone) = source.cone {
             let finite = cone.inner.is_finite() && cone.outer.is_finite();
             if !(finite && cone.direction.is_finite() && cone.direction.length_squared() > 0.5) {
                 return Err(LightRefusal::Cone);
             }
+            row.kind |= SPOT;
             let outer = cone.outer.clamp(0.0, std::f32::consts::FRAC_PI_2);
             let inner = cone.inner.clamp(0.0, outer);
             row.direction = cone.direction.normalize().to_array();
@@ -129,8 +156,14 @@ impl LightRow {
 
     /// Whether it is a point light.
     #[must_use]
-    pub fn is_point(&self) -> bool {
-        self.cos_outer < -1.0
+    pub const fn is_point(&self) -> bool {
+        self.kind & SPOT == 0
+    }
+
+    /// Whether it casts shadows of any sort.
+    #[must_use]
+    pub const fn casts(&self) -> bool {
+        self.kind & (CASTS | CONTACT) != 0
     }
 }
 
@@ -145,6 +178,7 @@ mod tests {
             intensity: Vec3::ONE,
             radius: 0.0,
             cone: None,
+            shadows: Shadows::default(),
         }
     }
 
@@ -190,5 +224,7 @@ mod tests {
         assert!(!with(&|l| l.intensity = Vec3::ZERO).expect("dark").shines());
         assert!(!with(&|l| l.range = 0.0).expect("dark").shines());
         assert!(with(&|_| {}).expect("a lamp").shines());
+        let casting = with(&|l| l.shadows.map = true).expect("a lamp");
+        assert!(casting.casts() && casting.is_point() && !wide.is_point() && !wide.casts());
     }
 }

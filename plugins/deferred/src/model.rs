@@ -4,7 +4,6 @@
 //! path of its own, and a lighting id that its materials write. `dolomite::deferred::types` holds both structs.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 use bevy::prelude::Resource;
 use thiserror::Error;
@@ -40,11 +39,13 @@ struct Model {
     function: String,
     path: String,
     source: String,
+    /// Whether it may reflect light from behind the surface.
+    from_behind: bool,
 }
 
 impl ShadingModels {
     /// Adds a model: its id, the text of its module, the name of its function. A pixel with an id that no model has
-    /// is lit as the standard material.
+    /// stays black, as in Bevy's own pass.
     ///
     /// # Errors
     /// If the id is taken, or the text is not a module with that function.
@@ -67,9 +68,23 @@ impl ShadingModels {
             function: function.to_owned(),
             path: path.trim().to_owned(),
             source: source.to_owned(),
+            from_behind: true,
         };
         self.0.insert(id, model);
         Ok(())
+    }
+
+    /// Says that a model's function is 0 for light from behind the surface, whose normal · direction is 0 or less:
+    /// lights there are then passed over. Of the standard material this is known.
+    pub fn dark_from_behind(&mut self, id: u8) {
+        if let Some(model) = self.0.get_mut(&id) {
+            model.from_behind = false;
+        }
+    }
+
+    /// Ids of all models, the standard one first.
+    pub fn ids(&self) -> impl Iterator<Item = u8> + '_ {
+        std::iter::once(STANDARD).chain(self.0.keys().copied())
     }
 
     /// Texts of the models' own modules, with their import paths.
@@ -79,35 +94,44 @@ impl ShadingModels {
             .map(|model| (model.path.as_str(), model.source.as_str()))
     }
 
-    /// The module `dolomite::deferred::models`, whose `shade` chooses by the lighting id.
+    /// The module `dolomite::deferred::models`: `shade` takes the model of the lighting id, or under the definition
+    /// `ONE_MODEL` that of `MODEL_` and the id; `from_behind` says what [`Self::dark_from_behind`] does not.
     #[must_use]
     pub fn module(&self) -> String {
         let mut text = "#define_import_path dolomite::deferred::models\n\n\
              #import dolomite::deferred::standard::standard\n\
              #import dolomite::deferred::types::{Incident, Surface}\n"
             .to_owned();
-        let mut cases = String::new();
+        let (mut alone, mut cases) = (String::new(), String::new());
+        let mut behind = vec!["false".to_owned()];
         for (id, model) in &self.0 {
-            // A `String` takes everything.
-            let _ = writeln!(
-                text,
-                "#import {}::{} as model_{id}",
-                model.path, model.function
-            );
-            let _ = writeln!(
-                cases,
-                "        case {id}u: {{ return model_{id}(surface, light); }}"
-            );
+            let (path, function) = (&model.path, &model.function);
+            text += &format!("#import {path}::{function} as model_{id}\n");
+            alone +=
+                &format!("#ifdef MODEL_{id}\n    return model_{id}(surface, light);\n#endif\n");
+            cases += &format!("        case {id}u: {{ return model_{id}(surface, light); }}\n");
+            if model.from_behind {
+                behind.push(format!("model == {id}u"));
+            }
         }
-        if cases.is_empty() {
-            text += "\nfn shade(surface: Surface, light: Incident) -> vec3<f32> {\n    return standard(surface, light);\n}\n";
-            return text;
-        }
-        let _ = write!(
-            text,
-            "\nfn shade(surface: Surface, light: Incident) -> vec3<f32> {{\n    switch surface.model {{\n{cases}        default: {{ return standard(surface, light); }}\n    }}\n}}\n"
-        );
-        text
+        let behind = behind.join(" || ");
+        let switch = if cases.is_empty() {
+            "    return standard(surface, light);\n".to_owned()
+        } else {
+            format!(
+                "    switch surface.model {{\n{cases}        default: {{ return standard(surface, light); }}\n    }}\n"
+            )
+        };
+        text + &format!(
+            "\nfn from_behind(model: u32) -> bool {{\n    return {behind};\n}}\n\n\
+             fn shade(surface: Surface, light: Incident) -> vec3<f32> {{\n\
+             #ifdef ONE_MODEL\n\
+             {alone}\
+             #ifdef MODEL_{STANDARD}\n    return standard(surface, light);\n#endif\n\
+             #else\n\
+             {switch}\
+             #endif\n}}\n"
+        )
     }
 }
 
@@ -130,10 +154,12 @@ mod tests {
         assert_eq!(models.add(3, TOON, "tune"), none);
         assert_eq!(models.add(3, TOON, "toon"), Ok(()));
         assert_eq!(models.add(3, TOON, "toon"), Err(ModelError::Taken(3)));
-        assert!(
-            models
-                .module()
-                .contains("case 3u: { return model_3(surface, light); }")
-        );
+        let module = models.module();
+        assert!(module.contains("        case 3u: { return model_3(surface, light); }\n"));
+        assert!(module.contains("#ifdef MODEL_3\n    return model_3(surface, light);\n#endif\n"));
+        assert!(module.contains("return false || model == 3u;"));
+        models.dark_from_behind(3);
+        assert!(models.module().contains("return false;"));
+        assert!(models.ids().eq([1, 3]));
     }
 }

@@ -15,7 +15,9 @@ struct Lighting {
     room: u32,
     // Greatest value that the target holds.
     brightest: f32,
-    pad: vec2<u32>,
+    // Of `listed`, those without shadows: they come first.
+    open: u32,
+    pad: u32,
 }
 
 @group(2) @binding(0) var<uniform> lighting: Lighting;

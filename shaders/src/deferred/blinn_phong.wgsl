@@ -1,11 +1,13 @@
 #define_import_path dolomite::deferred::blinn_phong
 
-#import dolomite::deferred::gbuffer::{decode_color, unpack_bytes}
+#import dolomite::deferred::gbuffer::{PHONG, decode_color, unpack_bytes}
 #import dolomite::deferred::types::{Incident, Surface}
 
 // Blinn (1977), normalised so that an eye on the normal sees of light from everywhere the specular colour itself:
 // the lobe is (n·h)^s (s + 2)(s + 4) / 8π(s + 2^(-s/2)). The G-buffer holds the specular colour, gamma 2.2, in the
 // third word, and the exponent as its logarithm in 16 bits: the highest bytes of the first word and of the third.
+// By the flag PHONG it is Phong's (1975) lobe, with the mirrored light r: (r·v)^s (s + 2) / 2π (Lafortune and Willems
+// 1994).
 
 // Exponents from 1 to 65536 in steps of 0.017 %.
 fn unpack_exponent(words: vec4<u32>) -> f32 {
@@ -23,13 +25,18 @@ fn blinn_phong(surface: Surface, light: Incident) -> vec3<f32> {
     let n_dot_l = saturate(dot(surface.normal, light.to_light));
     let sum = light.to_light + surface.view;
     let h = sum * inverseSqrt(max(dot(sum, sum), 1e-20));
+    let is_phong = (surface.flags & PHONG) != 0u;
+    let one = select(surface.normal, reflect(-light.to_light, surface.normal), is_phong);
+    let other = select(h, surface.view, is_phong);
     // cos² from the sine, which keeps its digits where a highlight is small: ln cos = ½ ln(1 - sin²).
-    let across = cross(surface.normal, h);
+    let across = cross(one, other);
     let exponent = unpack_exponent(surface.words);
-    let facing = dot(surface.normal, h) > 0.0;
+    // It belongs to the side of the surface that the eye is on.
+    let facing = dot(one, other) > 0.0 && dot(surface.normal, surface.view) > 0.0;
     let lobe = select(0.0, power_of_cosine(dot(across, across), exponent), facing);
     let specular = decode_color(unpack_bytes(surface.words.z).xyz);
-    let normalisation = (exponent + 2.0) * (exponent + 4.0) / (8.0 * (exponent + exp2(-0.5 * exponent)));
+    let blinns = (exponent + 2.0) * (exponent + 4.0) / (8.0 * (exponent + exp2(-0.5 * exponent)));
+    let normalisation = select(blinns, 0.5 * (exponent + 2.0), is_phong);
     return (surface.base_color + specular * (lobe * normalisation)) * (n_dot_l * 0.318309886) * light.color;
 }
 

@@ -14,6 +14,8 @@
 const UNLIT: u32 = 1u;
 const FOG: u32 = 2u;
 const SHADOW_RECEIVER: u32 = 4u;
+// Of the Blinn-Phong model: the highlight is Phong's.
+const PHONG: u32 = 8u;
 
 // Of the bytes of a word; values outside of [0, 1] are clamped.
 fn pack_bytes(values: vec4<f32>) -> u32 {

@@ -1,16 +1,23 @@
-// Lights a view's G-buffer in one full-screen triangle: directional lights, light from everywhere, what the
-// surfaces emit, and point and spot lights by one of three ways: BRUTE_FORCE goes through all that the view sees,
-// TILED through the lists of the pixel's tile, VOLUMES takes what was gathered before.
+// Lights a view's G-buffer in one full-screen triangle a shading model: directional lights, light from everywhere,
+// what the surfaces emit, and point and spot lights by one of three ways: BRUTE_FORCE goes through all that the view
+// sees, TILED through the lists of the pixel's tile, VOLUMES takes what was gathered before.
+//
+// What no light of the view needs is not compiled: SUNS says that there are directional lights, SUN_SHADOWS that one
+// of them casts shadows, CASTERS that a point or spot light does, LISTS that there are lights to go through. MODEL is
+// the lighting id of the pixels that are drawn.
 
 #import bevy_pbr::mesh_view_bindings as bevy
 #import bevy_pbr::mesh_view_types::{DIRECTIONAL_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT, DIRECTIONAL_LIGHT_FLAGS_SHADOWS_ENABLED_BIT}
 #import bevy_pbr::pbr_deferred_functions::pbr_input_from_deferred_gbuffer
 #import bevy_pbr::{ambient, clustered_forward as clustering, lighting as bevy_lighting, pbr_functions, pbr_types, prepass_utils, shadows}
-#import dolomite::deferred::bindings::{lighting, lighting_ids, listed}
+#import dolomite::deferred::bindings::{lighting, listed}
 #import dolomite::deferred::gbuffer::{SHADOW_RECEIVER, UNLIT}
-#import dolomite::deferred::local::{local_light, surface_at}
+#import dolomite::deferred::local::{open_light, reaches, surface_at}
 #import dolomite::deferred::models::shade
 #import dolomite::deferred::types::{Incident, Surface}
+#ifdef CASTERS
+#import dolomite::deferred::local::shadowed_light
+#endif
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
 #import bevy_pbr::mesh_view_bindings::screen_space_ambient_occlusion_texture
 #import bevy_pbr::ssao_utils::ssao_multibounce
@@ -31,45 +38,117 @@
 // Bevy's own id; others are models without its indirect specular light.
 const STANDARD: u32 = 1u;
 
-// One triangle over the whole target, at depth 0: the pipeline draws where the lighting id is another.
+// One triangle over the whole target, at the depth that stands for the model's lighting id: it is drawn where a pixel
+// has that id.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
     let corner = vec2(f32(index >> 1u), f32(index & 1u)) * 4.0 - 1.0;
-    return vec4(corner, 0.0, 1.0);
+    return vec4(corner, f32(#{MODEL}) / 255.0, 1.0);
 }
 
-fn local_lights(surface: Surface, pixels: vec2<f32>) -> vec3<f32> {
-    var sum = vec3(0.0);
-#ifdef BRUTE_FORCE
-    for (var i = 0u; i < lighting.lights; i++) {
-        sum += local_light(listed[i], surface, pixels);
-    }
-#endif
+#ifdef LISTS
+// No light.
+const NOBODY: u32 = 0xffffffffu;
+
+// The lights that a pixel goes through: those that its tile lists, then those of the view that no tile lists. The
+// ones that cast no shadows come first.
+struct Candidates {
+    // Of the tile's list.
+    first: u32,
+    own: u32,
+    // Of the view's list.
+    rest: u32,
+    open: u32,
+    all: u32,
+}
+
+fn candidates(pixels: vec2<f32>) -> Candidates {
 #ifdef TILED
     let tile = vec2<u32>(pixels - bevy::view.viewport.xy) / 16u;
-    let head = 1u + 2u * (tile.y * lighting.tiles.x + tile.x);
+    let head = 1u + 3u * (tile.y * lighting.tiles.x + tile.x);
     let first = tiles[head];
-    let count = tiles[head + 1u];
     // Without a list of its own, a tile goes through all.
-    var rest = lighting.in_tiles;
-    if first == 0u && count > 0u {
-        rest = 0u;
-    }
-    for (var i = 0u; i < select(count, 0u, first == 0u); i++) {
-        sum += local_light(tiles[first + i], surface, pixels);
-    }
-    for (var i = rest; i < lighting.lights; i++) {
-        sum += local_light(listed[i], surface, pixels);
+    if first != 0u {
+        let open = tiles[head + 1u] + max(lighting.open, lighting.in_tiles) - lighting.in_tiles;
+        let own = tiles[head + 2u];
+        return Candidates(first, own, lighting.in_tiles, open, own + lighting.lights - lighting.in_tiles);
     }
 #endif
-#ifdef VOLUMES
-    sum = textureLoad(gathered, vec2<i32>(pixels), 0).rgb;
+    return Candidates(0u, 0u, 0u, lighting.open, lighting.lights);
+}
+
+fn candidate(list: Candidates, at: u32) -> u32 {
+#ifdef TILED
+    if at < list.own {
+        return tiles[list.first + at];
+    }
+#endif
+    return listed[list.rest + at - list.own];
+}
+
+// The next one before `end` that may add light; `at` is then behind it.
+fn next(list: Candidates, at: ptr<function, u32>, end: u32, surface: Surface) -> u32 {
+    var found = NOBODY;
+    if *at < end {
+        loop {
+            let index = candidate(list, *at);
+            *at += 1u;
+            if reaches(index, surface) {
+                found = index;
+            }
+            if found != NOBODY || *at >= end {
+                break;
+            }
+        }
+    }
+    return found;
+}
+
+// Pixels that run together each seek their next light before any of them shades: so they shade as often as the one
+// with the most lights, not as often as there are lights that reach one of them. The test stands at the end of
+// loops, for a loop without lanes still runs once on some adapters.
+fn local_lights(surface: Surface, pixels: vec2<f32>) -> vec3<f32> {
+    let list = candidates(pixels);
+    var sum = vec3(0.0);
+    var at = 0u;
+    var index = next(list, &at, list.open, surface);
+    if index != NOBODY {
+        loop {
+            sum += open_light(index, surface);
+            index = next(list, &at, list.open, surface);
+            if index == NOBODY {
+                break;
+            }
+        }
+    }
+#ifdef CASTERS
+    at = list.open;
+    index = next(list, &at, list.all, surface);
+    if index != NOBODY {
+        loop {
+            sum += shadowed_light(index, surface, pixels);
+            index = next(list, &at, list.all, surface);
+            if index == NOBODY {
+                break;
+            }
+        }
+    }
 #endif
     return sum;
 }
+#else
+fn local_lights(surface: Surface, pixels: vec2<f32>) -> vec3<f32> {
+#ifdef VOLUMES
+    return textureLoad(gathered, vec2<i32>(pixels), 0).rgb;
+#else
+    return vec3(0.0);
+#endif
+}
+#endif
 
 fn directional_lights(surface: Surface, pixels: vec2<f32>) -> vec3<f32> {
     var sum = vec3(0.0);
+#ifdef SUNS
     for (var i = 0u; i < bevy::lights.n_directional_lights; i++) {
         let light = &bevy::lights.directional_lights[i];
         let color = (*light).color.rgb;
@@ -79,6 +158,7 @@ fn directional_lights(surface: Surface, pixels: vec2<f32>) -> vec3<f32> {
         }
         let to_light = (*light).direction_to_light;
         var seen = 1.0;
+#ifdef SUN_SHADOWS
         if (surface.flags & SHADOW_RECEIVER) != 0u {
             let place = vec4(surface.position + bevy::view.world_position, 1.0);
             if ((*light).flags & DIRECTIONAL_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u {
@@ -92,8 +172,10 @@ fn directional_lights(surface: Surface, pixels: vec2<f32>) -> vec3<f32> {
             }
 #endif
         }
+#endif
         sum += shade(surface, Incident(to_light, 1.0, color, 0.0)) * seen;
     }
+#endif
     return sum;
 }
 
@@ -188,7 +270,7 @@ fn numbers(v: vec3<f32>) -> vec3<f32> {
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let pixel = vec2<i32>(position.xy);
     let words = textureLoad(bevy::deferred_prepass_texture, pixel, 0);
-    let model = textureLoad(lighting_ids, pixel, 0).r;
+    let model = u32(#{MODEL});
     let depth = prepass_utils::prepass_depth(position, 0u);
     // For fog and tone mapping, which are Bevy's.
     let input = pbr_input_from_deferred_gbuffer(vec4(position.xy, depth, 0.0), words);

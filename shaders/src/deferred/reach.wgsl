@@ -33,3 +33,19 @@ fn arriving(light: Light, camera: vec3<f32>, position: vec3<f32>) -> Incident {
         * cone(-dot(light.direction, to_light), light.cos_outer, light.cone_scale);
     return Incident(to_light, distance, light.color * share, light.radius);
 }
+
+// Whether a place lies within the range; `offset` leads to the light. Exactly where `attenuation` is not 0.
+fn within(offset: vec3<f32>, range: f32) -> bool {
+    return dot(offset, offset) < range * range;
+}
+
+// Whether light of a sphere may arrive from the side that `normal` points to: where it does not, the cosine of
+// every direction that a highlight takes is 0. The last term is more than the sums round by.
+fn before(offset: vec3<f32>, normal: vec3<f32>, radius: f32, range: f32) -> bool {
+    return dot(offset, normal) > -(radius * 1.0001 + range * 1e-6);
+}
+
+// Whether a place may lie in a spot light's cone; true for a point light.
+fn in_cone(offset: vec3<f32>, direction: vec3<f32>, cos_outer: f32) -> bool {
+    return -dot(direction, offset) >= (cos_outer - 1e-6) * length(offset);
+}

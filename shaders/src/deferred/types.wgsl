@@ -47,6 +47,11 @@ struct Incident {
     radius: f32,
 }
 
+// Bits of a light's kind: it is a spot light; it has a shadow map; it casts contact shadows.
+const SPOT: u32 = 1u;
+const CASTS: u32 = 2u;
+const CONTACT: u32 = 4u;
+
 // A point or spot light: `LightRow` of `dolomite_deferred`.
 struct Light {
     // In the world.
@@ -65,5 +70,7 @@ struct Light {
     cone_scale: f32,
     // Sine of the outer angle.
     sin_outer: f32,
-    pad: vec2<f32>,
+    // SPOT, CASTS, CONTACT.
+    kind: u32,
+    pad: u32,
 }

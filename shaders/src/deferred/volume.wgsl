@@ -5,7 +5,10 @@
 #import bevy_pbr::prepass_utils
 #import dolomite::deferred::bindings::{lighting_ids, lights, listed}
 #import dolomite::deferred::gbuffer::{UNLIT, unpack_flags}
-#import dolomite::deferred::local::{local_light, surface_at}
+#import dolomite::deferred::local::{open_light, surface_at}
+#ifdef CASTERS
+#import dolomite::deferred::local::shadowed_light
+#endif
 #import dolomite::deferred::types::Light
 
 struct Hull {
@@ -82,5 +85,9 @@ fn fragment(hull: Hull) -> @location(0) vec4<f32> {
         return vec4(0.0);
     }
     let surface = surface_at(hull.position.xy, depth, words, model);
-    return vec4(local_light(hull.light, surface, hull.position.xy), 0.0);
+#ifdef CASTERS
+    return vec4(shadowed_light(hull.light, surface, hull.position.xy), 0.0);
+#else
+    return vec4(open_light(hull.light, surface), 0.0);
+#endif
 }

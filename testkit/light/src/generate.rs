@@ -28,6 +28,8 @@ pub struct Recipe {
     pub ambient: bool,
     /// Share of the materials that are Blinn-Phong, `0..=1`.
     pub blinn_phong: f64,
+    /// Share of these whose highlight is Phong's, `0..=1`.
+    pub phong: f64,
     /// Share of the materials that emit light, `0..=1`.
     pub emissive: f64,
     /// Pixels in a row.
@@ -45,6 +47,7 @@ impl Default for Recipe {
             suns: 1,
             ambient: true,
             blinn_phong: 0.0,
+            phong: 0.0,
             emissive: 0.1,
             width: 320,
             height: 180,
@@ -115,7 +118,12 @@ fn material(recipe: &Recipe, random: &mut Random) -> Material {
             specular: colour(random, 0.5 * specular, specular),
             exponent: f32_of(random.magnitude(1.0, 256.0)),
             emissive,
-            lobe: Lobe::Blinn,
+            // Without a share of them no number is drawn: other scenes of a seed stay what they were.
+            lobe: if recipe.phong > 0.0 && random.chance(recipe.phong) {
+                Lobe::Phong
+            } else {
+                Lobe::Blinn
+            },
             ..BlinnPhong::default()
         });
     }

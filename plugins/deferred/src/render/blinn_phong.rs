@@ -2,33 +2,66 @@
 
 use bevy::asset::{Asset, Assets, Handle, uuid_handle};
 use bevy::color::LinearRgba;
+use bevy::image::Image;
 use bevy::material::OpaqueRendererMethod;
-use bevy::pbr::{Material, MaterialPlugin};
+use bevy::math::Vec4;
+use bevy::mesh::MeshVertexBufferLayoutRef;
+use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey, MaterialPlugin};
 use bevy::prelude::*;
 use bevy::reflect::TypePath;
-use bevy::render::render_resource::AsBindGroup;
+use bevy::render::render_asset::RenderAssets;
+use bevy::render::render_resource::{
+    AsBindGroup, AsBindGroupShaderType, RenderPipelineDescriptor, ShaderType,
+    SpecializedMeshPipelineError,
+};
+use bevy::render::texture::GpuImage;
 use bevy::shader::{Shader, ShaderRef};
 
+use crate::gbuffer::PHONG;
 use crate::model::{BLINN_PHONG, ShadingModels};
 
-/// Diffuse light by Lambert, a highlight by Blinn (1977).
+/// What is raised to the exponent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Lobe {
+    /// The cosine between the normal and the direction halfway to the light (Blinn 1977).
+    #[default]
+    Blinn,
+    /// The cosine between the mirrored light and the eye (Phong 1975).
+    Phong,
+}
+
+/// Diffuse light by Lambert, a highlight by Blinn (1977) or Phong (1975).
 ///
 /// It is opaque, and seen by cameras with [`DeferredLighting`](crate::DeferredLighting) alone: Bevy's own lighting
-/// pass leaves it black. Textures of its own it has none yet.
-#[derive(Asset, AsBindGroup, TypePath, Clone, Copy, Debug, PartialEq)]
+/// pass leaves it black. Maps need texture coordinates on the mesh, a normal map tangents as well.
+#[derive(Asset, AsBindGroup, TypePath, Clone, Debug, PartialEq)]
+#[uniform(0, Uniform)]
+#[bind_group_data(Key)]
 pub struct BlinnPhongMaterial {
     /// Albedo of the diffuse part, `0..=1` a channel.
-    #[uniform(0)]
     pub diffuse: LinearRgba,
     /// Albedo of the highlight for an eye on the normal, `0..=1` a channel.
-    #[uniform(0)]
     pub specular: LinearRgba,
     /// Radiance that it sends out, cd/m²; exposure does not change it.
-    #[uniform(0)]
     pub emissive: LinearRgba,
     /// The higher, the smaller is the highlight: 1 to 65536, kept in steps of 0.017 %.
-    #[uniform(0)]
     pub exponent: f32,
+    /// What the highlight is made of.
+    pub lobe: Lobe,
+    /// Each triangle has one normal, its own.
+    pub faceted: bool,
+    /// Multiplies `diffuse`.
+    #[texture(1)]
+    #[sampler(2)]
+    pub diffuse_map: Option<Handle<Image>>,
+    /// Multiplies `specular`.
+    #[texture(3)]
+    #[sampler(4)]
+    pub specular_map: Option<Handle<Image>>,
+    /// Normals in tangent space, +y up, as in glTF.
+    #[texture(5)]
+    #[sampler(6)]
+    pub normal_map: Option<Handle<Image>>,
 }
 
 impl Default for BlinnPhongMaterial {
@@ -38,6 +71,57 @@ impl Default for BlinnPhongMaterial {
             specular: LinearRgba::gray(0.04),
             emissive: LinearRgba::BLACK,
             exponent: 32.0,
+            lobe: Lobe::Blinn,
+            faceted: false,
+            diffuse_map: None,
+            specular_map: None,
+            normal_map: None,
+        }
+    }
+}
+
+/// `BlinnPhong` in `shaders/src/deferred/write_blinn_phong.wgsl`.
+#[derive(ShaderType, Clone, Copy, Debug, Default)]
+struct Uniform {
+    diffuse: Vec4,
+    specular: Vec4,
+    emissive: Vec4,
+    exponent: f32,
+    flags: u32,
+}
+
+impl AsBindGroupShaderType<Uniform> for BlinnPhongMaterial {
+    fn as_bind_group_shader_type(&self, _: &RenderAssets<GpuImage>) -> Uniform {
+        Uniform {
+            diffuse: self.diffuse.to_vec4(),
+            specular: self.specular.to_vec4(),
+            emissive: self.emissive.to_vec4(),
+            exponent: self.exponent,
+            flags: match self.lobe {
+                Lobe::Blinn => 0,
+                Lobe::Phong => PHONG,
+            },
+        }
+    }
+}
+
+/// What its pipelines differ in: what is not used is not compiled.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Key {
+    faceted: bool,
+    diffuse_map: bool,
+    specular_map: bool,
+    normal_map: bool,
+}
+
+impl From<&BlinnPhongMaterial> for Key {
+    fn from(material: &BlinnPhongMaterial) -> Self {
+        Self {
+            faceted: material.faceted,
+            diffuse_map: material.diffuse_map.is_some(),
+            specular_map: material.specular_map.is_some(),
+            normal_map: material.normal_map.is_some(),
         }
     }
 }
@@ -51,6 +135,31 @@ impl Material for BlinnPhongMaterial {
 
     fn opaque_render_method(&self) -> OpaqueRendererMethod {
         OpaqueRendererMethod::Deferred
+    }
+
+    fn specialize(
+        _: &MaterialPipeline,
+        descriptor: &mut RenderPipelineDescriptor,
+        _: &MeshVertexBufferLayoutRef,
+        key: MaterialPipelineKey<Self>,
+    ) -> Result<(), SpecializedMeshPipelineError> {
+        let Key {
+            faceted,
+            diffuse_map,
+            specular_map,
+            normal_map,
+        } = key.bind_group_data;
+        let defs = [
+            (faceted, "FACETED"),
+            (diffuse_map, "DIFFUSE_MAP"),
+            (specular_map, "SPECULAR_MAP"),
+            (normal_map, "NORMAL_MAP"),
+        ];
+        if let Some(fragment) = &mut descriptor.fragment {
+            let used = defs.into_iter().filter(|(used, _)| *used);
+            fragment.shader_defs.extend(used.map(|(_, def)| def.into()));
+        }
+        Ok(())
     }
 }
 
@@ -68,6 +177,7 @@ impl Plugin for BlinnPhongPlugin {
             bevy::log::error!("BlinnPhongPlugin: {refusal}");
             return;
         }
+        models.dark_from_behind(BLINN_PHONG);
         let Some(mut shaders) = app.world_mut().get_resource_mut::<Assets<Shader>>() else {
             return;
         };

@@ -1,33 +1,17 @@
 //! The rows of all point and spot lights, in Bevy's order, so that an index is good for Bevy's shadow maps too.
 
-use std::collections::HashSet;
-
 use bevy::camera::visibility::RenderLayers;
 use bevy::log::warn;
-use bevy::pbr::{ExtractedPointLight, GlobalClusterableObjectMeta};
+use bevy::pbr::{ExtractedDirectionalLight, ExtractedPointLight, GlobalClusterableObjectMeta};
 use bevy::prelude::*;
-use bevy::render::render_resource::{Buffer, BufferDescriptor, BufferUsages};
+use bevy::render::render_resource::{BufferDescriptor, BufferUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 
+use super::lights::Lights;
+use super::prepare::ViewLighting;
+use crate::choice::{Chosen, Suns};
 use crate::components::DeferredLighting;
-use crate::light::{Cone, LightRefusal, LightRow, LightSource};
-
-/// All lights of the world.
-#[derive(Resource, Default)]
-pub struct Lights {
-    /// By Bevy's index.
-    pub rows: Vec<LightRow>,
-    /// Layers of those that are not on the default one alone.
-    pub layers: bevy::platform::collections::HashMap<u32, RenderLayers>,
-    /// `rows` on the GPU; `None` while there are none.
-    pub buffer: Option<Buffer>,
-    /// What the buffer holds.
-    uploaded: Vec<LightRow>,
-    /// Refusals that were told.
-    told: HashSet<LightRefusal>,
-    /// How many lights are refused.
-    pub refused: u32,
-}
+use crate::light::{Cone, LightRow, LightSource, Shadows};
 
 fn source(light: &ExtractedPointLight) -> LightSource {
     let color = Vec3::from_array([light.color.red, light.color.green, light.color.blue]);
@@ -41,12 +25,17 @@ fn source(light: &ExtractedPointLight) -> LightSource {
             inner,
             outer,
         }),
+        shadows: Shadows {
+            map: light.shadow_maps_enabled,
+            contact: light.contact_shadows_enabled,
+        },
     }
 }
 
 /// Writes the rows where a view is lit by us; drops them where none is.
 pub fn gather(
-    views: Query<(), With<DeferredLighting>>,
+    views: Query<Option<&ViewLighting>, With<DeferredLighting>>,
+    suns: Query<&ExtractedDirectionalLight>,
     extracted: Query<(Entity, &ExtractedPointLight, Option<&RenderLayers>)>,
     meta: Res<GlobalClusterableObjectMeta>,
     device: Res<RenderDevice>,
@@ -57,6 +46,13 @@ pub fn gather(
     lights.rows.clear();
     lights.layers.clear();
     lights.refused = 0;
+    lights.suns = Suns::None;
+    for sun in &suns {
+        let shadows = sun.shadow_maps_enabled || sun.contact_shadows_enabled;
+        lights.suns = lights
+            .suns
+            .max(if shadows { Suns::Shadowed } else { Suns::Open });
+    }
     if views.is_empty() {
         lights.buffer = None;
         lights.uploaded = Vec::new();
@@ -86,12 +82,18 @@ pub fn gather(
             lights.layers.insert(index as u32, layers.clone());
         }
     }
-    upload(lights, &device, &queue);
+    let reads = |view: &ViewLighting| view.variation.is_some_and(|v| v.chosen != Chosen::Nothing);
+    let read = views.iter().flatten().any(reads);
+    upload(lights, read, &device, &queue);
 }
 
-/// Writes what changed; a scene at rest writes nothing.
-fn upload(lights: &mut Lights, device: &RenderDevice, queue: &RenderQueue) {
+/// Writes what changed; a scene at rest writes nothing. `read` says that a view reads rows: until the pipeline
+/// without lights is compiled, it does so where there are none any more.
+fn upload(lights: &mut Lights, read: bool, device: &RenderDevice, queue: &RenderQueue) {
     if lights.rows.iter().all(|row| !row.shines()) {
+        if read {
+            return;
+        }
         lights.buffer = None;
         lights.uploaded.clear();
         return;

@@ -1,17 +1,19 @@
 //! The passes that light, behind a component on the camera.
 //!
 //! A frame, in order: `extract` copies [`DeferredLighting`] and takes Bevy's lighting pass off the view; `gather`
-//! writes the rows of all lights; `prepare` lists what each view sees, chooses its way and makes what that needs;
-//! `pipeline` asks Bevy for the layout and the definitions of its own lighting pass and puts our shaders in their
-//! place; `pass` records. Without a camera that has the component there is no buffer, pipeline or pass of ours.
+//! writes the rows of all lights; `prepare` lists what each view sees, chooses its way and makes what that needs, its
+//! pipelines by `pipeline`, which asks Bevy for the layout and the definitions of its own lighting pass and puts our
+//! shaders in their place; `pass` records. Without a camera that has the component there is no buffer, pipeline or pass of ours.
 
 mod blinn_phong;
 mod extract;
 mod gather;
 mod hull;
+mod lights;
 mod pass;
 mod pipeline;
 mod prepare;
+mod pyramid;
 mod shaders;
 mod stats;
 mod unlit;
@@ -22,7 +24,7 @@ use bevy::prelude::*;
 use bevy::render::extract_component::ExtractComponentPlugin;
 use bevy::render::{Render, RenderApp, RenderSystems};
 
-pub use blinn_phong::{BlinnPhongMaterial, BlinnPhongPlugin};
+pub use blinn_phong::{BlinnPhongMaterial, BlinnPhongPlugin, Lobe};
 pub use prepare::ViewLighting;
 pub use stats::{DeferredStats, ViewStats};
 
@@ -88,18 +90,13 @@ impl Plugin for DeferredPlugin {
         render_app
             .insert_resource(shaders)
             .insert_resource(stats)
-            .init_resource::<gather::Lights>()
+            .init_resource::<lights::Lights>()
             .init_resource::<pipeline::Pipelines>()
             .add_systems(
                 Render,
-                (
-                    (gather::gather, prepare::prepare)
-                        .chain()
-                        .in_set(RenderSystems::PrepareResources),
-                    pipeline::prepare
-                        .in_set(RenderSystems::Prepare)
-                        .after(RenderSystems::PrepareResources),
-                ),
+                (gather::gather, prepare::prepare)
+                    .chain()
+                    .in_set(RenderSystems::PrepareResources),
             )
             .add_systems(
                 Core3d,

@@ -14,10 +14,11 @@ use bevy::render::render_resource::{
 use bevy::render::renderer::{RenderContext, RenderDevice, ViewQuery};
 use bevy::render::view::{ViewDepthTexture, ViewTarget, ViewUniformOffset, ViewUniforms};
 
-use super::gather::Lights;
 use super::hull;
+use super::lights::Lights;
 use super::pipeline::{light_layout, tiles_layout};
 use super::prepare::ViewLighting;
+use super::pyramid::{self, Recording, ViewPyramid};
 use crate::choice::Chosen;
 
 /// The hulls, made when the first view is lit by volumes.
@@ -96,7 +97,7 @@ pub fn light(
 ) {
     let (camera, lighting, bevys, offset, target, depth, prepass, id_depth) = view.into_inner();
     let (Some(chosen), Some(ids), Some(depths)) = (
-        lighting.chosen,
+        lighting.variation.map(|variation| variation.chosen),
         prepass.deferred_lighting_pass_id.as_ref(),
         prepass.depth_view(),
     ) else {
@@ -110,11 +111,13 @@ pub fn light(
         device: &device,
         cache: &cache,
     };
-    let pipeline = lighting
+    let models: Vec<_> = lighting
         .pipelines
         .light
-        .and_then(|id| cache.get_render_pipeline(id));
-    let (Some(pipeline), Some(group)) = (pipeline, reading.group(Some(chosen))) else {
+        .iter()
+        .filter_map(|id| cache.get_render_pipeline(*id))
+        .collect();
+    let Some(group) = reading.group(Some(chosen)).filter(|_| !models.is_empty()) else {
         return;
     };
     let before = match chosen {
@@ -144,12 +147,52 @@ pub fn light(
         multiview_mask: None,
     });
     let span = diagnostics.pass_span(&mut pass, "dolomite_deferred_light");
-    pass.set_render_pipeline(pipeline);
-    pass.set_bind_group(0, &bevys.main, &bevys.main_offsets);
-    pass.set_bind_group(1, &bevys.binding_array, &[]);
-    pass.set_bind_group(2, &group, &[]);
-    pass.draw(0..3, 0..1);
+    for pipeline in models {
+        pass.set_render_pipeline(pipeline);
+        pass.set_bind_group(0, &bevys.main, &bevys.main_offsets);
+        pass.set_bind_group(1, &bevys.binding_array, &[]);
+        pass.set_bind_group(2, &group, &[]);
+        pass.draw(0..3, 0..1);
+    }
     span.end(&mut pass);
+}
+
+/// Tells which lights lie behind what is drawn, where that is worth it; `None` if it should and cannot.
+fn look<'a>(
+    reading: &Reading<'a>,
+    depths: &TextureView,
+    offset: &ViewUniformOffset,
+    uniforms: &ViewUniforms,
+    ctx: &mut RenderContext,
+) -> Option<Option<&'a ViewPyramid>> {
+    let lighting = reading.lighting;
+    let (pyramid, ids) = match (&lighting.pyramid, lighting.pipelines.pyramid) {
+        (Some(pyramid), Some(ids)) => (pyramid, ids),
+        (None, None) => return Some(None),
+        _ => return None,
+    };
+    let [depth, above, lights] = ids.map(|id| reading.cache.get_compute_pipeline(id));
+    let seen = [
+        uniforms.uniforms.binding()?,
+        lighting.uniform_buffer.as_ref()?.as_entire_binding(),
+        reading.lights?.as_entire_binding(),
+        lighting.list_buffer.as_ref()?.as_entire_binding(),
+    ];
+    let recording = Recording {
+        pyramid,
+        pipelines: [depth?, above?, lights?],
+        depths,
+        seen,
+        offset: offset.offset,
+        lights: lighting.uniform.in_tiles,
+    };
+    pyramid::record(
+        recording,
+        reading.device,
+        reading.cache,
+        ctx.command_encoder(),
+    );
+    Some(Some(pyramid))
 }
 
 /// Lists the lights of each tile.
@@ -164,7 +207,8 @@ fn list(
     let id = lighting.pipelines.tiles?;
     let pipeline = reading.cache.get_compute_pipeline(id)?;
     let tiles = lighting.tiles.as_ref()?;
-    let resources = [
+    let pyramid = look(reading, depths, offset, uniforms, ctx)?;
+    let mut resources = vec![
         uniforms.uniforms.binding()?,
         lighting.uniform_buffer.as_ref()?.as_entire_binding(),
         reading.lights?.as_entire_binding(),
@@ -173,11 +217,14 @@ fn list(
         tiles.used.as_entire_binding(),
         tiles.lists.as_entire_binding(),
     ];
+    resources.extend(pyramid.map(|pyramid| pyramid.shown.as_entire_binding()));
     let entries: Vec<BindGroupEntry> = (0..)
         .zip(resources)
         .map(|(binding, resource)| BindGroupEntry { binding, resource })
         .collect();
-    let layout = reading.cache.get_bind_group_layout(&tiles_layout());
+    let layout = reading
+        .cache
+        .get_bind_group_layout(&tiles_layout(pyramid.is_some()));
     let group = reading
         .device
         .create_bind_group("dolomite_deferred_tiles", &layout, &entries);
@@ -208,11 +255,12 @@ fn gather(
     ctx: &mut RenderContext,
 ) -> Option<()> {
     let lighting = reading.lighting;
-    let [points, spots] = lighting
-        .pipelines
-        .volumes?
-        .map(|id| reading.cache.get_render_pipeline(id));
-    let (points, spots) = (points?, spots?);
+    let ids = [lighting.pipelines.volumes, lighting.pipelines.casting];
+    let pipelines =
+        ids.map(|ids| ids.map(|pair| pair.map(|id| reading.cache.get_render_pipeline(id))));
+    let [Some(open), casting] = pipelines else {
+        return None;
+    };
     let group = reading.group(None)?;
     let gathered = lighting.gathered.as_ref()?;
     let hulls = hulls.0.get_or_insert_with(|| {
@@ -248,13 +296,13 @@ fn gather(
     if let Some(viewport) = &camera.viewport {
         pass.set_camera_viewport(viewport);
     }
-    let first_spot = lighting.listed.points;
-    let all = lighting.uniform.lights;
-    let kinds = [(points, 0..first_spot), (spots, first_spot..all)];
-    for ((pipeline, range), (corners, count)) in kinds.into_iter().zip(hulls.iter()) {
-        if range.is_empty() {
+    let pipelines = open.into_iter().chain(casting.unwrap_or([None; 2]));
+    let kinds = lighting.listed.runs().into_iter().zip(pipelines);
+    for ((range, pipeline), (corners, count)) in kinds.zip(hulls.iter().cycle()) {
+        // A run that the last variation has no pipeline for waits.
+        let Some(pipeline) = pipeline.filter(|_| !range.is_empty()) else {
             continue;
-        }
+        };
         pass.set_render_pipeline(pipeline);
         pass.set_bind_group(0, &bevys.main, &bevys.main_offsets);
         pass.set_bind_group(1, &bevys.binding_array, &[]);

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use bevy::ecs::system::SystemParam;
 use bevy::mesh::VertexBufferLayout;
 use bevy::pbr::deferred::DeferredLightingLayout;
 use bevy::pbr::{MeshPipelineKey, ViewKeyCache};
@@ -20,16 +21,16 @@ use bevy::render::render_resource::{
 use bevy::render::view::{ExtractedView, ViewUniform};
 use bevy::shader::ShaderDefVal;
 
-use super::prepare::{ViewLighting, ViewPipelines};
 use super::shaders::Shaders;
-use crate::choice::Chosen;
+use crate::choice::{Chosen, Suns, Variation};
 
 /// Every pipeline that a view has asked for.
 #[derive(Resource, Default)]
 pub struct Pipelines {
-    light: HashMap<(MeshPipelineKey, Chosen), CachedRenderPipelineId>,
-    volumes: HashMap<(MeshPipelineKey, bool), CachedRenderPipelineId>,
-    tiles: HashMap<u32, CachedComputePipelineId>,
+    light: HashMap<(MeshPipelineKey, Variation, u8), CachedRenderPipelineId>,
+    volumes: HashMap<(MeshPipelineKey, bool, bool), CachedRenderPipelineId>,
+    tiles: HashMap<(u32, bool), CachedComputePipelineId>,
+    pyramid: Option<[CachedComputePipelineId; 3]>,
 }
 
 type Entry = (u32, BindGroupLayoutEntryBuilder);
@@ -73,9 +74,9 @@ pub fn light_layout(chosen: Option<Chosen>) -> BindGroupLayoutDescriptor {
     )
 }
 
-/// The layout of the pass that lists the lights of tiles.
-pub fn tiles_layout() -> BindGroupLayoutDescriptor {
-    let entries = [
+/// The layout of the pass that lists the lights of tiles; `culled` by the depth pyramid.
+pub fn tiles_layout(culled: bool) -> BindGroupLayoutDescriptor {
+    let mut entries: Vec<Entry> = vec![
         (0, uniform_buffer::<ViewUniform>(true)),
         (1, uniform_buffer_sized(false, None)),
         (2, storage_buffer_read_only_sized(false, None)),
@@ -84,50 +85,132 @@ pub fn tiles_layout() -> BindGroupLayoutDescriptor {
         (5, storage_buffer_sized(false, None)),
         (6, storage_buffer_sized(false, None)),
     ];
+    if culled {
+        entries.push((7, storage_buffer_read_only_sized(false, None)));
+    }
     layout("dolomite_deferred_tiles", ShaderStages::COMPUTE, &entries)
 }
 
-/// Gives views the pipelines of their way.
-pub fn prepare(
-    mut views: Query<(&ExtractedView, &mut ViewLighting)>,
-    keys: Res<ViewKeyCache>,
-    bevys: Option<Res<DeferredLightingLayout>>,
-    cache: Res<PipelineCache>,
-    shaders: Res<Shaders>,
-    mut pipelines: ResMut<Pipelines>,
-) {
-    for (view, mut lighting) in &mut views {
-        lighting.pipelines = ViewPipelines::default();
-        let (Some(chosen), Some(key)) = (lighting.chosen, keys.get(&view.retained_view_entity))
-        else {
-            continue;
-        };
-        let Some(bevys) = &bevys else {
+/// The layout of the passes that make the levels of the depth pyramid.
+pub fn build_layout(from_depth: bool) -> BindGroupLayoutDescriptor {
+    let mut entries: Vec<Entry> = vec![
+        (0, uniform_buffer_sized(false, None)),
+        (1, storage_buffer_sized(false, None)),
+    ];
+    if from_depth {
+        entries.push((2, texture_depth_2d()));
+    }
+    layout("dolomite_deferred_pyramid", ShaderStages::COMPUTE, &entries)
+}
+
+/// The layout of the pass that tests lights against the pyramid.
+pub fn look_layout() -> BindGroupLayoutDescriptor {
+    let entries = [
+        (0, uniform_buffer::<ViewUniform>(true)),
+        (1, uniform_buffer_sized(false, None)),
+        (2, storage_buffer_read_only_sized(false, None)),
+        (3, storage_buffer_read_only_sized(false, None)),
+        (4, storage_buffer_read_only_sized(false, None)),
+        (5, storage_buffer_sized(false, None)),
+    ];
+    layout("dolomite_deferred_shown", ShaderStages::COMPUTE, &entries)
+}
+
+/// The pipelines of a view.
+#[derive(Clone, Debug, Default)]
+pub struct ViewPipelines {
+    /// The full-screen pass, one a shading model.
+    pub light: Vec<CachedRenderPipelineId>,
+    /// Hulls of points, and of spots, that cast no shadows.
+    pub volumes: Option<[CachedRenderPipelineId; 2]>,
+    /// Of those that do.
+    pub casting: Option<[CachedRenderPipelineId; 2]>,
+    /// Lists of tiles.
+    pub tiles: Option<CachedComputePipelineId>,
+    /// The depth pyramid: its first levels, those above, and the test of lights.
+    pub pyramid: Option<[CachedComputePipelineId; 3]>,
+}
+
+/// Makes pipelines when they are first asked for.
+#[derive(SystemParam)]
+pub struct Maker<'w> {
+    keys: Res<'w, ViewKeyCache>,
+    bevys: Option<Res<'w, DeferredLightingLayout>>,
+    cache: Res<'w, PipelineCache>,
+    shaders: Res<'w, Shaders>,
+    pipelines: ResMut<'w, Pipelines>,
+}
+
+impl Maker<'_> {
+    /// Of a view, for a variation and so many words of the tiles' memory; `None` before Bevy knows the view.
+    pub fn make(
+        &mut self,
+        view: &ExtractedView,
+        variation: Variation,
+        words: u32,
+    ) -> Option<ViewPipelines> {
+        let key = *self.keys.get(&view.retained_view_entity)?;
+        let Some(bevys) = &self.bevys else {
             bevy::log::warn_once!(
                 "DeferredLighting needs Bevy's deferred lighting plugin (PbrPlugin::add_default_deferred_lighting_plugin), which was left out"
             );
-            continue;
+            return None;
         };
-        let light = pipelines
-            .light
-            .entry((*key, chosen))
-            .or_insert_with(|| cache.queue_render_pipeline(light(bevys, *key, chosen, &shaders)));
-        lighting.pipelines.light = Some(*light);
-        if chosen == Chosen::Volumes {
-            let both = [false, true].map(|spots| {
-                let known = pipelines.volumes.entry((*key, spots));
-                *known.or_insert_with(|| {
-                    cache.queue_render_pipeline(volumes(bevys, *key, spots, &shaders))
-                })
+        let (cache, shaders) = (&self.cache, &self.shaders);
+        let mut made = ViewPipelines::default();
+        let chosen = variation.chosen;
+        // Hulls have their shadows already.
+        let of_light = Variation {
+            casters: variation.casters && matches!(chosen, Chosen::Tiled | Chosen::BruteForce),
+            culled: false,
+            ..variation
+        };
+        for model in &shaders.models {
+            let known = self.pipelines.light.entry((key, of_light, *model));
+            let id = known.or_insert_with(|| {
+                cache.queue_render_pipeline(light(bevys, key, of_light, *model, shaders))
             });
-            lighting.pipelines.volumes = Some(both);
+            made.light.push(*id);
+        }
+        if chosen == Chosen::Volumes {
+            let mut both = |casting: bool| {
+                [false, true].map(|spots| {
+                    let known = self.pipelines.volumes.entry((key, spots, casting));
+                    *known.or_insert_with(|| {
+                        cache.queue_render_pipeline(volumes(bevys, key, spots, casting, shaders))
+                    })
+                })
+            };
+            made.volumes = Some(both(false));
+            made.casting = variation.casters.then(|| both(true));
         }
         if chosen == Chosen::Tiled {
-            let words = lighting.mask_words();
-            let known = pipelines.tiles.entry(words);
-            let id = known.or_insert_with(|| cache.queue_compute_pipeline(tiles(words, &shaders)));
-            lighting.pipelines.tiles = Some(*id);
+            let known = self.pipelines.tiles.entry((words, variation.culled));
+            let id = known.or_insert_with(|| {
+                cache.queue_compute_pipeline(tiles(words, variation.culled, shaders))
+            });
+            made.tiles = Some(*id);
+            if variation.culled {
+                let known = &mut self.pipelines.pyramid;
+                let all = known.get_or_insert_with(|| {
+                    pyramid(shaders).map(|descriptor| cache.queue_compute_pipeline(descriptor))
+                });
+                made.pyramid = Some(*all);
+            }
         }
+        Some(made)
+    }
+
+    /// Whether all of them are compiled.
+    pub fn ready(&self, made: &ViewPipelines) -> bool {
+        let hulls = [made.volumes, made.casting].into_iter().flatten().flatten();
+        let mut drawn = made.light.iter().copied().chain(hulls);
+        let mut computed = made
+            .tiles
+            .into_iter()
+            .chain(made.pyramid.into_iter().flatten());
+        drawn.all(|id| self.cache.get_render_pipeline(id).is_some())
+            && computed.all(|id| self.cache.get_compute_pipeline(id).is_some())
     }
 }
 
@@ -136,12 +219,11 @@ fn bevys_with(
     bevys: &DeferredLightingLayout,
     key: MeshPipelineKey,
     group: BindGroupLayoutDescriptor,
-    defs: &[&str],
+    mut defs: Vec<ShaderDefVal>,
 ) -> RenderPipelineDescriptor {
     let mut descriptor = bevys.specialize(key);
     descriptor.layout.truncate(2);
     descriptor.layout.push(group);
-    let mut defs: Vec<ShaderDefVal> = defs.iter().map(|def| (*def).into()).collect();
     if key.intersects(MeshPipelineKey::ENVIRONMENT_MAP | MeshPipelineKey::IRRADIANCE_VOLUME) {
         defs.push("NEEDS_PROBES".into());
     }
@@ -157,24 +239,32 @@ fn bevys_with(
 fn light(
     bevys: &DeferredLightingLayout,
     key: MeshPipelineKey,
-    chosen: Chosen,
+    variation: Variation,
+    model: u8,
     shaders: &Shaders,
 ) -> RenderPipelineDescriptor {
-    let way: &[&str] = match chosen {
-        Chosen::Nothing => &[],
-        Chosen::BruteForce => &["BRUTE_FORCE"],
-        Chosen::Tiled => &["TILED"],
-        Chosen::Volumes => &["VOLUMES"],
+    let mut defs: Vec<ShaderDefVal> = match variation.chosen {
+        Chosen::Nothing => vec![],
+        Chosen::BruteForce => vec!["LISTS".into()],
+        Chosen::Tiled => vec!["LISTS".into(), "TILED".into()],
+        Chosen::Volumes => vec!["VOLUMES".into()],
     };
-    let mut descriptor = bevys_with(bevys, key, light_layout(Some(chosen)), way);
+    match variation.suns {
+        Suns::None => {}
+        Suns::Open => defs.push("SUNS".into()),
+        Suns::Shadowed => defs.extend(["SUNS".into(), "SUN_SHADOWS".into()]),
+    }
+    if variation.casters {
+        defs.push("CASTERS".into());
+    }
+    defs.push("ONE_MODEL".into());
+    defs.push(format!("MODEL_{model}").as_str().into());
+    defs.push(ShaderDefVal::UInt("MODEL".into(), model.into()));
+    let mut descriptor = bevys_with(bevys, key, light_layout(Some(variation.chosen)), defs);
     descriptor.label = Some("dolomite_deferred_light".into());
     descriptor.vertex.shader = shaders.light.clone();
     if let Some(fragment) = &mut descriptor.fragment {
         fragment.shader = shaders.light.clone();
-    }
-    if let Some(depth) = &mut descriptor.depth_stencil {
-        // Against 0, the id of what is not lit.
-        depth.depth_compare = Some(CompareFunction::NotEqual);
     }
     descriptor
 }
@@ -183,10 +273,13 @@ fn volumes(
     bevys: &DeferredLightingLayout,
     key: MeshPipelineKey,
     spots: bool,
+    casting: bool,
     shaders: &Shaders,
 ) -> RenderPipelineDescriptor {
-    let kind: &[&str] = if spots { &["SPOTS"] } else { &[] };
-    let mut descriptor = bevys_with(bevys, key, light_layout(None), kind);
+    let kinds = [(spots, "SPOTS"), (casting, "CASTERS")];
+    let kinds = kinds.into_iter().filter(|(is, _)| *is);
+    let defs = kinds.map(|(_, def)| def.into()).collect();
+    let mut descriptor = bevys_with(bevys, key, light_layout(None), defs);
     descriptor.label = Some("dolomite_deferred_volumes".into());
     descriptor.vertex.shader = shaders.volume.clone();
     descriptor.vertex.buffers = vec![VertexBufferLayout::from_vertex_formats(
@@ -224,13 +317,40 @@ fn volumes(
     descriptor
 }
 
-fn tiles(words: u32, shaders: &Shaders) -> ComputePipelineDescriptor {
+fn tiles(words: u32, culled: bool, shaders: &Shaders) -> ComputePipelineDescriptor {
+    let mut shader_defs = vec![ShaderDefVal::UInt("MASK_WORDS".into(), words)];
+    if culled {
+        shader_defs.push("CULLED".into());
+    }
     ComputePipelineDescriptor {
         label: Some("dolomite_deferred_tiles".into()),
-        layout: vec![tiles_layout()],
+        layout: vec![tiles_layout(culled)],
         shader: shaders.tiles.clone(),
-        shader_defs: vec![ShaderDefVal::UInt("MASK_WORDS".into(), words)],
+        shader_defs,
         entry_point: Some("list".into()),
         ..default()
     }
+}
+
+fn pyramid(shaders: &Shaders) -> [ComputePipelineDescriptor; 3] {
+    let build = |from_depth: bool| ComputePipelineDescriptor {
+        label: Some("dolomite_deferred_pyramid".into()),
+        layout: vec![build_layout(from_depth)],
+        shader: shaders.pyramid_build.clone(),
+        shader_defs: if from_depth {
+            vec!["FROM_DEPTH".into()]
+        } else {
+            vec![]
+        },
+        entry_point: Some("halve".into()),
+        ..default()
+    };
+    let look = ComputePipelineDescriptor {
+        label: Some("dolomite_deferred_shown".into()),
+        layout: vec![look_layout()],
+        shader: shaders.pyramid_lights.clone(),
+        entry_point: Some("look".into()),
+        ..default()
+    };
+    [build(true), build(false), look]
 }

@@ -5,8 +5,8 @@ use bevy::log::warn_once;
 use bevy::prelude::*;
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::render_resource::{
-    Buffer, BufferDescriptor, BufferUsages, CachedComputePipelineId, CachedRenderPipelineId,
-    Extent3d, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, WgpuFeatures,
+    Buffer, BufferDescriptor, BufferUsages, Extent3d, TextureDescriptor, TextureDimension,
+    TextureFormat, TextureUsages, WgpuFeatures,
 };
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::sync_world::MainEntity;
@@ -14,9 +14,11 @@ use bevy::render::texture::{CachedTexture, TextureCache};
 use bevy::render::view::ExtractedView;
 use bytemuck::{Pod, Zeroable};
 
-use super::gather::Lights;
+use super::lights::Lights;
+use super::pipeline::{Maker, ViewPipelines};
+use super::pyramid::{MANY, ViewPyramid};
 use super::stats::{DeferredStats, ViewStats};
-use crate::choice::{Chosen, choose};
+use crate::choice::{Chosen, Variation, choose};
 use crate::components::{DeferredLighting, Way};
 use crate::cull::{Listed, Sides};
 
@@ -47,34 +49,26 @@ pub struct LightingUniform {
     pub room: u32,
     /// Greatest value that the target holds.
     pub brightest: f32,
+    /// Of the view's list, those without shadows, which come first.
+    pub open: u32,
     /// To 32 bytes.
-    pub pad: [u32; 2],
+    pub pad: u32,
 }
 
 /// What a view is lit with; on the view's entity in the render world.
 #[derive(Component, Default)]
 pub struct ViewLighting {
-    /// The way of this frame.
-    pub chosen: Option<Chosen>,
+    /// What this frame is drawn with: where another is wanted, the last one until that is compiled.
+    pub variation: Option<Variation>,
     pub(super) listed: Listed,
     pub(super) uniform: LightingUniform,
     pub(super) pipelines: ViewPipelines,
     pub(super) uniform_buffer: Option<Buffer>,
     pub(super) list_buffer: Option<Buffer>,
     pub(super) tiles: Option<TileBuffers>,
+    pub(super) pyramid: Option<ViewPyramid>,
     pub(super) gathered: Option<CachedTexture>,
     uploaded: Vec<u32>,
-}
-
-/// The pipelines of a view.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ViewPipelines {
-    /// The full-screen pass.
-    pub light: Option<CachedRenderPipelineId>,
-    /// Hulls of points, and of spots.
-    pub volumes: Option<[CachedRenderPipelineId; 2]>,
-    /// Lists of tiles.
-    pub tiles: Option<CachedComputePipelineId>,
 }
 
 /// Of the tiled way.
@@ -86,23 +80,35 @@ pub(super) struct TileBuffers {
 }
 
 impl ViewLighting {
-    /// Words of the workgroup's memory that the tiles' pipeline needs.
-    pub(super) fn mask_words(&self) -> u32 {
-        if self.uniform.in_tiles <= 32 * FEW_WORDS {
-            FEW_WORDS
-        } else {
-            MOST_WORDS
-        }
-    }
-
     /// Passes that are recorded for the view.
     #[must_use]
     pub fn passes(&self) -> u32 {
-        match self.chosen {
+        match self.variation.map(|variation| variation.chosen) {
             None => 0,
             Some(Chosen::Nothing | Chosen::BruteForce) => 1,
-            Some(Chosen::Tiled | Chosen::Volumes) => 2,
+            Some(Chosen::Tiled) => 2 + u32::from(self.pyramid.is_some()),
+            Some(Chosen::Volumes) => 2,
         }
+    }
+
+    /// Takes the wanted variation, or keeps the last one until the wanted one is compiled.
+    fn take(&mut self, wanted: Variation, view: &ExtractedView, maker: &mut Maker) -> Variation {
+        // Of the workgroup's memory.
+        let words = if self.listed.indices.len() as u32 <= 32 * FEW_WORDS {
+            FEW_WORDS
+        } else {
+            MOST_WORDS
+        };
+        let made = maker.make(view, wanted, words);
+        let ready = made.as_ref().is_some_and(|made| maker.ready(made));
+        let last = self.variation.filter(|last| !ready && *last != wanted);
+        let (variation, made) = match last {
+            Some(last) => (last, maker.make(view, last, words)),
+            None => (wanted, made),
+        };
+        self.variation = Some(variation);
+        self.pipelines = made.unwrap_or_default();
+        variation
     }
 
     fn bytes(&self) -> u64 {
@@ -115,7 +121,8 @@ impl ViewLighting {
         let gathered = self.gathered.as_ref().map_or(0, |texture| {
             u64::from(texture.texture.width()) * u64::from(texture.texture.height()) * 16
         });
-        tiles + buffers + gathered
+        let pyramid = self.pyramid.as_ref().map_or(0, ViewPyramid::bytes);
+        tiles + buffers + gathered + pyramid
     }
 }
 
@@ -136,6 +143,7 @@ pub fn prepare(
     queue: Res<RenderQueue>,
     mut textures: ResMut<TextureCache>,
     stats: Res<DeferredStats>,
+    mut maker: Maker,
 ) {
     stats.clear();
     let blends = device.features().contains(WgpuFeatures::FLOAT32_BLENDABLE);
@@ -159,9 +167,18 @@ pub fn prepare(
             );
         }
         let chosen = choose(setting.way, count, blends);
-        lighting.chosen = Some(chosen);
+        let wanted = Variation {
+            chosen,
+            suns: lights.suns,
+            casters: lighting.listed.open() < count,
+            culled: chosen == Chosen::Tiled
+                && count >= MANY
+                && view.viewport.zw().min_element() > 0,
+        };
+        let Variation { chosen, culled, .. } = lighting.take(wanted, view, &mut maker);
         fill_uniform(lighting, view, chosen);
         fill_buffers(lighting, chosen, &device, &queue);
+        fill_pyramid(lighting, culled, view, &device);
         lighting.gathered =
             (chosen == Chosen::Volumes).then(|| textures.get(&device, gathered_texture(camera)));
         stats.push(ViewStats {
@@ -197,6 +214,24 @@ fn gathered_texture(camera: &ExtractedCamera) -> TextureDescriptor<'static> {
     }
 }
 
+fn fill_pyramid(
+    lighting: &mut ViewLighting,
+    culled: bool,
+    view: &ExtractedView,
+    device: &RenderDevice,
+) {
+    let (corner, size) = (view.viewport.xy(), view.viewport.zw());
+    if !culled || size.min_element() == 0 {
+        lighting.pyramid = None;
+        return;
+    }
+    let lights = lighting.uniform.in_tiles;
+    let fits = |pyramid: &ViewPyramid| pyramid.fits(size, corner, lights);
+    if !lighting.pyramid.as_ref().is_some_and(fits) {
+        lighting.pyramid = Some(ViewPyramid::new(device, size, corner, lights));
+    }
+}
+
 fn fill_uniform(lighting: &mut ViewLighting, view: &ExtractedView, chosen: Chosen) {
     let tiles = [
         view.viewport.z.div_ceil(TILE),
@@ -218,7 +253,8 @@ fn fill_uniform(lighting: &mut ViewLighting, view: &ExtractedView, chosen: Chose
         } else {
             f32::MAX
         },
-        pad: [0; 2],
+        open: lighting.listed.open(),
+        pad: 0,
     };
 }
 
@@ -272,7 +308,7 @@ fn fill_buffers(
         return;
     }
     let [x, y] = lighting.uniform.tiles.map(u64::from);
-    let words = 1 + 2 * x * y + u64::from(lighting.uniform.room);
+    let words = 1 + 3 * x * y + u64::from(lighting.uniform.room);
     if lighting
         .tiles
         .as_ref()

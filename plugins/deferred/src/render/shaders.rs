@@ -14,6 +14,12 @@ pub struct Shaders {
     pub volume: Handle<Shader>,
     /// `deferred/tiles.wgsl`.
     pub tiles: Handle<Shader>,
+    /// `deferred/pyramid_build.wgsl`.
+    pub pyramid_build: Handle<Shader>,
+    /// `deferred/pyramid_lights.wgsl`.
+    pub pyramid_lights: Handle<Shader>,
+    /// Lighting ids of all models.
+    pub models: Vec<u8>,
     #[expect(dead_code, reason = "held, never read")]
     modules: Vec<Handle<Shader>>,
 }
@@ -57,6 +63,9 @@ pub fn load(app: &mut App) -> Option<Shaders> {
         light: entry("deferred/light.wgsl"),
         volume: entry("deferred/volume.wgsl"),
         tiles: entry("deferred/tiles.wgsl"),
+        pyramid_build: entry("deferred/pyramid_build.wgsl"),
+        pyramid_lights: entry("deferred/pyramid_lights.wgsl"),
+        models: models.ids().collect(),
         modules,
     })
 }

@@ -6,11 +6,15 @@ mod absent;
 #[cfg(feature = "render")]
 mod bevys;
 #[cfg(feature = "render")]
+mod costs;
+#[cfg(feature = "render")]
 mod example;
 #[cfg(feature = "render")]
 mod gbuffer;
 #[cfg(feature = "render")]
 mod hostile;
+#[cfg(feature = "render")]
+mod mistakes;
 #[cfg(feature = "render")]
 mod models;
 #[cfg(feature = "render")]
@@ -19,5 +23,7 @@ mod models;
 mod night;
 #[cfg(feature = "render")]
 mod oracle;
+#[cfg(feature = "render")]
+mod pyramid;
 #[cfg(feature = "render")]
 mod ways;

@@ -108,6 +108,50 @@ fn frames_are_those_of_the_oracle() {
 }
 
 #[test]
+fn phongs_lobe_is_that_of_the_oracle() {
+    let Some(mut app) = app() else {
+        return;
+    };
+    let recipe = Recipe {
+        seed: 5,
+        blinn_phong: 0.9,
+        phong: 1.0,
+        width: 96,
+        height: 54,
+        ..Recipe::default()
+    };
+    let scene = generate(&recipe);
+    let spawned = support::spawn(&mut app, &scene, ());
+    let picture = support::lit_by(&mut app, spawned.camera, Some(WAYS[0]));
+    let camera = &scene.camera;
+    let texels = support::decoded(&support::pixels(&app), camera);
+    let lights = Lights::new(
+        &scene.lamps,
+        &scene.ambient,
+        camera.exposure,
+        SplitSum::Karis,
+    );
+    let fed = shade(&lights, 96, 54, scene.background, &texels).expect("an image");
+    let frame = Image::from_rgba(96, 54, &picture.pixels).expect("an image");
+    let ledger = Ledger::new(&frame, &fed, FLOOR).expect("of one size");
+    eprintln!(
+        "p50 {:.2e} p99.9 {:.2e} max {:.2e}",
+        ledger.p50, ledger.p999, ledger.max
+    );
+    assert!(ledger.p999 <= 1e-5 && ledger.not_finite == 0, "{ledger:?}");
+    // The same G-buffer read as Blinn's is another picture.
+    let mut blinns = texels;
+    for texel in blinns.iter_mut().flatten() {
+        if let dolomite_light_oracle::scene::Material::BlinnPhong(material) = &mut texel.material {
+            material.lobe = dolomite_light_oracle::scene::Lobe::Blinn;
+        }
+    }
+    let other = shade(&lights, 96, 54, scene.background, &blinns).expect("an image");
+    let ledger = Ledger::new(&frame, &other, FLOOR).expect("of one size");
+    assert!(ledger.p999 > 0.01, "{ledger:?}");
+}
+
+#[test]
 fn a_wrong_frame_is_seen() {
     let scene = generate(&Recipe {
         width: 32,

@@ -8,7 +8,7 @@ use dolomite_testkit::random::Random;
 use dolomite_testkit::light::{self as support, WAYS};
 
 /// A floor, spheres of many materials, and lamps above them.
-fn scene(app: &mut App, seed: u32, points: usize, spots: usize) {
+pub fn scene(app: &mut App, seed: u32, points: usize, spots: usize) {
     let mut random = Random::new(seed);
     let mut unit = move || random.unit_f32();
     let sphere = app
@@ -85,7 +85,7 @@ fn scene(app: &mut App, seed: u32, points: usize, spots: usize) {
     }
 }
 
-fn sun(app: &mut App) {
+pub fn sun(app: &mut App) {
     app.world_mut().spawn((
         DirectionalLight {
             illuminance: 30.0,
@@ -99,7 +99,7 @@ fn sun(app: &mut App) {
     });
 }
 
-fn eye() -> Transform {
+pub fn eye() -> Transform {
     Transform::from_xyz(3.0, 4.5, 7.0).looking_at(Vec3::new(0.0, 0.5, -4.0), Vec3::Y)
 }
 
