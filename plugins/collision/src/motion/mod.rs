@@ -9,7 +9,7 @@
 //! 1. what it stood on carries it, as far as others let it;
 //! 2. what runs into it pushes it along the normal;
 //! 3. what it still overlaps it is moved out of, the deepest first;
-//! 4. it slides by its wish: plane, crease, corner, in at most [`ITERATIONS`] advances; where a step is in the way,
+//! 4. it slides by its wish: plane, crease, corner, in at most three advances ([`MoveSettings::iterations`]); where a step is in the way,
 //!    it goes up, on, and down, if that leads farther;
 //! 5. if it stood before and does not rise, it is set down on ground within reach.
 
@@ -61,6 +61,8 @@ pub struct MoveSettings {
     pub step_height: f64,
     /// How far below a mover that stood ground still holds it, metres.
     pub snap: f64,
+    /// Most advances of a slide, from 1 on: what is left of the wish after them is dropped.
+    pub iterations: u32,
 }
 
 impl Default for MoveSettings {
@@ -72,6 +74,7 @@ impl Default for MoveSettings {
             walkable: 0.642_787_609_686_539_3,
             step_height: 0.35,
             snap: 0.3,
+            iterations: ITERATIONS,
         }
     }
 }
@@ -90,6 +93,7 @@ impl MoveSettings {
             && self.walkable.is_finite()
             && self.step_height.is_finite()
             && self.snap.is_finite()
+            && self.iterations > 0
     }
 }
 
@@ -131,7 +135,9 @@ pub enum MoveError {
     #[error("a wish of {0} m is not finite")]
     Wish(DVec3),
     /// Settings without meaning.
-    #[error("settings with up {0} are not finite, or up is not of length 1")]
+    #[error(
+        "settings with up {0} are not finite, or up is not of length 1, or no advance is allowed"
+    )]
     Settings(DVec3),
 }
 
@@ -148,7 +154,7 @@ pub struct MoveOutcome {
     pub ground: Option<MoveContact>,
     /// What it touched, in order.
     pub contacts: Vec<MoveContact>,
-    /// Advances of its slide, at most [`ITERATIONS`].
+    /// Advances of its slide, at most [`MoveSettings::iterations`].
     pub iterations: u32,
     /// Sweeps and queries that it took, all in all.
     pub casts: u32,

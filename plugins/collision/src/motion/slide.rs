@@ -13,7 +13,7 @@ pub const GAP: f64 = 1e-6;
 /// A way of less than this, in parts of the radii, is none: what is touched within it is touched at once.
 const STILL: f64 = 1e-5;
 
-/// Most advances of a move.
+/// Most advances of a move, if nothing else is set.
 pub const ITERATIONS: u32 = 3;
 
 /// Most surfaces that are taken at once at one place.
@@ -24,7 +24,7 @@ const AT_ONCE: usize = 8;
 pub struct Slide {
     /// What was touched, in order.
     pub contacts: Vec<MoveContact>,
-    /// Advances: at most [`ITERATIONS`].
+    /// Advances: at most [`MoveSettings::iterations`].
     pub iterations: u32,
     /// Sweeps that were made.
     pub casts: u32,
@@ -57,7 +57,7 @@ impl Slide {
         let mut rest = wish;
         self.normals.clear();
         let mut advances = 0;
-        while advances < ITERATIONS {
+        while advances < settings.iterations {
             let mut moved = false;
             for _ in 0..AT_ONCE {
                 let way = allowed(rest, &self.normals);

@@ -12,7 +12,7 @@ use bevy::reflect::prelude::*;
 pub struct BridgeCounters {
     /// Tiles that there are: `…/tiles`.
     pub tiles: u32,
-    /// Bytes of their samples: `…/bytes`.
+    /// Bytes that they hold: `…/bytes`.
     pub bytes: u64,
     /// Tiles that were made, all in all.
     pub made: u64,

@@ -1,42 +1,17 @@
 //! Tiles of the ground as height fields: where their samples lie, and which way their cells are cut.
 //!
 //! Samples stand on one lattice for the whole world, so that neighbours share those of their border to the bit: the
-//! distance of samples is a power of two, places of samples are exact in f32 up to 2²⁴ of them from the origin, and
-//! so are the corners that parry computes.
+//! distance of samples is a power of two, and places of samples are exact in f32 up to 2²⁴ of them from the origin.
 
+use super::diagonals::Diagonals;
+use super::field::{TileShape, around};
 use bevy::ecs::prelude::*;
 use bevy::math::{DVec2, IVec2, Vec3};
 use bevy::transform::components::Transform;
-use bevy_rapier3d::parry::shape::{
-    HeightField, HeightFieldCellStatus, HeightFieldFlags, SharedShape,
-};
-use bevy_rapier3d::parry::utils::Array2;
 use dolomite_terrain::Ground;
 use std::fmt;
 use std::sync::Arc;
 use thiserror::Error;
-
-/// Which way the cells between samples are cut into triangles. North is −Z, east is +X.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Diagonals {
-    /// As the drawn ground has them at full detail: through the corner of which both coordinates are even, so that
-    /// neighbouring cells are cut in turns.
-    #[default]
-    Alternating,
-    /// From north-east to south-west, all alike: parry's own.
-    Alike,
-}
-
-impl Diagonals {
-    /// Whether a cell is cut from north-west to south-east.
-    #[must_use]
-    pub const fn falls(self, cell: IVec2) -> bool {
-        match self {
-            Self::Alternating => (cell.x ^ cell.y) & 1 == 0,
-            Self::Alike => false,
-        }
-    }
-}
 
 /// Ground that Rapier's bodies meet: tiles of it come where bodies are awake, and go.
 ///
@@ -188,10 +163,10 @@ impl GroundTiles {
         Some(height)
     }
 
-    /// The samples of a tile, those of a column along Z together.
+    /// The samples of a tile and of one step around it, those of a column along Z together.
     pub(super) fn samples(&self, tile: IVec2) -> Vec<f32> {
         let first = tile * self.cells as i32;
-        let side = 0..=self.cells as i32;
+        let side = -1..around(self.cells as i32) - 1;
         let columns = side
             .clone()
             .flat_map(|x| side.clone().map(move |z| IVec2::new(x, z)));
@@ -199,26 +174,9 @@ impl GroundTiles {
     }
 
     /// A tile of these samples.
-    pub(super) fn shape(&self, tile: IVec2, samples: Vec<f32>) -> SharedShape {
-        let corners = self.cells as usize + 1;
-        // Without the flag a ball hops where it crosses edges between flush triangles.
-        let mut field = HeightField::with_flags(
-            Array2::new(corners, corners, samples),
-            Vec3::new(self.side(), 1.0, self.side()),
-            HeightFieldFlags::FIX_INTERNAL_EDGES,
-        );
-        for x in 0..self.cells as i32 {
-            for z in 0..self.cells as i32 {
-                if self
-                    .diagonals
-                    .falls(tile * self.cells as i32 + IVec2::new(x, z))
-                {
-                    let falls = HeightFieldCellStatus::ZIGZAG_SUBDIVISION;
-                    field.set_cell_status(z as usize, x as usize, falls);
-                }
-            }
-        }
-        SharedShape::new(field)
+    pub(super) fn shape(&self, tile: IVec2, samples: Vec<f32>) -> TileShape {
+        let cells = self.cells as i32;
+        TileShape::new(samples, cells, self.step, tile * cells, self.diagonals)
     }
 
     /// Where the middle of a tile lies.

@@ -12,13 +12,16 @@
 
 mod bodies;
 mod counters;
+mod diagonals;
+mod field;
 mod heights;
 mod meet;
 mod push;
 mod tiles;
 
 pub use counters::BridgeCounters;
-pub use heights::{Diagonals, GroundTiles, TileError};
+pub use diagonals::Diagonals;
+pub use heights::{GroundTiles, TileError};
 pub use meet::MeetsMovers;
 pub use push::Pusher;
 
@@ -151,6 +154,9 @@ fn needs_world(
 fn make_world(mut commands: Commands, fixed: Res<Time<Fixed>>) {
     let mut simulation = RapierContextSimulation::default();
     simulation.integration_parameters.dt = fixed.timestep().as_secs_f32();
+    // Contacts of one shape that have nearly the same normal are else merged, those of two tiles are not: a ball
+    // would roll over a border otherwise than over an edge.
+    simulation.integration_parameters.contact_clustering = false;
     commands.insert_resource(TimestepMode::Fixed {
         dt: fixed.timestep().as_secs_f32(),
         substeps: 1,

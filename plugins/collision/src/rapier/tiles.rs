@@ -1,7 +1,8 @@
 //! Tiles where bodies are awake.
 //!
 //! Rapier wakes bodies whose ground is removed. A tile below a body that sleeps is therefore first taken out of the
-//! contacts, and then removed: the body sleeps on over nothing, and gets its tile back when it wakes.
+//! contacts and islands, by a call that knows no bodies to wake, and then removed: the body sleeps on over nothing, and
+//! gets its tile back when it wakes.
 
 use super::bodies::{Bodies, BodyBox};
 use super::counters::BridgeCounters;
@@ -10,10 +11,12 @@ use bevy::ecs::prelude::*;
 use bevy::math::{DVec2, IRect, IVec2};
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::transform::components::Transform;
+use bevy_rapier3d::parry::shape::SharedShape;
 use bevy_rapier3d::prelude::{
     Collider, CollisionGroups, DefaultRapierContext, Friction, RapierColliderHandle,
     RapierContextColliders, RapierContextSimulation, RapierRigidBodySet, Restitution, SolverGroups,
 };
+use bevy_rapier3d::rapier::prelude::RigidBodySet;
 
 /// Steps that a tile stays which nobody needs: a body that rolls to and fro over a border makes none anew.
 const LINGER: u32 = 30;
@@ -32,6 +35,8 @@ pub(super) struct TileOf {
 struct Tile {
     entity: Entity,
     samples: Vec<f32>,
+    /// What its shape holds.
+    bytes: u64,
     /// Steps for which nobody needed it.
     idle: u32,
 }
@@ -80,17 +85,17 @@ pub(super) fn keep(
         (
             &mut RapierContextSimulation,
             &mut RapierContextColliders,
-            &mut RapierRigidBodySet,
+            &RapierRigidBodySet,
         ),
         With<DefaultRapierContext>,
     >,
     handles: Query<&RapierColliderHandle, With<TileOf>>,
     mut commands: Commands,
 ) {
-    let Ok((mut simulation, mut colliders, mut set)) = worlds.single_mut() else {
+    let Ok((mut simulation, mut colliders, set)) = worlds.single_mut() else {
         return;
     };
-    let boxes = bodies.boxes(&set, &colliders);
+    let boxes = bodies.boxes(set, &colliders);
     let mut needed: HashSet<(Entity, IVec2)> = HashSet::default();
     for (entity, ground, _) in &grounds {
         for body in boxes.iter().filter(|body| body.awake) {
@@ -124,9 +129,11 @@ pub(super) fn keep(
             continue;
         };
         let samples = ground.samples(tile);
+        let shape = ground.shape(tile, samples.clone());
+        let bytes = size_of_val(samples.as_slice()) as u64 + shape.bytes();
         let mut spawned = commands.spawn((
             TileOf { ground: entity },
-            Collider::from(ground.shape(tile, samples.clone())),
+            Collider::from(SharedShape::new(shape)),
             Transform::from_translation(ground.place(tile)),
         ));
         let (friction, restitution, groups, solver_groups) = surface;
@@ -145,6 +152,7 @@ pub(super) fn keep(
         let made = Tile {
             entity: spawned.id(),
             samples,
+            bytes,
             idle: 0,
         };
         counters.made += 1;
@@ -164,25 +172,24 @@ pub(super) fn keep(
         stays
     });
     gone.sort_unstable_by_key(|(_, (entity, tile), _)| (*entity, tile.x, tile.y));
+    let mut nobody = RigidBodySet::new();
     for (silent, _, entity) in gone {
         if silent && let Ok(handle) = handles.get(entity) {
+            let simulation = &mut *simulation;
+            // With the islands, whose contacts are numbered as those of the narrow phase are.
             simulation.narrow_phase.handle_user_changes(
-                None,
+                Some(&mut simulation.islands),
                 &[],
                 &[handle.0],
                 &mut colliders.colliders,
-                &mut set.bodies,
+                &mut nobody,
                 &(),
             );
         }
         commands.entity(entity).try_despawn();
     }
     counters.tiles = tiles.of.len() as u32;
-    counters.bytes = tiles
-        .of
-        .values()
-        .map(|tile| size_of_val(tile.samples.as_slice()) as u64)
-        .sum();
+    counters.bytes = tiles.of.values().map(|tile| tile.bytes).sum();
 }
 
 /// Where a ground was changed: other samples in the tiles that there are; bodies on them wake, and are lifted with
@@ -223,7 +230,9 @@ pub(super) fn change(
             let samples = ground.samples(*tile);
             if samples != known.samples || last.diagonals() != ground.diagonals() {
                 let shape = ground.shape(*tile, samples.clone());
-                commands.entity(known.entity).insert(Collider::from(shape));
+                commands
+                    .entity(known.entity)
+                    .insert(Collider::from(SharedShape::new(shape)));
                 known.samples = samples;
                 counters.replaced += 1;
             }

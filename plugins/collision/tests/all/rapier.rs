@@ -39,7 +39,7 @@ fn ground(height: fn(DVec2) -> f64) -> Arc<dyn Ground> {
 }
 
 fn tiles(height: fn(DVec2) -> f64, cells: u32) -> GroundTiles {
-    GroundTiles::new(ground(height), 1.0, cells).unwrap()
+    GroundTiles::new(ground(height), 1.0, cells).expect("the samples are usable")
 }
 
 /// One step of 1/64 s a frame.
@@ -63,7 +63,10 @@ fn steps(app: &mut App, count: usize) {
 }
 
 fn place(app: &App, entity: Entity) -> Vec3 {
-    app.world().get::<Transform>(entity).unwrap().translation
+    app.world()
+        .get::<Transform>(entity)
+        .expect("every body has a place")
+        .translation
 }
 
 fn counters(app: &App) -> BridgeCounters {
@@ -71,10 +74,17 @@ fn counters(app: &App) -> BridgeCounters {
 }
 
 fn asleep(app: &mut App, entity: Entity) -> bool {
-    let handle = app.world().get::<RapierRigidBodyHandle>(entity).unwrap().0;
+    let handle = app
+        .world()
+        .get::<RapierRigidBodyHandle>(entity)
+        .expect("the world knows the body")
+        .0;
     let mut sets = app.world_mut().query::<&RapierRigidBodySet>();
-    let set = sets.single(app.world()).unwrap();
-    set.bodies.get(handle).unwrap().is_sleeping()
+    let set = sets.single(app.world()).expect("there is one set");
+    set.bodies
+        .get(handle)
+        .expect("the world knows the body")
+        .is_sleeping()
 }
 
 fn ball(app: &mut App, radius: f32, at: Vec3, velocity: Vec3) -> Entity {
@@ -149,7 +159,9 @@ fn the_surface_is_that_of_parry() {
                     continue;
                 };
                 let xz = DVec2::new(f64::from(at.x), f64::from(at.z));
-                let expected = tiles.surface(xz).unwrap();
+                let expected = tiles
+                    .surface(xz)
+                    .expect("it is there: the body is on the ground");
                 // 50 m in f32 are held to 4e-6 m; a wrong diagonal is off by centimetres.
                 assert!((f64::from(50.0 - time) - expected).abs() < 2e-5, "{at}");
                 met += 1;
@@ -171,16 +183,16 @@ fn path(height: fn(DVec2) -> f64, cells: u32, diagonals: Diagonals) -> (Vec<Vec3
     for _ in 0..4000 {
         app.update();
         path.push(place(&app, ball));
-        if path.last().unwrap().x > 116.3 {
+        if path.last().expect("the path has a point").x > 116.3 {
             break;
         }
     }
     (path, counters(&app).made)
 }
 
-/// The farthest that a ball on tiles of 8 m gets from one on unbroken ground over 100 m, metres. Wished for is 1 mm. On
-/// a slope it is nearly kept; elsewhere it is not. Parry corrects normals at the edge of a height field without its
-/// neighbour, which may be why. Bounds are twice what was measured.
+/// The farthest that a ball on tiles of 8 m gets from one on an unbroken tile of 256 m over 100 m, metres. Wished for
+/// is 1 mm. Beside it stands how far balls on two unbroken tiles, of 128 and of 256 m, get from each other: what f32
+/// makes of the same ground seen from another middle. Bounds are twice what was measured.
 #[test]
 fn a_ball_rolls_over_borders_nearly_as_over_unbroken_ground() {
     let grounds = [
@@ -192,10 +204,24 @@ fn a_ball_rolls_over_borders_nearly_as_over_unbroken_ground() {
         // One tile of 256 m holds all of it.
         let (whole, one) = path(height, 256, Diagonals::Alternating);
         let (parts, many) = path(height, 8, Diagonals::Alternating);
-        let off = whole.iter().zip(&parts).map(|(a, b)| a.distance(*b));
-        let off = off.fold(0.0, f32::max);
-        println!("{name}: {off} m after {} steps", whole.len());
-        assert!(whole.last().unwrap().x > 116.3, "{name}: 100 m are gone");
+        let (other, _) = path(height, 128, Diagonals::Alternating);
+        let apart = |other: &[Vec3]| {
+            let off = whole.iter().zip(other).map(|(a, b)| a.distance(*b));
+            off.fold(0.0, f32::max)
+        };
+        let (off, floor) = (apart(&parts), apart(&other));
+        println!(
+            "{name}: {off} m after {} steps; {floor} m of two unbroken ones",
+            whole.len()
+        );
+        assert!(
+            whole
+                .last()
+                .expect("it is there: the body is on the ground")
+                .x
+                > 116.3,
+            "{name}: 100 m are gone"
+        );
         assert!(one == 1 && many > 12, "{one} and {many} tiles");
         assert!(off < bound, "{name}: {off} m");
     }
@@ -231,7 +257,7 @@ fn ground_that_changes_wakes_what_lies_on_it_and_lets_nothing_through() {
         let before = counters(&app).woken;
         app.world_mut()
             .get_mut::<GroundTiles>(ground_entity)
-            .unwrap()
+            .expect("it is there: the body is on the ground")
             .set_ground(ground(height));
         steps(&mut app, 2);
         let woken = counters(&app).woken - before;
@@ -239,13 +265,15 @@ fn ground_that_changes_wakes_what_lies_on_it_and_lets_nothing_through() {
         let tiles = app
             .world()
             .get::<GroundTiles>(ground_entity)
-            .unwrap()
+            .expect("it is there: the body is on the ground")
             .clone();
         for step in 0..300 {
             steps(&mut app, 1);
             for &body in &bodies {
                 let at = place(&app, body);
-                let surface = tiles.surface(DVec2::new(at.x.into(), at.z.into())).unwrap();
+                let surface = tiles
+                    .surface(DVec2::new(at.x.into(), at.z.into()))
+                    .expect("it is there: the body is on the ground");
                 assert!(
                     f64::from(at.y) > surface,
                     "{at} in step {step}, ground {surface}"
@@ -312,7 +340,9 @@ fn nothing_goes_through_at_100_metres_a_second() {
         steps(&mut app, 1);
         for &body in &bodies {
             let at = place(&app, body);
-            let surface = tiles.surface(DVec2::new(at.x.into(), at.z.into())).unwrap();
+            let surface = tiles
+                .surface(DVec2::new(at.x.into(), at.z.into()))
+                .expect("it is there: the body is on the ground");
             assert!(
                 f64::from(at.y) > surface,
                 "{at} in step {step}, ground {surface}"
@@ -329,7 +359,8 @@ fn floor() -> Arc<TriangleTree> {
         corner(1.0, 1.0),
         corner(1.0, -1.0),
     );
-    let mesh = TriangleMesh::from_triangles(&[[a, b, c], [a, c, d]]).unwrap();
+    let mesh =
+        TriangleMesh::from_triangles(&[[a, b, c], [a, c, d]]).expect("both triangles have an area");
     Arc::new(TriangleTree::new(mesh, TreeSettings::default()))
 }
 
@@ -352,7 +383,10 @@ fn with_mover(force: Option<f32>) -> (App, Entity) {
 fn walk(app: &mut App, mover: Entity, speed: f32, count: usize) {
     for _ in 0..count {
         let wish = Vec3::new(speed, -1.0, 0.0) / 64.0;
-        app.world_mut().get_mut::<MoveWish>(mover).unwrap().0 = wish;
+        app.world_mut()
+            .get_mut::<MoveWish>(mover)
+            .expect("the mover has a wish")
+            .0 = wish;
         steps(app, 1);
     }
 }
@@ -391,7 +425,12 @@ fn a_stone_pushes_a_mover_and_does_not_pass_through() {
         let (stone, mover) = (place(&app, stone), place(&app, mover));
         assert!(stone.x < mover.x, "{stone} {mover}");
     }
-    assert!(app.world().get::<MoveState>(mover).unwrap().grounded());
+    assert!(
+        app.world()
+            .get::<MoveState>(mover)
+            .expect("it is there: the body is on the ground")
+            .grounded()
+    );
     // The stand-in goes with its mover.
     app.world_mut().entity_mut(mover).despawn();
     steps(&mut app, 2);
