@@ -1,0 +1,103 @@
+//! Health and teams.
+
+use crate::action::{Action, Output};
+use crate::names::Key;
+use crate::value::Value;
+use crate::values::{Logic, Values};
+use bevy::ecs::prelude::*;
+
+/// Who belongs together. Nobody of a team is an enemy of its own; who has no team is everybody's.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[require(Logic)]
+pub struct Team(pub u8);
+
+/// Health. Actions: [`Key::DAMAGE`] and [`Key::HEAL`] with a number. Outputs: [`Key::HURT`] with the number,
+/// [`Key::DIED`] once, with who did it. An entity with [`Values`] gets the part that is left as [`Key::HEALTH`].
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[require(Logic)]
+pub struct Health {
+    /// What is left.
+    pub now: f32,
+    /// At most.
+    pub most: f32,
+}
+
+impl Default for Health {
+    /// 100 of 100.
+    fn default() -> Self {
+        Self::new(100.0)
+    }
+}
+
+impl Health {
+    /// In full health.
+    #[must_use]
+    pub const fn new(most: f32) -> Self {
+        Self { now: most, most }
+    }
+
+    /// Whether any is left.
+    #[must_use]
+    pub fn is_alive(&self) -> bool {
+        self.now > 0.0
+    }
+
+    /// Takes some; gives what was taken, and whether it was the last. Nothing is taken by a number that is not above
+    /// 0 or not finite, nor of who is dead.
+    pub fn damage(&mut self, amount: f32) -> (f32, bool) {
+        if !(amount > 0.0 && amount.is_finite() && self.is_alive()) {
+            return (0.0, false);
+        }
+        let taken = amount.min(self.now);
+        self.now -= taken;
+        (taken, !self.is_alive())
+    }
+
+    /// Gives some, up to the most. The dead are not healed.
+    pub fn heal(&mut self, amount: f32) {
+        if amount > 0.0 && amount.is_finite() && self.is_alive() {
+            self.now = (self.now + amount).min(self.most);
+        }
+    }
+
+    /// What is left of full health.
+    #[must_use]
+    pub fn part(&self) -> f32 {
+        if self.most > 0.0 {
+            self.now / self.most
+        } else {
+            0.0
+        }
+    }
+}
+
+pub(super) fn run(
+    mut actions: MessageReader<Action>,
+    mut all: Query<(&mut Health, Option<&mut Values>)>,
+    mut outputs: MessageWriter<Output>,
+) {
+    for action in actions.read() {
+        if !matches!(action.verb, Key::DAMAGE | Key::HEAL) {
+            continue;
+        }
+        let Ok((mut health, values)) = all.get_mut(action.target) else {
+            continue;
+        };
+        let amount = action.parameter.number();
+        if action.verb == Key::HEAL {
+            health.heal(amount);
+        } else {
+            let (taken, died) = health.damage(amount);
+            if taken > 0.0 {
+                outputs.write(Output::new(action.target, Key::HURT, taken));
+            }
+            if died {
+                outputs.write(Output::new(action.target, Key::DIED, action.source));
+            }
+        }
+        if let Some(mut values) = values {
+            // Refused only where somebody else made it another kind.
+            let _ = values.set(Key::HEALTH, Value::Float(health.part()));
+        }
+    }
+}

@@ -1,0 +1,404 @@
+//! What hides and what stops shots: a trait that ground, blocks and meshes answer.
+
+use bevy::ecs::prelude::*;
+use bevy::math::{Vec2, Vec3, Vec3Swizzles};
+use std::sync::Arc;
+
+/// Where a straight way is stopped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    /// When, as a part of the way.
+    pub time: f32,
+    /// By what: a number that means something to who answered.
+    pub blocker: u64,
+}
+
+/// Answers whether something is in the way. The same question has the same answer in any order and from any thread.
+pub trait Rays: Send + Sync + 'static {
+    /// What stops a way from one place to another first. Places that are not finite are stopped by nothing.
+    fn cast(&self, from: Vec3, to: Vec3) -> Option<Stop>;
+
+    /// Whether a blocker of an earlier answer stops this way too. `false` may also mean that it is not known; `true`
+    /// has to be true.
+    fn still_blocks(&self, blocker: u64, from: Vec3, to: Vec3) -> bool;
+}
+
+/// What stops sight and shots in this world; without it nothing does.
+#[derive(Resource, Clone)]
+pub struct RayWorld(pub Arc<dyn Rays>);
+
+/// Upright boxes that do not move: houses, walls, blocks.
+#[derive(Clone, Debug, Default)]
+pub struct BoxRays {
+    boxes: Vec<[Vec3; 2]>,
+    origin: Vec2,
+    cell: f32,
+    size: [u32; 2],
+    starts: Vec<u32>,
+    items: Vec<u32>,
+}
+
+/// When a way enters a box, as a part of it; nothing if it does not. 0 of one that starts inside.
+#[inline]
+#[must_use]
+pub fn enter_box(from: Vec3, way: Vec3, corners: &[Vec3; 2]) -> Option<f32> {
+    let inverse = way.recip();
+    // Of an axis along which nothing moves both are infinite, of one sign outside; on the very face one is NaN, and
+    // whoever goes along a face may or may not meet it.
+    let a = (corners[0] - from) * inverse;
+    let b = (corners[1] - from) * inverse;
+    let enter = a.min(b).max_element().max(0.0);
+    let leave = a.max(b).min_element().min(1.0);
+    (enter <= leave).then_some(enter)
+}
+
+impl BoxRays {
+    /// Of low and high corners; boxes that are not finite or inside out are left out. Cells are `cell` metres wide.
+    #[must_use]
+    pub fn new(boxes: impl IntoIterator<Item = [Vec3; 2]>, cell: f32) -> Self {
+        let whole = |b: &[Vec3; 2]| b[0].is_finite() && b[1].is_finite() && b[0].cmple(b[1]).all();
+        let boxes: Vec<_> = boxes.into_iter().filter(whole).collect();
+        let mut rays = Self {
+            boxes,
+            ..Self::default()
+        };
+        let low = rays
+            .boxes
+            .iter()
+            .fold(Vec2::INFINITY, |low, b| low.min(b[0].xz()));
+        let high = rays
+            .boxes
+            .iter()
+            .fold(Vec2::NEG_INFINITY, |high, b| high.max(b[1].xz()));
+        if rays.boxes.is_empty() {
+            return rays;
+        }
+        let span = (high - low).min(Vec2::splat(f32::MAX / 4.0));
+        let mut cell = if cell > 0.0 && cell.is_finite() {
+            cell
+        } else {
+            8.0
+        };
+        // Some hundred thousand cells, however far apart the boxes are.
+        while (span.x / cell + 1.0) * (span.y / cell + 1.0) > 262_144.0 {
+            cell *= 1.5;
+        }
+        rays.cell = cell;
+        rays.origin = low;
+        rays.size = [(span.x / cell) as u32 + 1, (span.y / cell) as u32 + 1];
+        let total = (rays.size[0] * rays.size[1]) as usize;
+        let mut lists: Vec<Vec<u32>> = vec![Vec::new(); total];
+        for (number, corners) in rays.boxes.iter().enumerate() {
+            let ([x0, y0], [x1, y1]) =
+                (rays.cell_of(corners[0].xz()), rays.cell_of(corners[1].xz()));
+            for y in y0..=y1 {
+                for x in x0..=x1 {
+                    lists[(y * rays.size[0] + x) as usize].push(number as u32);
+                }
+            }
+        }
+        for list in lists {
+            rays.starts.push(rays.items.len() as u32);
+            rays.items.extend(list);
+        }
+        rays.starts.push(rays.items.len() as u32);
+        rays
+    }
+
+    fn cell_of(&self, place: Vec2) -> [u32; 2] {
+        let at = (place - self.origin) / self.cell;
+        [
+            (at.x as u32).min(self.size[0] - 1),
+            (at.y as u32).min(self.size[1] - 1),
+        ]
+    }
+
+    /// The boxes.
+    #[must_use]
+    pub fn boxes(&self) -> &[[Vec3; 2]] {
+        &self.boxes
+    }
+
+    /// What every box answers, one after the other: the reference of [`Rays::cast`].
+    #[must_use]
+    pub fn cast_all(&self, from: Vec3, to: Vec3) -> Option<Stop> {
+        if !(from.is_finite() && to.is_finite()) {
+            return None;
+        }
+        let mut first: Option<Stop> = None;
+        for (number, corners) in self.boxes.iter().enumerate() {
+            if let Some(time) = enter_box(from, to - from, corners)
+                && first.is_none_or(|stop| time < stop.time)
+            {
+                first = Some(Stop {
+                    time,
+                    blocker: number as u64,
+                });
+            }
+        }
+        first
+    }
+}
+
+impl Rays for BoxRays {
+    /// Goes from cell to cell of the row or column that the way is in (J. Amanatides, A. Woo, A Fast Voxel Traversal
+    /// Algorithm for Ray Tracing, Eurographics 1987), by whole spans of a row, so that rounding at a border of cells
+    /// cannot skip one: the span of each row is widened by a thousandth of a cell.
+    fn cast(&self, from: Vec3, to: Vec3) -> Option<Stop> {
+        if self.boxes.is_empty() || !(from.is_finite() && to.is_finite()) {
+            return None;
+        }
+        let way = to - from;
+        let (a, b) = (
+            (from.xz() - self.origin) / self.cell,
+            (to.xz() - self.origin) / self.cell,
+        );
+        const SLACK: f32 = 1e-3;
+        let (low, high) = (a.min(b) - SLACK, a.max(b) + SLACK);
+        let (width, rows) = (self.size[0] as f32, self.size[1] as f32);
+        if high.x < 0.0 || high.y < 0.0 || low.x > width || low.y > rows {
+            return None;
+        }
+        let step = b - a;
+        let row_of = |y: f32| (y.max(0.0) as u32).min(self.size[1] - 1);
+        let (first_row, last_row) = (row_of(low.y), row_of(high.y));
+        let mut first: Option<Stop> = None;
+        let count = last_row - first_row + 1;
+        for nth in 0..count {
+            // Rows in the order in which the way goes.
+            let row = if step.y >= 0.0 {
+                first_row + nth
+            } else {
+                last_row - nth
+            };
+            // The part of the way within the row, x by x.
+            let (mut enter, mut leave) = (0.0_f32, 1.0_f32);
+            if step.y != 0.0 {
+                let t0 = (row as f32 - SLACK - a.y) / step.y;
+                let t1 = (row as f32 + 1.0 + SLACK - a.y) / step.y;
+                // The outermost rows also hold what lies beyond them.
+                let open = |t: f32, edge: u32| if row == edge { t } else { f32::NAN };
+                let beyond = if step.y > 0.0 {
+                    (open(0.0, 0), open(1.0, self.size[1] - 1))
+                } else {
+                    (open(0.0, self.size[1] - 1), open(1.0, 0))
+                };
+                let (near, far) = (t0.min(t1), t0.max(t1));
+                enter = if beyond.0.is_nan() {
+                    near.max(0.0)
+                } else {
+                    beyond.0
+                };
+                leave = if beyond.1.is_nan() {
+                    far.min(1.0)
+                } else {
+                    beyond.1
+                };
+            }
+            if first.is_some_and(|stop| stop.time < enter) {
+                break;
+            }
+            let (x0, x1) = (a.x + step.x * enter, a.x + step.x * leave);
+            let column = |x: f32| (x.max(0.0) as u32).min(self.size[0] - 1);
+            let (from_x, to_x) = (column(x0.min(x1) - SLACK), column(x0.max(x1) + SLACK));
+            let start = row * self.size[0];
+            let (from_cell, to_cell) = ((start + from_x) as usize, (start + to_x) as usize);
+            let span = self.starts[from_cell] as usize..self.starts[to_cell + 1] as usize;
+            for &number in &self.items[span] {
+                if let Some(time) = enter_box(from, way, &self.boxes[number as usize]) {
+                    let number = u64::from(number);
+                    let sooner = first.is_none_or(|stop| {
+                        time < stop.time || (time == stop.time && number < stop.blocker)
+                    });
+                    if sooner {
+                        first = Some(Stop {
+                            time,
+                            blocker: number,
+                        });
+                    }
+                }
+            }
+        }
+        first
+    }
+
+    fn still_blocks(&self, blocker: u64, from: Vec3, to: Vec3) -> bool {
+        let known = self.boxes.get(blocker as usize);
+        known.is_some_and(|corners| enter_box(from, to - from, corners).is_some())
+    }
+}
+
+/// Ground by a function of x and z, looked at every so many metres of a way.
+pub struct GroundRays<F> {
+    height: F,
+    spacing: f32,
+}
+
+impl<F: Fn(Vec2) -> f32 + Send + Sync + 'static> GroundRays<F> {
+    /// Looks every `spacing` metres: a ridge that is narrower may be missed. What is not above 0 is 1 m.
+    #[must_use]
+    pub fn new(height: F, spacing: f32) -> Self {
+        let spacing = if spacing > 0.0 && spacing.is_finite() {
+            spacing
+        } else {
+            1.0
+        };
+        Self { height, spacing }
+    }
+
+    fn is_below(&self, place: Vec3) -> bool {
+        place.y < (self.height)(place.xz())
+    }
+}
+
+impl<F: Fn(Vec2) -> f32 + Send + Sync + 'static> Rays for GroundRays<F> {
+    fn cast(&self, from: Vec3, to: Vec3) -> Option<Stop> {
+        let way = to - from;
+        let length = way.xz().length();
+        if !(length.is_finite() && from.y.is_finite() && to.y.is_finite()) {
+            return None;
+        }
+        // A way of an hour is looked at a million times at most.
+        let count = ((length / self.spacing).ceil() as u32).clamp(1, 1 << 20);
+        let number =
+            (0..=count).find(|&n| self.is_below(from + way * (n as f32 / count as f32)))?;
+        // Between the last place above and the first below, by halving to a 4096th.
+        let (mut above, mut below) = (number.saturating_sub(1) as f32, number as f32);
+        for _ in 0..if number == 0 { 0 } else { 12 } {
+            let middle = (above + below) / 2.0;
+            if self.is_below(from + way * (middle / count as f32)) {
+                below = middle;
+            } else {
+                above = middle;
+            }
+        }
+        let time = number as f32 / count as f32;
+        let at = (from + way * time).xz();
+        let bits = |x: f32| u64::from((x / self.spacing).round() as i32 as u32);
+        Some(Stop {
+            time: below / count as f32,
+            // 28 bits a coordinate, so that a set has room for its own.
+            blocker: (bits(at.x) & 0x0fff_ffff) << 28 | (bits(at.y) & 0x0fff_ffff),
+        })
+    }
+
+    /// Looks at the place of the way that is nearest to where the ground stopped another: below the ground there is
+    /// below the ground.
+    fn still_blocks(&self, blocker: u64, from: Vec3, to: Vec3) -> bool {
+        let number = |bits: u64| ((bits as u32) << 4) as i32 >> 4;
+        let at = Vec2::new(
+            number(blocker >> 28 & 0x0fff_ffff) as f32,
+            number(blocker & 0x0fff_ffff) as f32,
+        ) * self.spacing;
+        let way = to - from;
+        let length = way.xz().length_squared();
+        if !(length > 0.0 && length.is_finite()) {
+            return false;
+        }
+        let time = (at - from.xz()).dot(way.xz()) / length;
+        (0.0..=1.0).contains(&time) && self.is_below(from + way * time)
+    }
+}
+
+/// Several that stop ways: ground and blocks and meshes. At most 256.
+#[derive(Clone, Default)]
+pub struct RaySet(pub Vec<Arc<dyn Rays>>);
+
+/// Where the number of a member stands in a blocker.
+const MEMBER: u32 = 56;
+
+impl Rays for RaySet {
+    fn cast(&self, from: Vec3, to: Vec3) -> Option<Stop> {
+        let mut first: Option<Stop> = None;
+        for (number, rays) in self.0.iter().enumerate().take(256) {
+            if let Some(stop) = rays.cast(from, to)
+                && first.is_none_or(|first| stop.time < first.time)
+            {
+                first = Some(Stop {
+                    time: stop.time,
+                    blocker: stop.blocker & ((1 << MEMBER) - 1) | (number as u64) << MEMBER,
+                });
+            }
+        }
+        first
+    }
+
+    fn still_blocks(&self, blocker: u64, from: Vec3, to: Vec3) -> bool {
+        let member = self.0.get((blocker >> MEMBER) as usize);
+        member.is_some_and(|rays| rays.still_blocks(blocker & ((1 << MEMBER) - 1), from, to))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    fn boxes(random: &mut Random, count: usize) -> Vec<[Vec3; 2]> {
+        (0..count)
+            .map(|_| {
+                let low = Vec3::new(random.signed(100.0), -1.0, random.signed(100.0));
+                let size = Vec3::new(
+                    random.unit() * 12.0,
+                    random.unit() * 8.0,
+                    random.unit() * 12.0,
+                );
+                [low, low + size]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_grid_of_boxes_answers_as_the_list_of_all_does() {
+        let mut random = Random::new(3);
+        let rays = BoxRays::new(boxes(&mut random, 300), 7.0);
+        let place = |random: &mut Random| {
+            Vec3::new(
+                random.signed(140.0),
+                random.signed(4.0),
+                random.signed(140.0),
+            )
+        };
+        let mut hits = 0;
+        for number in 0..20_000 {
+            let from = place(&mut random);
+            let mut to = place(&mut random);
+            // Along a row, a column, and straight up.
+            match number % 10 {
+                0 => to.z = from.z,
+                1 => to.x = from.x,
+                2 => (to.x, to.z) = (from.x, from.z),
+                _ => (),
+            }
+            let (ours, all) = (rays.cast(from, to), rays.cast_all(from, to));
+            assert_eq!(ours.map(|s| s.time), all.map(|s| s.time), "{from} {to}");
+            if let Some(stop) = ours {
+                hits += 1;
+                assert!(rays.still_blocks(stop.blocker, from, to));
+            }
+        }
+        assert!((4000..16_000).contains(&hits), "{hits}");
+    }
+
+    #[test]
+    fn ground_hides_behind_a_ridge_and_a_set_says_which() {
+        let ridge = |at: Vec2| 5.0 - (at.x - 20.0).abs();
+        let ground: Arc<dyn Rays> = Arc::new(GroundRays::new(ridge, 0.5));
+        let wall = BoxRays::new(
+            [[Vec3::new(50.0, -9.0, -9.0), Vec3::new(51.0, 9.0, 9.0)]],
+            4.0,
+        );
+        let set = RaySet(vec![ground, Arc::new(wall)]);
+        let (eye, low) = (Vec3::new(0.0, 1.0, 0.0), Vec3::new(40.0, 1.0, 0.0));
+        let stop = set.cast(eye, low).expect("the ridge is in the way");
+        assert!((stop.time - 0.4).abs() < 1e-3, "{stop:?}");
+        assert!(set.still_blocks(stop.blocker, eye, low));
+        let over = Vec3::new(40.0, 12.0, 0.0);
+        assert_eq!(set.cast(eye, over), None);
+        assert!(!set.still_blocks(stop.blocker, eye, over));
+        let stop = set.cast(over, Vec3::new(60.0, 0.0, 0.0)).expect("the wall");
+        assert_eq!(stop.blocker >> MEMBER, 1);
+        assert_eq!(set.cast(Vec3::NAN, low), None);
+        assert_eq!(set.cast(eye, Vec3::INFINITY), None);
+    }
+}

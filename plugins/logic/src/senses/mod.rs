@@ -1,0 +1,35 @@
+//! Sight, hearing, and a memory that fades.
+//!
+//! | component | what it is |
+//! |---|---|
+//! | [`Sight`], [`Visible`] | an eye, and what it may see |
+//! | [`Ear`] | hears [`Noise`] |
+//! | [`Memory`] | who was seen or heard, where, and how surely |
+
+mod hearing;
+mod memory;
+mod sight;
+
+pub use hearing::{Ear, Noise};
+pub use memory::{Memory, TRACES, Trace};
+pub use sight::{Sight, SightCounters, SightSettings, Visible, in_field};
+
+use crate::sets::LogicSystems;
+use bevy::app::{App, FixedUpdate};
+use bevy::ecs::prelude::*;
+
+pub(crate) fn build(app: &mut App) {
+    app.init_resource::<SightSettings>()
+        .init_resource::<SightCounters>()
+        .add_message::<Noise>()
+        .add_systems(
+            FixedUpdate,
+            (
+                sight::see.run_if(any_with_component::<Sight>),
+                hearing::hear.run_if(any_with_component::<Ear>),
+                memory::remember.run_if(any_with_component::<Memory>),
+            )
+                .chain()
+                .in_set(LogicSystems::Sense),
+        );
+}

@@ -1,0 +1,13 @@
+//! Tests of logic, as one program, since each more would link Bevy once more.
+//! `cargo nextest run -p dolomite_logic NAME::` runs one module.
+
+mod access;
+mod behaviour;
+#[cfg(feature = "collision")]
+mod collision;
+mod movement;
+mod parts;
+mod paths;
+mod plugin;
+mod senses;
+mod support;
