@@ -1,0 +1,66 @@
+//! Capsules: runs of compute passes in files, for implementations of WebGPU that know no Rust.
+//!
+//! A capsule holds everything that a run needs and everything that must come out of it: composed WGSL,
+//! pipelines, bindings, buffers, commands in order, and what the CPU reference says the buffers hold then.
+//! `dolomite_lab capsule NAME --out FILE` writes one, `web/src/capsule` plays it. The format is documented at
+//! [`mod@format`], and for readers of the files in `web/CAPSULE.md`.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`mod@format`] | the file: header and data |
+//! | [`builder`] | puts one together |
+//! | [`stage`] | the passes of the tessellation stage, recorded as an app records them |
+//! | [`flat`], [`globe`] | CPU references of the control and evaluate functions that stage capsules use |
+//! | [`patches`] | whole patches from their levels: captures and random tuples |
+//! | [`functions`] | WGSL's own functions, one after the other |
+//! | [`heights`] | heights and slopes of a terrain |
+//! | [`list`], [`command`] | what capsules there are, and the command line |
+
+pub mod builder;
+pub mod command;
+pub mod flat;
+pub mod format;
+pub mod functions;
+pub mod globe;
+pub mod heights;
+pub mod list;
+pub mod patches;
+pub mod stage;
+
+use thiserror::Error;
+
+/// Why there is no capsule.
+#[derive(Debug, Error)]
+pub enum CapsuleError {
+    /// A shader could not be put together.
+    #[error("a shader could not be composed: {0}")]
+    Shader(#[from] dolomite_shaders::ComposeError),
+    /// naga does not write a module as WGSL.
+    #[error("{module} could not be written as WGSL: {reason}")]
+    Written {
+        /// Which module.
+        module: String,
+        /// What naga said.
+        reason: String,
+    },
+    /// Patches that make no tables.
+    #[error("the patches need {0} bytes in one buffer, more than WebGPU promises")]
+    TooLarge(u64),
+    /// Captures that cannot be read.
+    #[error(transparent)]
+    Cases(#[from] crate::studies::tessellation::cases::CaseError),
+    /// A name that no capsule has.
+    #[error("there is no capsule named {0}; `dolomite_lab capsule --list` names them")]
+    Unknown(String),
+    /// A file that is no capsule.
+    #[error("not a capsule: {0}")]
+    Format(String),
+    /// A file.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+}

@@ -1,0 +1,96 @@
+//! The capsules and the page in a browser: `web/test` plays every capsule in Chromium, whose WebGPU (Dawn, Tint) is an
+//! implementation of its own, and tries the page as a person would.
+//!
+//! Without Node, the npm packages or Chromium these tests skip with a line, and fail where `CI` is set.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use dolomite_lab::capsule::command::{Arguments, run};
+
+fn web() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../web")
+}
+
+/// False, after a line that says so, where something is not installed; in CI that fails.
+fn is_there() -> bool {
+    let chromium = std::env::var_os("CHROMIUM").map_or_else(
+        || Path::new("/usr/bin/chromium").exists(),
+        |path| Path::new(&path).exists(),
+    );
+    if chromium && web().join("node_modules/.package-lock.json").exists() {
+        return true;
+    }
+    let line = "Chromium or the npm packages of web are not installed: ./scripts/web test";
+    assert!(
+        std::env::var_os("CI").is_none(),
+        "CI must not skip the browser: {line}"
+    );
+    eprintln!("skipped: {line}");
+    false
+}
+
+/// Runs a program in `web`; what it printed, and whether it succeeded.
+fn said(program: &str, arguments: &[&str]) -> (String, bool) {
+    let run = Command::new(program)
+        .args(arguments)
+        .current_dir(web())
+        .output()
+        .unwrap_or_else(|error| panic!("{program}: {error}"));
+    let text = String::from_utf8_lossy(&run.stdout).into_owned()
+        + String::from_utf8_lossy(&run.stderr).as_ref();
+    (text, run.status.success())
+}
+
+fn succeed(program: &str, arguments: &[&str]) -> String {
+    let (text, success) = said(program, arguments);
+    assert!(success, "{program} {arguments:?}\n{text}");
+    text
+}
+
+/// Writes all capsules into a folder of their own.
+fn capsules(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("dolomite_{name}_{}", std::process::id()));
+    let arguments = Arguments {
+        name: Some("all".into()),
+        out: Some(folder.clone()),
+        list: false,
+        seed: 1,
+        count: 10_000,
+    };
+    run(&arguments).unwrap_or_else(|error| panic!("{error}"));
+    folder
+}
+
+/// Every capsule, 10⁴ random patches among them, to the bit; the page, its slider, its picture, its messages. And a
+/// capsule in which one expected word is another is found.
+#[test]
+#[ignore = "minutes in a browser: ./scripts/soak, or ./scripts/web test FOLDER"]
+fn the_page_and_all_capsules_hold_in_chromium_gpu() {
+    if !is_there() {
+        return;
+    }
+    succeed("npm", &["run", "--silent", "build"]);
+    succeed("npm", &["run", "--silent", "tools"]);
+    let folder = capsules("capsules");
+    let path = folder.display().to_string();
+    let (text, success) = said("node", &["dist-tools/run.js", &path]);
+    println!("{text}");
+    assert!(success, "{text}");
+
+    let one = folder.join("stage-clockwise.capsule");
+    let mut bytes = std::fs::read(&one).expect("it was written");
+    let changed = bytes.len() - 4096 - 64;
+    bytes[changed] ^= 1;
+    for entry in std::fs::read_dir(&folder)
+        .expect("the folder is ours")
+        .flatten()
+    {
+        std::fs::remove_file(entry.path()).expect("the files are ours");
+    }
+    std::fs::write(&one, bytes).expect("a capsule");
+    let words = ["dist-tools/run.js", &path, "--only", "capsules"];
+    let (text, success) = said("node", &words);
+    assert!(!success && text.contains("1 of them wrong"), "{text}");
+    std::fs::remove_dir_all(&folder).expect("the folder is ours");
+}

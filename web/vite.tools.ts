@@ -1,0 +1,13 @@
+// Builds what runs in Node: `vite build --config vite.tools.ts`.
+
+import { defineConfig } from 'vite';
+
+export default defineConfig({
+  build: {
+    ssr: true,
+    outDir: 'dist-tools',
+    target: 'node20',
+    minify: false,
+    rollupOptions: { input: { node: 'test/node.ts', run: 'test/run.ts' } },
+  },
+});
