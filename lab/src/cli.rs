@@ -32,7 +32,8 @@ pub struct Arguments {
     /// Samples of each measurement; of `tessellation-stage`: pairs of patches
     #[arg(long, default_value_t = Options::default().samples, value_parser = sample_count)]
     pub samples: usize,
-    /// Of `sweep` and `rays` alone: sweeps of each kind, or rays [default: 20000 and 1000000]
+    /// Of studies of collision alone: sweeps of each kind, rays, crossings of triggers, rides on platforms, moves in
+    /// rooms, movers beside Rapier's controller [default: 20000, 1000000, 20000, 20000, 100000 and 1000]
     #[arg(long)]
     pub count: Option<usize>,
     /// Of `sweep` alone: moves one ellipsoid through one list of triangles in place of the study, and prints what it
@@ -77,10 +78,10 @@ pub struct Arguments {
     /// to need more, sooner [default: as memory holds]
     #[arg(long, value_name = "TIMES", value_parser = multiple)]
     pub most: Option<f64>,
-    /// Of `light` alone: pixels of its frames [default: 320x180]
+    /// Of `light`, `scaling` and `far`: pixels of their frames [default: 320x180]
     #[arg(long, value_name = "WxH", default_value = "320x180", hide_default_value = true, value_parser = frame_size)]
     pub size: [u32; 2],
-    /// Of `light` alone: point and spot lights
+    /// Of `light` and `far`: point and spot lights
     #[arg(long, default_value_t = Options::default().lights, value_parser = light_count)]
     pub lights: usize,
     /// Of `lod` alone: run this part of it; may be given more than once [default: all parts]
@@ -265,6 +266,7 @@ fn study_list() -> String {
     for study in STUDIES {
         text += &format!("  {:<18} {}\n", study.name, study.about);
     }
+    text += "\n`dolomite_lab capsule` writes runs of compute passes for other implementations of WebGPU: see `capsule --help`.";
     text += "\n`dolomite_lab tables` makes the pages of docs/measured of their data.";
     text += "\nA JSON object per study goes to standard output, progress to standard error.";
     text

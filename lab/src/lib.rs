@@ -8,6 +8,7 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`capsule`] | runs of compute passes in files, for implementations of WebGPU that know no Rust |
 //! | [`csv`], [`plot`] | the files that a study writes |
 //! | [`measured`], [`tables`] | measured numbers, and the pages of `docs/measured` that are made of them |
 //! | [`study`], [`studies`] | what a study is, and all of them |
@@ -18,6 +19,7 @@
 //! What studies share with the tests of the plugins, adapters and passes and metrics, is in
 //! `dolomite_testkit`.
 
+pub mod capsule;
 pub mod cli;
 pub mod csv;
 pub mod measured;

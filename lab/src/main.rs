@@ -1,17 +1,21 @@
 //! `dolomite_lab`: see [`dolomite_lab`].
 
 use clap::Parser;
-use dolomite_lab::{cli, tables};
+use dolomite_lab::{capsule::command, cli, tables};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let mut words = std::env::args_os();
-    if std::env::args_os()
-        .nth(1)
-        .is_some_and(|word| word == "tables")
-    {
-        words.next();
-        return make_tables(&tables::Arguments::parse_from(words));
+    match std::env::args_os().nth(1) {
+        Some(word) if word == "tables" => {
+            words.next();
+            return make_tables(&tables::Arguments::parse_from(words));
+        }
+        Some(word) if word == "capsule" => {
+            words.next();
+            return write_capsules(&command::Arguments::parse_from(words));
+        }
+        _ => {}
     }
     let arguments = cli::parse_from(words).unwrap_or_else(|error| error.exit());
     match cli::run(&arguments) {
@@ -33,6 +37,21 @@ fn make_tables(arguments: &tables::Arguments) -> ExitCode {
         Ok(written) => {
             for name in written {
                 println!("written: {name}");
+            }
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn write_capsules(arguments: &command::Arguments) -> ExitCode {
+    match command::run(arguments) {
+        Ok(lines) => {
+            for line in lines {
+                println!("{line}");
             }
             ExitCode::SUCCESS
         }

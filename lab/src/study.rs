@@ -51,9 +51,9 @@ pub struct Options {
     pub errors: Vec<f64>,
     /// Most vertices that the others of `lod` may draw, as a multiple of ours; `None`: as memory holds.
     pub most: Option<f64>,
-    /// Pixels of a frame of `light`, width and height.
+    /// Pixels of a frame of `light`, `scaling` and `far`, width and height.
     pub size: [u32; 2],
-    /// Point and spot lights of `light`.
+    /// Point and spot lights of `light` and `far`.
     pub lights: usize,
     /// What of `lod` is run; nothing named is all of it.
     pub parts: Vec<Part>,

@@ -14,6 +14,7 @@ use bevy::light::{EnvironmentMapLight, Skybox};
 use bevy::pbr::DistanceFog;
 use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
+use dolomite::deferred::DeferredLighting;
 use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::ground::{PatchDetail, TerrainView};
 use serde::Serialize;
@@ -133,6 +134,7 @@ fn shadows(world: &mut World, on: bool) {
 fn lighting(world: &mut World, on: bool) {
     let mut cameras = world.query_filtered::<Entity, With<TerrainView>>();
     let cameras: Vec<Entity> = cameras.iter(world).collect();
+    component::<DeferredLighting>(world, on);
     for camera in cameras {
         let mut camera = world.entity_mut(camera);
         if on {

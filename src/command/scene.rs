@@ -8,8 +8,8 @@ use dolomite_game::bench::classic::args::ClassicArgs;
 use dolomite_game::bench::classic::{self, view::FIELD_OF_VIEW};
 use dolomite_game::run::{GameError, Setup};
 use dolomite_game::scene::{MapOptions, SceneRequest};
-use dolomite_game::settings::Settings;
 use dolomite_game::settings::quality::Preset;
+use dolomite_game::settings::{Renderer, Settings};
 
 use super::elevation::ReadArgs;
 use super::values::{Camera, Degrees2};
@@ -17,7 +17,7 @@ use super::values::{Camera, Degrees2};
 /// What is shown; the same for every command.
 #[derive(Args)]
 pub struct SceneArgs {
-    /// `mountain`, `jacksboro`, `classic` (to compare methods; needs the shared data), a scene file
+    /// `mountain`, `jacksboro`, `night`, `classic` (to compare methods; needs the shared data), a scene file
     /// (.ron), or a height map (.png, .tif, .asc, .hgt, .raw, .r16, .r32, .f32).
     #[arg(long, default_value = "mountain")]
     pub scene: String,
@@ -100,6 +100,15 @@ pub struct SceneArgs {
     /// Choose the ground's triangles in blocks, which are made over some frames: coarse ground at once.
     #[arg(long, help_heading = "Settings")]
     blocks: bool,
+    /// Who lights the picture [default: that of the settings, else bevy].
+    #[arg(long, value_enum, help_heading = "Settings")]
+    renderer: Option<Renderer>,
+    /// So many lamps, in scenes that have some (night), in place of the scene's own number.
+    #[arg(long, value_name = "LAMPS")]
+    lights: Option<u32>,
+    /// Give the figure a torch.
+    #[arg(long)]
+    torch: bool,
     /// What pictures are drawn with, where the settings do not say it by hand [default: auto: that of the device
     /// in a window, full in pictures and measurements].
     #[arg(long, value_enum, help_heading = "Settings")]
@@ -115,6 +124,9 @@ pub struct SceneArgs {
     /// Draw triangle edges.
     #[arg(long)]
     pub lines: bool,
+    /// Draw what collision knows: shapes, contacts, tiles.
+    #[arg(long)]
+    pub shapes: bool,
     /// Do not fill triangles.
     #[arg(long)]
     no_fill: bool,
@@ -146,6 +158,7 @@ impl SceneArgs {
         settings.fov = self.fov.or(fov).unwrap_or(settings.fov);
         settings.pixels_per_edge = self.pixels_per_edge.unwrap_or(settings.pixels_per_edge);
         settings.finest_patch = self.finest_patch.unwrap_or(settings.finest_patch);
+        settings.renderer = self.renderer.unwrap_or(settings.renderer);
         settings.preset = self.preset.unwrap_or(settings.preset);
         settings.resolution = self.resolution.or(settings.resolution);
         self.rule(&mut settings);
@@ -163,11 +176,14 @@ impl SceneArgs {
                 offset: self.height_offset,
             },
             detail: settings.detail,
+            lights: self.lights,
             named: vec![self.classic.scene()],
         };
         let mut setup = Setup::load(settings, request, self.camera.map(|Camera(pose)| pose))?;
         self.classic.check(&setup.scene)?;
         setup.switches.lines = self.lines;
+        setup.switches.shapes = self.shapes;
+        setup.switches.torch = self.torch;
         setup.switches.fill = !self.no_fill;
         Ok(setup)
     }

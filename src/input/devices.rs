@@ -78,6 +78,9 @@ fn read_keyboard_and_mouse(
         switch_lines: keys.just_pressed(KeyCode::KeyL),
         switch_fill: keys.just_pressed(KeyCode::KeyF),
         switch_focus: keys.just_pressed(KeyCode::Tab),
+        switch_shapes: keys.just_pressed(KeyCode::KeyB),
+        switch_torch: keys.just_pressed(KeyCode::KeyT),
+        switch_renderer: keys.just_pressed(KeyCode::KeyR),
         switch_keys: keys.just_pressed(KeyCode::F1),
         resolution_steps: i32::from(keys.just_pressed(KeyCode::Equal))
             - i32::from(keys.just_pressed(KeyCode::Minus)),

@@ -34,6 +34,8 @@ pub const KEYS: &[Key] = &[
     key("arrows", "directional pad", "walk the figure"),
     key("J", "east button", "jump"),
     key("H", "right stick down", "wave a hand"),
+    key("T", "", "torch on, off"),
+    key("R", "", "lighting by Bevy or by Dolomite"),
     key("L", "west button", "lines on, off"),
     key("F", "north button", "fill on, off"),
     key(
@@ -47,6 +49,7 @@ pub const KEYS: &[Key] = &[
         "next rule of detail: patches, error; classic, edge, error",
     ),
     key("M", "", "classic scene: next of GPU, CPU, static on each"),
+    key("B", "", "what collision knows: shapes, contacts, tiles"),
     key("- =", "", "draw fewer, more pixels; the panel stays sharp"),
     key("F1", "start", "these keys on, off"),
     key("Esc", "select", "leave"),

@@ -37,8 +37,14 @@ pub struct PlayerInput {
     pub switch_mode: bool,
     /// Switches the rule by which the ground is refined.
     pub switch_metric: bool,
+    /// Switches the drawing of what collision knows.
+    pub switch_shapes: bool,
     /// Switches between a camera that follows the figure and one that flies free.
     pub switch_follow: bool,
+    /// Switches the figure's torch.
+    pub switch_torch: bool,
+    /// Switches between Bevy's lighting and Dolomite's.
+    pub switch_renderer: bool,
     /// Switches the panel of keys.
     pub switch_keys: bool,
     /// Steps of the resolution in this frame: above 0 more pixels are drawn.

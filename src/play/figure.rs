@@ -173,7 +173,7 @@ fn stepped(stance: Stance, wanted: Vec2, leap: bool, seconds: f32, terrain: &Ter
     // Who bends the knees for a leap stands.
     let wanted = match stance.jump {
         Jump::Bending { .. } => Vec2::ZERO,
-        Jump::None | Jump::Air { .. } => wanted,
+        Jump::None | Jump::On { .. } | Jump::Air { .. } => wanted,
     };
     let change = (wanted - stance.velocity).clamp_length_max(ACCELERATION * seconds);
     let velocity = stance.velocity + change;
@@ -192,7 +192,7 @@ fn stepped(stance: Stance, wanted: Vec2, leap: bool, seconds: f32, terrain: &Ter
     };
     let rise = match stance.jump {
         Jump::None | Jump::Bending { .. } => 0.0,
-        Jump::Air { .. } => terrain.height(place) - here.height,
+        Jump::On { .. } | Jump::Air { .. } => terrain.height(place) - here.height,
     };
     Stance {
         place,
@@ -245,7 +245,7 @@ fn walked(from: DVec2, here: &GroundSample, step: DVec2, terrain: &Terrain) -> D
         .unwrap_or(from)
 }
 
-fn inside(place: DVec2, terrain: &Terrain) -> DVec2 {
+pub(super) fn inside(place: DVec2, terrain: &Terrain) -> DVec2 {
     let extent = terrain.extent();
     // A ground narrower than twice the edge leaves its middle.
     let edge = DVec2::splat(EDGE).min((extent.max - extent.min) * 0.5);

@@ -24,6 +24,11 @@ pub enum Jump {
         /// Seconds until the leap.
         left: f32,
     },
+    /// On something that stands on the ground.
+    On {
+        /// Height of the feet above the ground under them, metres.
+        lift: f64,
+    },
     /// In the air.
     Air {
         /// Height of the feet above the ground under them, metres.
@@ -37,7 +42,7 @@ impl Jump {
     /// Height of the feet above the ground, metres.
     pub fn lift(self) -> f64 {
         match self {
-            Self::Air { lift, .. } => lift,
+            Self::Air { lift, .. } | Self::On { lift } => lift,
             Self::None | Self::Bending { .. } => 0.0,
         }
     }
@@ -45,7 +50,7 @@ impl Jump {
     /// Metres a second upwards; the coming leap's while the knees bend. `None` on the ground.
     pub fn climb(self) -> Option<f32> {
         match self {
-            Self::None => None,
+            Self::None | Self::On { .. } => None,
             Self::Bending { .. } => Some(LEAP),
             Self::Air { rise, .. } => Some(rise),
         }
@@ -55,6 +60,11 @@ impl Jump {
     /// wants a leap; `speed` over the ground, metres a second.
     pub fn stepped(self, asked: bool, speed: f32, ground: f64, seconds: f32) -> Self {
         match self {
+            // What is stood on may go down under bent knees: the leap is not prepared.
+            Self::On { lift } if asked => Self::Air { lift, rise: LEAP },
+            Self::On { lift } => Self::On {
+                lift: lift - ground,
+            },
             Self::None if asked && speed > RUNS => Self::Air {
                 lift: 0.0,
                 rise: LEAP,

@@ -6,10 +6,13 @@
 //! |---|---|
 //! | [`camera`] | the camera, free or following |
 //! | [`figure`], [`jump`] | the walking figure; its leaps |
+//! | [`things`], [`body`] | boulders, blocks, lifts, stones; the figure among them |
 
+pub mod body;
 pub mod camera;
 pub mod figure;
 pub mod jump;
+pub mod things;
 
 use bevy::prelude::*;
 
@@ -17,8 +20,10 @@ use crate::input::PlayerInput;
 use crate::scene::reload::ReloadPlugin;
 use crate::scene::{CurrentScene, Pose};
 use crate::settings::Settings;
+use body::BodyPlugin;
 use camera::{CameraPlugin, FreeCamera};
 use figure::{Figure, FigurePlugin};
+use things::ThingsPlugin;
 
 /// Which point the detail of the ground follows.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,8 +47,12 @@ pub struct Switches {
     pub focus: DetailFocus,
     /// The panel of keys is shown.
     pub keys: bool,
+    /// What collision knows is drawn: shapes, contacts, tiles.
+    pub shapes: bool,
     /// The camera follows the figure, which then walks by the keys that else fly the camera.
     pub follow: bool,
+    /// The figure holds a torch.
+    pub torch: bool,
 }
 
 impl Default for Switches {
@@ -53,7 +62,9 @@ impl Default for Switches {
             fill: true,
             focus: DetailFocus::Camera,
             keys: false,
+            shapes: false,
             follow: false,
+            torch: false,
         }
     }
 }
@@ -77,7 +88,13 @@ impl Plugin for SimulationPlugin {
             .init_resource::<Switches>()
             .register_type::<Settings>()
             .register_type::<Switches>()
-            .add_plugins((CameraPlugin, FigurePlugin, ReloadPlugin))
+            .add_plugins((
+                CameraPlugin,
+                FigurePlugin,
+                ReloadPlugin,
+                ThingsPlugin,
+                BodyPlugin,
+            ))
             .add_systems(PreStartup, spawn)
             .add_systems(
                 Update,
@@ -117,7 +134,9 @@ fn switch(input: Res<PlayerInput>, mut switches: ResMut<Switches>) {
             (DetailFocus::Figure, true) => DetailFocus::Camera,
         },
         keys: old.keys ^ input.switch_keys,
+        shapes: old.shapes ^ input.switch_shapes,
         follow: old.follow ^ input.switch_follow,
+        torch: old.torch ^ input.switch_torch,
     };
     switches.set_if_neq(next);
 }

@@ -13,6 +13,7 @@ use dolomite::terrain::{
 };
 
 use super::file::{SceneFile, SourceFile, StartFile};
+use super::things::Thing;
 use super::{Files, LoadedScene, MapOptions, PITCH_LIMIT, Pose, SceneError, default_start, watch};
 
 /// Metres for one unit of a 16-bit PNG sample when `--height-scale` is left out.
@@ -89,9 +90,11 @@ pub(super) fn from_file(
         material: file.material.clone(),
         sea: file.sea,
         sun: file.sun,
+        lamps: file.lamps,
         camera,
         figure,
         facing,
+        things: file.things.clone(),
         files: files.clone(),
         own: None,
     })
@@ -172,9 +175,11 @@ pub(super) fn from_map(
         material: None,
         sea: Sea::default(),
         sun: Sun::default(),
+        lamps: None,
         camera,
         figure,
         facing,
+        things: Vec::new(),
         files: files.clone(),
         own: None,
     })
@@ -303,12 +308,16 @@ fn check_numbers(file: &SceneFile) -> Result<(), String> {
             return Err(format!("`bands.{name}` is {value}, but must be above 0"));
         }
     }
+    file.things.iter().try_for_each(Thing::check)?;
     let Sun { azimuth, elevation } = file.sun;
     if !azimuth.is_finite() || !(-90.0..=90.0).contains(&elevation) {
         return Err(format!(
             "`sun` is (azimuth: {azimuth}, elevation: {elevation}), but must be degrees, \
              elevation -90 to 90"
         ));
+    }
+    if let Some(lamps) = file.lamps {
+        lamps.check()?;
     }
     if let Some(StartFile { camera, figure }) = file.start {
         let (x, y, z, yaw, pitch) = camera;

@@ -47,6 +47,14 @@ pub enum SceneError {
         /// The value, why it was refused, what to write.
         reason: String,
     },
+    /// Lamps were asked for in a scene that has none, or more of them than can be drawn.
+    #[error("scene `{scene}`, `--lights`: {reason}")]
+    Lamps {
+        /// The scene.
+        scene: String,
+        /// Why, and what to do.
+        reason: String,
+    },
     /// A height map was refused.
     #[error("{}{source}", .scene.as_ref().map_or(String::new(), |path| format!("scene file {}: ", path.display())))]
     Map {

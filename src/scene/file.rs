@@ -9,6 +9,9 @@ use dolomite::sky::Sun;
 use dolomite::terrain::{Fractal, HeightMapFile, Hill, Mask, PermutationNoise};
 use serde::Deserialize;
 
+use super::lamps::Lamps;
+use super::things::Thing;
+
 /// A scene, as it stands in its file.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -44,9 +47,15 @@ pub struct SceneFile {
     /// Where the sun stands.
     #[serde(default)]
     pub sun: Sun,
+    /// Lamps on the ground. Left out: none.
+    #[serde(default)]
+    pub lamps: Option<Lamps>,
     /// Where camera and figure start. Left out: looking over the middle from the south.
     #[serde(default)]
     pub start: Option<StartFile>,
+    /// What stands and lies on the ground. Left out: nothing.
+    #[serde(default)]
+    pub things: Vec<Thing>,
 }
 
 /// One layer: a source, and where it counts.

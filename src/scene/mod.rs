@@ -5,6 +5,8 @@
 //! | `request` | what was asked for |
 //! | `file`, `build` | what a scene file holds, and how it becomes a [`LoadedScene`] |
 //! | `kind` | scenes that draw themselves |
+//! | [`things`] | what stands and lies on the ground |
+//! | [`lamps`] | lamps on the ground |
 //! | `pose` | where a camera stands and looks |
 //! | `reload` | taking over changes while the game runs |
 
@@ -12,9 +14,11 @@ mod build;
 mod error;
 pub mod file;
 mod kind;
+pub mod lamps;
 mod pose;
 pub mod reload;
 mod request;
+pub mod things;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,10 +33,12 @@ use dolomite::terrain::{Ground, Terrain};
 pub use error::SceneError;
 use file::SceneFile;
 pub use kind::{NamedScene, OwnView};
+use lamps::Lamps;
 pub use pose::{CLEARANCE, PITCH_LIMIT, Pose};
 pub use request::{MapOptions, SceneRequest};
 
 use crate::settings::ron_options;
+use things::Thing;
 
 /// The scenes that can be named, with the text of their files as built in.
 pub const BUILT_IN: &[(&str, &str)] = &[
@@ -41,6 +47,11 @@ pub const BUILT_IN: &[(&str, &str)] = &[
         "jacksboro",
         include_str!("../../assets/scenes/jacksboro.ron"),
     ),
+    (
+        "playground",
+        include_str!("../../assets/scenes/playground.ron"),
+    ),
+    ("night", include_str!("../../assets/scenes/night.ron")),
 ];
 
 /// A scene, ready to be drawn and walked on. Cheap to clone.
@@ -60,12 +71,16 @@ pub struct LoadedScene {
     pub sea: Sea,
     /// Where the sun stands.
     pub sun: Sun,
+    /// Its lamps, if it has some.
+    pub lamps: Option<Lamps>,
     /// Where the camera starts.
     pub camera: Pose,
     /// Where the figure starts, (x, z), metres.
     pub figure: DVec2,
     /// Where the figure faces at the start, radians about +y; 0 is north.
     pub facing: f32,
+    /// What stands and lies on the ground.
+    pub things: Vec<Thing>,
     /// The files it was read from, for hot reload.
     pub files: Files,
     /// What draws it, where that is not the game's own view.
@@ -100,12 +115,38 @@ pub fn load(request: &SceneRequest, assets: &Path) -> Result<LoadedScene, SceneE
     load_watched(request, assets, &mut Files::new())
 }
 
+/// Puts up as many lamps as were asked for.
+fn with_lamps(mut scene: LoadedScene, request: &SceneRequest) -> Result<LoadedScene, SceneError> {
+    let Some(count) = request.lights else {
+        return Ok(scene);
+    };
+    let refused = |reason: String| SceneError::Lamps {
+        scene: scene.name.clone(),
+        reason,
+    };
+    let lamps = scene
+        .lamps
+        .ok_or_else(|| refused("the scene has no lamps; `--scene night` has".to_owned()))?;
+    let lamps = Lamps { count, ..lamps };
+    lamps.check().map_err(refused)?;
+    scene.lamps = Some(lamps);
+    Ok(scene)
+}
+
 /// As [`load`]. `files` receives every file that was looked for, before it is read: where the scene is
 /// refused, a change of one of them may mend it.
 ///
 /// # Errors
 /// As [`load`].
 pub fn load_watched(
+    request: &SceneRequest,
+    assets: &Path,
+    files: &mut Files,
+) -> Result<LoadedScene, SceneError> {
+    with_lamps(read(request, assets, files)?, request)
+}
+
+fn read(
     request: &SceneRequest,
     assets: &Path,
     files: &mut Files,
@@ -355,7 +396,7 @@ mod tests {
     fn a_wrong_scene_is_an_error_that_names_it() {
         for (scene, words) in [
             ("nowhere", ["nowhere", "mountain"]),
-            ("mountains", ["mountains", "jacksboro)"]),
+            ("mountains", ["mountains", "night)"]),
             ("no/such.ron", ["no/such.ron", "scene file"]),
             ("no/such.png", ["no/such.png", "check"]),
             ("no/such.raw", ["no/such.raw", "check"]),
@@ -385,7 +426,7 @@ mod tests {
             ..named(Err("it is away"))
         };
         let error = load(&unknown, &assets()).err().unwrap().to_string();
-        assert!(error.contains("jacksboro, flat"), "{error}");
+        assert!(error.contains("night, flat"), "{error}");
     }
 
     #[test]

@@ -14,6 +14,8 @@ pub struct SceneRequest {
     pub map: MapOptions,
     /// Amplitude of the detail below the sample spacing, metres; `None`: the scene's own.
     pub detail: Option<f32>,
+    /// Number of lamps, in scenes that have some; `None`: the scene's own.
+    pub lights: Option<u32>,
     /// Scenes that have names besides those of [`BUILT_IN`](super::BUILT_IN).
     pub named: Vec<NamedScene>,
 }
@@ -25,6 +27,7 @@ impl SceneRequest {
             scene: scene.into(),
             map: MapOptions::default(),
             detail: None,
+            lights: None,
             named: Vec::new(),
         }
     }

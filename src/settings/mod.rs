@@ -60,6 +60,8 @@ pub struct Settings {
     pub budget: Option<f32>,
     /// The ground's triangles are chosen in blocks: coarse ground at once, finer from frame to frame.
     pub blocks: bool,
+    /// Who lights the picture.
+    pub renderer: Renderer,
     /// What pictures are drawn with, where the six fields below do not say it.
     pub preset: Preset,
     /// Bright places glow.
@@ -85,6 +87,30 @@ pub struct Settings {
     pub panel: bool,
 }
 
+/// Who lights the picture.
+#[derive(
+    Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Renderer {
+    /// Bevy's deferred pass.
+    #[default]
+    Bevy,
+    /// Dolomite's, which is made for many lamps.
+    Dolomite,
+}
+
+impl Renderer {
+    /// The name, as in settings and on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bevy => "bevy",
+            Self::Dolomite => "dolomite",
+        }
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -102,6 +128,7 @@ impl Default for Settings {
             max_error: Some(1.0),
             budget: None,
             blocks: false,
+            renderer: Renderer::Bevy,
             preset: Preset::Auto,
             bloom: None,
             anti_aliasing: None,

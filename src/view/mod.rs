@@ -4,26 +4,34 @@
 //! |---|---|
 //! | [`textures`] | the ground's texture arrays |
 //! | [`hero`] | what the figure looks like |
+//! | [`things`], [`shapes`] | what things look like; what collision knows, as lines |
 //! | [`panel`], [`passes`] | figures over the picture; times of render passes |
 //! | [`start`], [`progress`] | the start screen; what has been made of the first picture |
 //! | [`sharpen`] | the first ground in a window is coarse |
 //! | [`quality`] | bloom, anti-aliasing and shadows as they were chosen |
 //! | [`scaled`] | the scene in a resolution of its own |
 //! | [`bloom`] | bloom in views of any shape |
+//! | [`renderer`] | who lights the picture |
+//! | [`lamps`], [`torch`] | lamps of the scene; the one in the figure's hand |
 //! | [`unlit`] | a view without its lighting, for the bench |
 //! | [`daylight`] | the place of the sun; colours by day and by night |
 
 pub mod bloom;
 pub mod daylight;
 pub mod hero;
+pub mod lamps;
 pub mod panel;
 pub mod passes;
 pub mod progress;
 pub mod quality;
+pub mod renderer;
 pub mod scaled;
+pub mod shapes;
 pub mod sharpen;
 pub mod start;
 pub mod textures;
+pub mod things;
+pub mod torch;
 pub mod unlit;
 
 use bevy::camera::{Hdr, RenderTarget};
@@ -48,9 +56,14 @@ use crate::settings::quality::Quality;
 use bloom::BloomFitPlugin;
 use daylight::{DaylightPlugin, SATURATION};
 use hero::HeroPlugin;
+use lamps::LampsPlugin;
 use quality::QualityPlugin;
+use renderer::RendererPlugin;
 use scaled::{Scaled, ScaledPlugin};
+use shapes::ShapesPlugin;
 use sharpen::Widened;
+use things::ThingViewPlugin;
+use torch::TorchPlugin;
 
 /// Distances that the camera sees, metres. Depth is infinite; `far` bounds culling only.
 const NEAR: f32 = 0.15;
@@ -121,6 +134,11 @@ impl Plugin for ViewPlugin {
                 BloomFitPlugin,
                 QualityPlugin,
                 ScaledPlugin,
+                ThingViewPlugin,
+                ShapesPlugin,
+                RendererPlugin,
+                LampsPlugin,
+                TorchPlugin,
             ))
             .add_systems(
                 Dress,

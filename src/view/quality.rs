@@ -111,6 +111,11 @@ fn light(
     }
 }
 
+/// Whether the torch casts shadows.
+pub const fn torch_casts(quality: &Quality) -> bool {
+    quality.shadow_cascades > 0
+}
+
 /// The cascades of the sun's shadow; those of none are never drawn.
 pub fn cascades(quality: &Quality) -> CascadeShadowConfig {
     CascadeShadowConfigBuilder {

@@ -9,12 +9,18 @@ use std::time::Duration;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
 
+use dolomite::ground::detail::MakingBudget;
+
 use super::progress::{Made, Progress, textures_are_there};
 use super::sharpen::Widened;
 use super::textures::TextureError;
 use super::{Dress, SceneTextures, textures};
 use crate::scene::CurrentScene;
 use crate::settings::paths::AssetsDir;
+
+/// Blocks of ground that a frame makes below this screen: how long such a frame takes matters less than how fine the
+/// first picture is.
+const BELOW: MakingBudget = MakingBudget { blocks: Some(128) };
 
 /// Frames of the finished screen in a window that is shown before the scene joins it: the first is on the display
 /// when the third is made.
@@ -81,7 +87,10 @@ struct Finished(u32);
 #[derive(Resource)]
 struct Reading(Task<Result<[Image; 2], TextureError>>);
 
-fn spawn(mut commands: Commands, scene: Res<CurrentScene>) {
+fn spawn(mut commands: Commands, scene: Res<CurrentScene>, making: Option<ResMut<MakingBudget>>) {
+    if let Some(mut making) = making {
+        *making = BELOW;
+    }
     let camera = commands
         .spawn((
             Screen,
@@ -215,7 +224,7 @@ fn write(
     screens: Query<Entity, With<Screen>>,
     mut words: Query<&mut Text, With<Words>>,
     mut bars: Query<&mut Node, With<Bar>>,
-    time: Res<Time<Real>>,
+    (time, making): (Res<Time<Real>>, Option<ResMut<MakingBudget>>),
     mut said: Local<Option<Made>>,
 ) {
     let made = progress.made();
@@ -224,6 +233,9 @@ fn write(
             commands.entity(screen).despawn();
         }
         commands.remove_resource::<Starting>();
+        if let Some(mut making) = making {
+            *making = MakingBudget::default();
+        }
         let seconds = time.elapsed_secs();
         eprintln!("dolomite: the first picture is there ({seconds:.0} s)");
         return;

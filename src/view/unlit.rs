@@ -4,6 +4,7 @@ use bevy::pbr::deferred::SkipDeferredLighting;
 use bevy::prelude::*;
 use bevy::render::sync_world::RenderEntity;
 use bevy::render::{Extract, ExtractSchedule, RenderApp};
+use dolomite::deferred::DeferredLighting;
 
 /// On a camera whose G-buffer is not lit: its picture is the sky alone.
 #[derive(Component, Clone, Copy, Debug)]
@@ -18,7 +19,10 @@ pub fn add(app: &mut App) {
 
 fn extract(
     mut commands: Commands,
-    cameras: Extract<Query<(RenderEntity, Has<Unlit>), With<Camera3d>>>,
+    // Dolomite's lighting has Bevy's left out by itself.
+    cameras: Extract<
+        Query<(RenderEntity, Has<Unlit>), (With<Camera3d>, Without<DeferredLighting>)>,
+    >,
     known: Query<(), With<SkipDeferredLighting>>,
 ) {
     for (camera, unlit) in &cameras {

@@ -369,6 +369,8 @@ fn switches_switch_and_switch_back() {
         switch_fill: true,
         switch_focus: true,
         switch_keys: true,
+        switch_shapes: true,
+        switch_torch: true,
         switch_follow: true,
         ..default()
     };
@@ -382,7 +384,9 @@ fn switches_switch_and_switch_back() {
             fill: false,
             focus: DetailFocus::Figure,
             keys: true,
+            shapes: true,
             follow: true,
+            torch: true,
         }
     );
     app.update();

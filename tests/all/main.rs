@@ -11,6 +11,7 @@ mod headless;
 mod hero;
 mod hostile;
 mod images;
+mod lamps;
 mod night;
 #[expect(dead_code, reason = "only its body is drawn here")]
 #[path = "../../plugins/character/tests/all/support/person.rs"]
@@ -20,6 +21,8 @@ mod stage;
 mod start;
 mod strangers;
 mod support;
+
+mod things;
 mod tint;
 #[path = "../../plugins/character/tests/all/support/walk.rs"]
 mod walk;

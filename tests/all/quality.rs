@@ -24,6 +24,7 @@ fn offscreen(settings: Settings, size: UVec2, panels: bool) -> Option<Offscreen>
         scene: "mountain".to_owned(),
         map: MapOptions::default(),
         detail: None,
+        lights: None,
         named: Vec::new(),
     };
     let mut setup = Setup::load(settings, request, None).expect("the scene is there");

@@ -20,6 +20,7 @@ fn setup() -> Setup {
         scene: "mountain".to_owned(),
         map: MapOptions::default(),
         detail: None,
+        lights: None,
         named: Vec::new(),
     };
     let settings = Settings {

@@ -2,34 +2,46 @@
 
 pub mod animation;
 pub mod beside;
+pub mod bodies;
 pub mod budget;
+pub mod far;
 pub mod fbx;
 pub mod ground;
 pub mod light;
 pub mod lod;
 pub mod material;
+pub mod moves;
 pub mod noise;
+pub mod platforms;
 pub mod rays;
+pub mod scaling;
 pub mod sweep;
 pub mod tessellation;
 pub mod tessellation_speed;
 pub mod tessellation_stage;
+pub mod triggers;
 
 use crate::study::Study;
 
 /// All of them, in the order in which `all` runs them.
 pub const STUDIES: &[Study] = &[
     animation::STUDY,
+    bodies::STUDY,
     budget::STUDY,
     ground::STUDY,
+    far::STUDY,
     fbx::STUDY,
     light::STUDY,
     lod::STUDY,
     material::STUDY,
+    moves::STUDY,
     noise::STUDY,
+    platforms::STUDY,
     rays::STUDY,
+    scaling::STUDY,
     sweep::STUDY,
     tessellation::STUDY,
     tessellation_speed::STUDY,
     tessellation_stage::STUDY,
+    triggers::STUDY,
 ];

@@ -10,3 +10,4 @@ mod shadow_ranges;
 mod stage;
 mod support;
 mod tessellation;
+mod web;

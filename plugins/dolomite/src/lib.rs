@@ -8,6 +8,8 @@
 //! | [`TerrainPlugin`](terrain::TerrainPlugin) | [`terrain`] | heights, slopes and height queries from noise and height maps, in f64 | no |
 //! | [`CharacterPlugin`](character::CharacterPlugin) | [`character`] | animated figures with feet on the ground, sampled as large as they are seen | no |
 //! | [`CrowdPlugin`](character::render::CrowdPlugin) | [`character`] | crowds drawn from a palette of poses, 16 bytes a figure | yes |
+//! | [`CollisionPlugin`](collision::CollisionPlugin) | [`collision`] | movers that slide over triangles, blockers, triggers; with the feature `rapier` ground under Rapier's bodies | no |
+//! | [`LogicPlugin`](logic::LogicPlugin) | [`logic`] | values and actions, lifts and doors, behaviours as data, senses, crowds | no |
 //! | [`FbxPlugin`](fbx::FbxPlugin) | [`fbx`] | `load("hero.fbx")`, with the sub-assets of Bevy's glTF loader | no |
 //! | [`PatchPlugin`](tessellation::render::PatchPlugin) | [`tessellation`] | patches of your own, tessellated by your control and evaluate functions | yes |
 //! | [`GroundPlugin`](ground::GroundPlugin) | [`ground`] | terrain refined and drawn on the GPU | yes |
@@ -29,10 +31,12 @@
 //! Coordinates everywhere: metres and radians (places of the sun: degrees), right-handed, +Y up, −Z forward (north).
 
 pub use dolomite_character as character;
+pub use dolomite_collision as collision;
 pub use dolomite_deferred as deferred;
 pub use dolomite_fbx as fbx;
 pub use dolomite_geometry as geometry;
 pub use dolomite_ground as ground;
+pub use dolomite_logic as logic;
 pub use dolomite_sky as sky;
 pub use dolomite_terrain as terrain;
 pub use dolomite_tessellation as tessellation;
@@ -62,5 +66,7 @@ impl PluginGroup for DolomiteMinimalPlugins {
         PluginGroupBuilder::start::<Self>()
             .add(terrain::TerrainPlugin)
             .add(character::CharacterPlugin)
+            .add(collision::CollisionPlugin)
+            .add(logic::LogicPlugin)
     }
 }

@@ -53,9 +53,11 @@ fn load(path: &Path, methods: Methods) -> Result<LoadedScene, ClassicHeightsErro
         material: None,
         sea: Sea::default(),
         sun: dolomite::sky::Sun::default(),
+        lamps: None,
         camera: orbit(0.0),
         figure: DVec2::ZERO,
         facing: 0.0,
+        things: Vec::new(),
         files: vec![(path.to_owned(), changed(path))],
         own: Some(Arc::new(Classic { heights, methods })),
     })

@@ -17,7 +17,7 @@ use serde::Serialize;
 use super::{BenchError, check_file, tell};
 use crate::run::began::{self, Clock};
 use crate::run::device::Device;
-use crate::run::offscreen::Offscreen;
+use crate::run::offscreen::{Offscreen, hurry};
 use crate::run::{Setup, window};
 use crate::view::progress::Progress;
 use stopwatch::{Moment, Seen, Stopwatch};
@@ -173,6 +173,8 @@ pub fn without_window(
     let scene = setup.scene.name.clone();
     let mut offscreen = Offscreen::new(setup, size)?;
     let watch = stopwatch::add(&mut offscreen.app);
+    // What is waited for is the settled picture.
+    hurry(offscreen.app.world_mut());
     let _told = offscreen.app.world().resource::<Progress>().told();
     let mut first = Some(first);
     for _ in 0..MOST_UPDATES {

@@ -5,6 +5,7 @@ use bevy::camera::{Exposure, PerspectiveProjection, Projection};
 use bevy::math::{DQuat, DVec3};
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
+use dolomite_deferred::render::Lobe;
 use dolomite_deferred::{BlinnPhongMaterial, gbuffer};
 use dolomite_light_oracle::scene::{self, Lamp, LampKind, Shape};
 use dolomite_light_oracle::shade::Texel;
@@ -73,6 +74,12 @@ fn material(app: &mut App, material: &scene::Material) -> Handles {
                 specular: linear(m.specular),
                 emissive: linear(m.emissive),
                 exponent: m.exponent as f32,
+                lobe: match m.lobe {
+                    scene::Lobe::Blinn => Lobe::Blinn,
+                    scene::Lobe::Phong => Lobe::Phong,
+                },
+                faceted: m.interpolation == scene::Interpolation::FaceNormal,
+                ..default()
             };
             Handles::BlinnPhong(app.world_mut().resource_mut::<Assets<_>>().add(shiny))
         }
@@ -220,6 +227,11 @@ pub fn decoded(pixels: &[Pixel], eye: &scene::Camera) -> Vec<Option<Texel>> {
                     16.0 * f64::from((words[0] >> 24 << 8) | (words[2] >> 24)) / 65535.0,
                 ),
                 emissive,
+                lobe: if gbuffer::unpack_flags(words[3]) & gbuffer::PHONG == 0 {
+                    scene::Lobe::Blinn
+                } else {
+                    scene::Lobe::Phong
+                },
                 ..default()
             })
         } else {

@@ -5,7 +5,7 @@
 //! leaves out packing and the edges of triangles. Times are those of whole frames with the adapter waited for, the
 //! ways taking turns, less the frame in which nothing lights; medians.
 
-mod way;
+pub mod way;
 
 use bevy::prelude::App;
 use dolomite_deferred::{BlinnPhongPlugin, DeferredPlugin};

@@ -26,7 +26,7 @@ pub const STUDY: Study = Study {
 };
 
 /// What its measured table says.
-const ASKED: [Asked; 11] = [
+const ASKED: [Asked; 14] = [
     asked("Sweeps, of nine kinds", "≥ 1.1e7", "/sweeps", ""),
     asked("Contacts missed", "0", "/ours/missed", ""),
     asked("Contacts where there are none", "0", "/ours/invented", ""),
@@ -76,6 +76,24 @@ const ASKED: [Asked; 11] = [
         "Sweeps a second over parry 0.30, one triangle each, median of the kinds",
         "",
         "/over/parry",
+        "ratio",
+    ),
+    asked(
+        "Contacts missed where the ellipsoid goes deeper than 1e-3 of its radius, parry 0.30, sweep of points with radii",
+        "",
+        "/parry_toi/missed_clearly",
+        "",
+    ),
+    asked(
+        "Time of contact, error that 99 % stay below, worst kind, parry 0.30, sweep of points with radii",
+        "",
+        "/parry_toi/time_p99",
+        "of the way",
+    ),
+    asked(
+        "Sweeps a second over parry 0.30's sweep of points with radii, one triangle each, median of the kinds",
+        "",
+        "/over/parry_toi",
         "ratio",
     ),
 ];
@@ -189,7 +207,10 @@ fn row_pair(kind: usize, method: &str, tally: &Tally, ns: f64) -> [Row; 2] {
     let row = |quantity: &str, unit: &str, errors: &[f64]| Row {
         sweep: hostile::name(kind).into(),
         method: method.into(),
-        parameter: format!("missed={} invented={}", tally.missed, tally.invented),
+        parameter: format!(
+            "missed={} clearly={} invented={} clearly={}",
+            tally.missed, tally.missed_clearly, tally.invented, tally.invented_clearly
+        ),
         parameter_value: tally.missed as f64,
         quantity: quantity.into(),
         error: ErrorStats::of(errors.iter().copied()).map(ErrorNumbers::from),

@@ -27,7 +27,7 @@ pub struct Adapter {
 /// What one workgroup is told, as in `shaders/src/stage/probe.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct CaseRecord {
+pub(crate) struct CaseRecord {
     outer: [u32; 4],
     inner: [u32; 2],
     domain: u32,
@@ -42,7 +42,7 @@ struct CaseRecord {
 const ELEMENTS: u32 = 1 << 21;
 
 /// Columns of the dispatch, as in the shader.
-const COLUMNS: u32 = 32_768;
+pub(crate) const COLUMNS: u32 = 32_768;
 
 impl Adapter {
     /// Opens the adapter and compiles the shader.
@@ -147,7 +147,12 @@ impl Adapter {
     }
 }
 
-fn record(tessellator: &Tessellator, levels: &Levels, vertex: u32, primitive: u32) -> CaseRecord {
+pub(crate) fn record(
+    tessellator: &Tessellator,
+    levels: &Levels,
+    vertex: u32,
+    primitive: u32,
+) -> CaseRecord {
     CaseRecord {
         outer: levels.outer.map(f32::to_bits),
         inner: levels.inner.map(f32::to_bits),

@@ -3,7 +3,7 @@
 
 use crate::Domain;
 use crate::layout::{COLUMNS, GRID_DISPATCH_ARGUMENTS, StageParams, VERTEX_DISPATCH_ARGUMENTS};
-use crate::passes::STRIPS;
+use crate::passes::{PASSES, pass_count};
 
 use super::view::workgroups;
 
@@ -25,6 +25,33 @@ pub fn clear_work(encoder: &mut wgpu::CommandEncoder, work: &wgpu::Buffer, param
     encoder.clear_buffer(work, 0, Some(params.cleared_bytes()));
 }
 
+/// How a pass of the stage is dispatched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StageDispatch {
+    /// So many workgroups.
+    Groups([u32; 3]),
+    /// As many as stand at this byte of the work buffer.
+    Indirect(u64),
+}
+
+/// How each pass of [`PASSES`] is dispatched, as many as the domain has.
+pub fn stage_dispatches(
+    params: &StageParams,
+    domain: Domain,
+) -> impl Iterator<Item = StageDispatch> + use<> {
+    let [patches, items, sides] = workgroups(params, domain);
+    let all: [StageDispatch; PASSES.len()] = [
+        StageDispatch::Groups(in_rows(patches)),
+        StageDispatch::Groups(in_rows(items)),
+        StageDispatch::Groups(in_rows(1)),
+        StageDispatch::Groups(in_rows(items)),
+        StageDispatch::Indirect(VERTEX_DISPATCH_ARGUMENTS),
+        StageDispatch::Indirect(GRID_DISPATCH_ARGUMENTS),
+        StageDispatch::Groups(in_rows(sides)),
+    ];
+    all.into_iter().take(pass_count(domain))
+}
+
 /// Records control, measure, plan, place and the passes of emission, whose pipelines are in the order of
 /// [`PASSES`](crate::passes::PASSES), as many as the domain has. Gives the number of dispatches.
 pub fn record_stage(
@@ -34,25 +61,23 @@ pub fn record_stage(
     params: &StageParams,
     domain: Domain,
 ) -> u32 {
-    let [patches, items, sides] = workgroups(params, domain);
     if let Some(data) = bound.data {
         pass.set_bind_group(1, data, &[]);
     }
-    for (number, pipeline) in pipelines.iter().enumerate() {
+    let passes = PASSES.iter().zip(stage_dispatches(params, domain));
+    for ((number, pipeline), (stage, dispatch)) in pipelines.iter().enumerate().zip(passes) {
         pass.set_pipeline(pipeline);
-        match number {
-            0 => {
-                pass.set_bind_group(0, bound.work, &[]);
-                dispatch(pass, patches);
+        // The passes that emit come last, and bind the same.
+        if number == 0 {
+            pass.set_bind_group(0, bound.work, &[]);
+        } else if stage.emits && !PASSES[number - 1].emits {
+            pass.set_bind_group(0, bound.emit, &[]);
+        }
+        match dispatch {
+            StageDispatch::Groups([x, y, z]) => pass.dispatch_workgroups(x, y, z),
+            StageDispatch::Indirect(offset) => {
+                pass.dispatch_workgroups_indirect(bound.buffer, offset);
             }
-            1 | 3 => dispatch(pass, items),
-            2 => dispatch(pass, 1),
-            4 => {
-                pass.set_bind_group(0, bound.emit, &[]);
-                pass.dispatch_workgroups_indirect(bound.buffer, VERTEX_DISPATCH_ARGUMENTS);
-            }
-            STRIPS => dispatch(pass, sides),
-            _ => pass.dispatch_workgroups_indirect(bound.buffer, GRID_DISPATCH_ARGUMENTS),
         }
     }
     pipelines.len() as u32
@@ -78,5 +103,12 @@ pub fn record_shadow_ranges(
 
 /// So many groups, in rows of [`COLUMNS`].
 fn dispatch(pass: &mut wgpu::ComputePass<'_>, groups: u32) {
-    pass.dispatch_workgroups(groups.min(COLUMNS), groups.div_ceil(COLUMNS), 1);
+    let [x, y, z] = in_rows(groups);
+    pass.dispatch_workgroups(x, y, z);
+}
+
+/// The grid of so many groups, in rows of [`COLUMNS`].
+const fn in_rows(groups: u32) -> [u32; 3] {
+    let width = if groups < COLUMNS { groups } else { COLUMNS };
+    [width, groups.div_ceil(COLUMNS), 1]
 }

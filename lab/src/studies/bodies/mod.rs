@@ -1,0 +1,349 @@
+//! Study `bodies`: Rapier's bodies on tiles of the ground, and Rapier's character controller beside our movers.
+
+mod controller;
+mod method;
+mod roll;
+mod terrain;
+mod walkers;
+
+use crate::csv::{ErrorNumbers, Row};
+use crate::plot::{Axes, Chart, Curve as Line};
+use crate::study::{Asked, Figure, Options, Report, Study};
+use bevy::math::{DVec2, Vec3};
+use dolomite_collision::rapier::Diagonals;
+use dolomite_testkit::metrics::ErrorStats;
+use dolomite_testkit::random::{Random, mixed};
+use roll::{GROUNDS, Under, apart, fast, path};
+use serde_json::{Map, Value, json};
+use terrain::Terrain;
+use walkers::{Curve, ITERATIONS, Walked, all, curve, places};
+
+/// As the command line knows it.
+pub const STUDY: Study = Study {
+    name: "bodies",
+    about: "Rapier's balls over borders of tiles, and its character controller beside our movers",
+    run,
+    asked: &ASKED,
+};
+
+/// What its measured table says.
+const ASKED: [Asked; 16] = [
+    asked(
+        "A ball over borders of tiles of 8 m, farthest from one unbroken tile in 100 m, flat",
+        "≤ 1e-3",
+        "/roll/flat/unbroken_m",
+        "m",
+    ),
+    asked(
+        "The same on a slope",
+        "≤ 1e-3",
+        "/roll/slope/unbroken_m",
+        "m",
+    ),
+    asked(
+        "The same over waves",
+        "≤ 1e-3",
+        "/roll/waves/unbroken_m",
+        "m",
+    ),
+    asked(
+        "The same against parry's own height field, flat",
+        "≤ 1e-3",
+        "/roll/flat/parry_m",
+        "m",
+    ),
+    asked(
+        "The same against parry's own height field, on a slope",
+        "≤ 1e-3",
+        "/roll/slope/parry_m",
+        "m",
+    ),
+    asked(
+        "The same against parry's own height field, over waves",
+        "≤ 1e-3",
+        "/roll/waves/parry_m",
+        "m",
+    ),
+    asked(
+        "Balls at 100 m/s over ground that is replaced under them, times below it",
+        "0",
+        "/fast/below",
+        "",
+    ),
+    asked(
+        "Moves a second over Rapier's controller, hills",
+        "≥ 5",
+        "/over/hills/rapier",
+        "ratio",
+    ),
+    asked(
+        "Moves a second over Rapier's controller that climbs steps, hills",
+        "≥ 5",
+        "/over/hills/rapier_steps",
+        "ratio",
+    ),
+    asked(
+        "Moves a second over Rapier's controller that climbs steps, gravel",
+        "",
+        "/over/gravel/rapier_steps",
+        "ratio",
+    ),
+    asked(
+        "Deepest penetration, hills and gravel",
+        "≤ 1e-4",
+        "/depth_max_m/ours",
+        "m",
+    ),
+    asked(
+        "Deepest penetration, Rapier's controller",
+        "",
+        "/depth_max_m/rapier",
+        "m",
+    ),
+    asked(
+        "Steps that stand still, hills",
+        "",
+        "/still/hills/ours",
+        "part",
+    ),
+    asked(
+        "Steps that stand still, hills, Rapier's controller",
+        "",
+        "/still/hills/rapier",
+        "part",
+    ),
+    asked(
+        "Largest error of three advances of a slide, gravel",
+        "",
+        "/iterations/gravel/error_max_m/2",
+        "m",
+    ),
+    asked(
+        "Steps that three advances do not finish, gravel",
+        "",
+        "/iterations/gravel/wrong/2",
+        "part",
+    ),
+];
+
+const fn asked(
+    what: &'static str,
+    asked: &'static str,
+    at: &'static str,
+    unit: &'static str,
+) -> Asked {
+    Asked {
+        what,
+        asked,
+        at,
+        unit,
+    }
+}
+
+/// Balls of each ground, each from another place and at another speed.
+const BALLS: usize = 4;
+
+/// Steps of a walk.
+const STEPS: u32 = 60;
+
+/// Farthest apart, metres: from one unbroken tile of ours cut in turns, and from parry's field with cells cut alike.
+fn rolled(random: &mut Random, height: roll::Height) -> [Vec<f64>; 2] {
+    let mut errors = [Vec::new(), Vec::new()];
+    for _ in 0..BALLS {
+        let start = DVec2::new(16.0 + 8.0 * random.unit(), 100.0 + 8.0 * random.unit());
+        let velocity = Vec3::new(random.range(3.0, 5.0), 0.0, random.range(-0.8, 0.8));
+        let go = |under| path(height, under, start, velocity).0;
+        let against = [
+            (
+                Under::Tiles(256, Diagonals::Alternating),
+                Diagonals::Alternating,
+            ),
+            (Under::Parry, Diagonals::Alike),
+        ];
+        for (errors, (whole, diagonals)) in errors.iter_mut().zip(against) {
+            errors.push(apart(&go(whole), &go(Under::Tiles(8, diagonals)), start));
+        }
+    }
+    errors
+}
+
+fn run(options: &Options) -> Report {
+    let count = options.count.unwrap_or(1000).max(1);
+    let mut random = Random::new(mixed(options.seed, 0));
+    let (mut rows, mut roll) = (Vec::new(), Map::new());
+    for (name, height) in GROUNDS {
+        eprintln!("bodies: a ball rolls, {name}");
+        let [unbroken, parry] = rolled(&mut random, height);
+        let worst = |errors: &[f64]| errors.iter().copied().fold(0.0, f64::max);
+        roll.insert(
+            name.into(),
+            json!({ "unbroken_m": worst(&unbroken), "parry_m": worst(&parry) }),
+        );
+        rows.push(rolled_row(name, "an unbroken tile", &unbroken));
+        rows.push(rolled_row(name, "parry's height field", &parry));
+    }
+    eprintln!("bodies: 100 m/s");
+    let fast = fast(options.seed, count.div_ceil(16));
+    let (mut over, mut still, mut airborne) = (Map::new(), Map::new(), Map::new());
+    let (mut iterations, mut lost) = (Map::new(), Map::new());
+    let mut depth: Map<String, Value> = Map::new();
+    let mut curves = Vec::new();
+    for terrain in Terrain::all() {
+        eprintln!("bodies: {count} walk, {}", terrain.name);
+        let from = places(&terrain, count, options.seed);
+        let walked = all(&terrain, &from, STEPS);
+        let each = |what: &dyn Fn(&Walked) -> f64| {
+            let named = walked
+                .iter()
+                .map(|(name, walked)| ((*name).to_owned(), json!(what(walked))));
+            Value::from(named.collect::<Map<_, _>>())
+        };
+        let ours = walked[0].1.ns;
+        over.insert(terrain.name.into(), each(&|walked| walked.ns / ours));
+        still.insert(terrain.name.into(), each(&|walked| walked.still));
+        airborne.insert(terrain.name.into(), each(&|walked| walked.airborne));
+        lost.insert(terrain.name.into(), each(&|walked| walked.lost as f64));
+        for (name, walked) in &walked {
+            let known = depth.get(*name).and_then(Value::as_f64).unwrap_or(0.0);
+            depth.insert((*name).into(), json!(known.max(walked.depth)));
+            rows.push(walked_row(terrain.name, name, walked));
+        }
+        let found = curve(&terrain, &from[..from.len().min(2000)], STEPS);
+        iterations.insert(
+            terrain.name.into(),
+            json!({
+                "ns": found.ns,
+                "error_mean_m": found.mean,
+                "error_max_m": found.max,
+                "wrong": found.wrong,
+            }),
+        );
+        curves.push((terrain.name, found));
+    }
+    Report {
+        study: STUDY.name,
+        rows,
+        figures: vec![figure(&curves)],
+        notes: vec![
+            format!(
+                "a ball of 0.5 m rolls 100 m over tiles of 8 m from {BALLS} places at 3 to 5 m/s, and over one tile of \
+                 256 m, or over parry's height field of 256 m with FIX_INTERNAL_EDGES and cells cut all alike"
+            ),
+            "balls of 0.4 m walk at 4 m/s over 20 000 triangles, one core, all methods in turns in one run; Rapier's \
+             controller as it is given, and with steps of 0.35 m, ground held within 0.3 m and slopes to 50° as ours"
+                .into(),
+            "errors of a slide are against 64 advances from the same place; the index of a list of `iterations` is \
+             the number of advances less 1"
+                .into(),
+            "avian3d is not asked: it is no dependency of this workspace".into(),
+        ],
+        summary: json!({
+            "walkers": count,
+            "steps": STEPS,
+            "roll": roll,
+            "fast": { "balls": fast.balls, "below": fast.below, "replaced": fast.replaced },
+            "over": over,
+            "still": still,
+            "airborne": airborne,
+            "lost": lost,
+            "depth_max_m": depth,
+            "iterations": iterations,
+        }),
+    }
+}
+
+fn rolled_row(ground: &str, against: &str, errors: &[f64]) -> Row {
+    Row {
+        sweep: ground.into(),
+        method: "tiles of 8 m".into(),
+        parameter: format!("against {against}"),
+        parameter_value: errors.len() as f64,
+        quantity: "path of a ball over 100 m".into(),
+        error: ErrorStats::of(errors.iter().copied()).map(ErrorNumbers::from),
+        error_unit: "m".into(),
+        time_ns: None,
+        bytes: None,
+        vertices: None,
+        hash: None,
+        device: "Rapier".into(),
+    }
+}
+
+fn walked_row(terrain: &str, method: &str, walked: &Walked) -> Row {
+    Row {
+        sweep: terrain.into(),
+        method: method.into(),
+        parameter: format!(
+            "still={:.4} airborne={:.4} lost={} depth={:.2e}",
+            walked.still, walked.airborne, walked.lost, walked.depth
+        ),
+        parameter_value: walked.depth,
+        quantity: "distance of standing balls from the surface".into(),
+        error: ErrorStats::of(walked.gaps.iter().copied()).map(ErrorNumbers::from),
+        error_unit: "m".into(),
+        time_ns: Some(walked.ns),
+        bytes: None,
+        vertices: None,
+        hash: Some(walked.hash),
+        device: "one core".into(),
+    }
+}
+
+fn figure(curves: &[(&str, Curve)]) -> Figure {
+    let lines = curves
+        .iter()
+        .enumerate()
+        .map(|(colour, (name, curve))| Line {
+            name: (*name).into(),
+            colour,
+            // A logarithm of no error is none: a nanometre stands for it.
+            points: (0..ITERATIONS.len())
+                .map(|i| (curve.ns[i], curve.mean[i].max(1e-9)))
+                .collect(),
+        });
+    Figure {
+        name: "bodies_iterations".into(),
+        caption:
+            "Mean error of one to five advances of a slide, from left to right, by time; one core."
+                .into(),
+        chart: Chart {
+            title: "Advances of a slide".into(),
+            x_label: "ns / move".into(),
+            y_label: "mean error, m".into(),
+            axes: Axes::Logarithmic,
+            curves: lines.collect(),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_run_rolls_walks_and_loses_nobody() {
+        let options = Options {
+            count: Some(40),
+            ..Options::default()
+        };
+        let summary = run(&options).summary;
+        // 1 mm is what is asked for and not reached (docs/measured): held to what was measured, 20, 1.3 and 30 mm, and
+        // some more, so that it gets no worse.
+        for (ground, most) in [("flat", 0.025), ("slope", 2e-3), ("waves", 0.035)] {
+            let off = summary["roll"][ground]["unbroken_m"].as_f64().unwrap();
+            assert!(off <= most, "{ground}: {summary}");
+        }
+        assert_eq!(summary["fast"]["below"], 0, "{summary}");
+        for terrain in ["hills", "gravel"] {
+            assert_eq!(summary["lost"][terrain]["ours"], 0.0, "{summary}");
+            // The more advances, the nearer to the end.
+            let errors = &summary["iterations"][terrain]["error_mean_m"];
+            let mean = |i: usize| errors[i].as_f64().unwrap();
+            assert!(mean(0) > mean(2) && mean(2) >= mean(4), "{summary}");
+        }
+        assert!(
+            summary["depth_max_m"]["ours"].as_f64().unwrap() <= 1e-4,
+            "{summary}"
+        );
+    }
+}
