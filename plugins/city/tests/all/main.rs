@@ -1,4 +1,5 @@
 //! Tests of the city that need shaders or many patches, as one program, since each more would link Bevy once more.
+#![cfg(feature = "render")]
 
 #[path = "../../../geometry/tests/all/app/mod.rs"]
 mod app;
