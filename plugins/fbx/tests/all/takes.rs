@@ -1,12 +1,11 @@
 //! Clips against their definitions, worked out here in f64: no stated error is below the true one.
 
-#[path = "support/takes.rs"]
-mod takes;
-
+use crate::support::takes::{
+    CORNERS, CUBIC, Curve, Key, LINEAR, Layer, Moved, Node, STEP, STEP_NEXT, file,
+};
 use dolomite_fbx::check::{Played, Truth};
 use dolomite_fbx::{Conversion, Limits, Options, Origin, convert};
 use glam::{DAffine3, DQuat, DVec3};
-use takes::{CORNERS, CUBIC, Curve, Key, LINEAR, Layer, Moved, Node, STEP, STEP_NEXT, file};
 
 const ROTATION: &str = "Lcl Rotation";
 const TRANSLATION: &str = "Lcl Translation";

@@ -1,6 +1,6 @@
 //! Files with looks, converted, and what to ask of them.
 
-use crate::looks::Looks;
+use super::looks::Looks;
 use dolomite_fbx::model::Material;
 use dolomite_fbx::{Conversion, Options, Origin, convert};
 use serde_json::Value;

@@ -1,14 +1,7 @@
 //! Pictures that are not embedded: where they are found, and what becomes of them.
 
-#[path = "support/ascii.rs"]
-#[expect(dead_code, reason = "its strip is of other tests")]
-mod ascii;
-#[path = "support/looks.rs"]
-#[expect(dead_code, reason = "properties are of other tests")]
-mod looks;
-
+use crate::support::looks::Looks;
 use dolomite_fbx::{Conversion, Limits, Options, Origin, convert};
-use looks::Looks;
 use std::path::{Path, PathBuf};
 
 /// A folder of its own, which is taken away afterwards.

@@ -1,6 +1,6 @@
 //! Small ASCII FBX files of quads with materials and textures.
 
-use crate::ascii::header;
+use super::ascii::header;
 
 /// A file that is being written. Ids are given out in order.
 #[derive(Default)]

@@ -3,14 +3,11 @@
 //! It is an npm package, which `scripts/lib/node.sh` installs. Without it these tests skip, with a line that says
 //! so; in CI they fail.
 
-#[path = "support/ascii.rs"]
-mod ascii;
-mod support;
-
+use crate::support::ascii;
+use crate::support::{files_below, shared_fbx};
 use dolomite_fbx::{Compression, Effort, Options, Origin, Weights, convert};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use support::{files_below, shared_fbx};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")

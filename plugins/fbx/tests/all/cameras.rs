@@ -1,11 +1,7 @@
 //! Cameras in every unit, with every way of saying a field of view.
 
-#[path = "support/scene.rs"]
-#[expect(dead_code, reason = "shared by several tests")]
-mod support;
-
+use crate::support::scene::{converted, field, json, link, lost, model, scene};
 use dolomite_fbx::model::{Camera, Projection};
-use support::{converted, field, json, link, lost, model, scene};
 
 /// One camera of the given properties in a file whose unit is `unit` centimetres.
 fn camera(unit: f64, properties: &[(&str, f64)]) -> (Camera, Vec<String>) {

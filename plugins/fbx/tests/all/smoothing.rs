@@ -1,16 +1,12 @@
 //! Normals of meshes that have none, by smoothing groups and smooth edges.
 
-#[path = "support/binary.rs"]
-#[expect(dead_code, reason = "shared by several tests")]
-mod binary;
-#[path = "support/scene.rs"]
-#[expect(dead_code, reason = "shared by several tests")]
-mod support;
-
-use binary::{Node, Value};
+use crate::support::binary;
+use crate::support::binary::{Node, Value};
+use crate::support::scene::{
+    FACES, array, converted, corners, field, geometry, link, lost, model, scene,
+};
 use dolomite_fbx::model::Part;
 use glam::{DVec3, Vec3};
-use support::{FACES, array, converted, corners, field, geometry, link, lost, model, scene};
 
 /// Normals of the six faces of the support's box, in its order.
 const OUTWARDS: [Vec3; 6] = [

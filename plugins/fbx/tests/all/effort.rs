@@ -1,16 +1,10 @@
 //! The thorough search: within the same bound as the quick one, with fewer bytes.
 
-#[path = "support/ascii.rs"]
-mod ascii;
-#[path = "support/chain.rs"]
-mod chain;
-mod support;
-
-use ascii::strip;
-use chain::chain;
+use crate::support::ascii::strip;
+use crate::support::chain::chain;
+use crate::support::{files_below, shared_fbx};
 use dolomite_fbx::check::{Played, Truth, check_file, vertex_error};
 use dolomite_fbx::{Effort, Options, convert};
-use support::{files_below, shared_fbx};
 
 /// A tenth of a millimetre, whatever the size of the model.
 fn options(effort: Effort) -> Options<'static> {

@@ -1,16 +1,7 @@
 //! Materials: opacity, emission, pictures that share one, and what is said to be lost.
 
-#[path = "support/ascii.rs"]
-#[expect(dead_code, reason = "its strip is of other tests")]
-mod ascii;
-#[path = "support/looks.rs"]
-#[expect(dead_code, reason = "a part is of other tests")]
-mod looks;
-#[path = "support/made.rs"]
-mod made;
-
-use looks::{Looks, colour, number, vector, whole};
-use made::{data, field, json, lost, made, material, nothing_lost};
+use crate::support::looks::{Looks, colour, number, vector, whole};
+use crate::support::made::{data, field, json, lost, made, material, nothing_lost};
 
 #[test]
 fn opacity_is_that_of_the_materials_own_model() {

@@ -1,17 +1,8 @@
 //! Textures: how they are laid on, and by which coordinates.
 
-#[path = "support/ascii.rs"]
-#[expect(dead_code, reason = "its strip is of other tests")]
-mod ascii;
-#[path = "support/looks.rs"]
-#[expect(dead_code, reason = "a part is of other tests")]
-mod looks;
-#[path = "support/made.rs"]
-mod made;
-
+use crate::support::looks::{Looks, text, vector, whole};
+use crate::support::made::{field, json, lost, made, material, nothing_lost};
 use dolomite_fbx::Conversion;
-use looks::{Looks, text, vector, whole};
-use made::{field, json, lost, made, material, nothing_lost};
 
 #[test]
 fn a_tiled_material_is_tiled_on_every_texture() {

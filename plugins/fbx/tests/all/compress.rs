@@ -1,18 +1,11 @@
 //! `EXT_meshopt_compression`: what is written comes back, keeps to the bound, and is smaller.
-#![cfg(feature = "meshopt")]
 
-#[path = "support/ascii.rs"]
-mod ascii;
-#[path = "support/chain.rs"]
-mod chain;
-mod support;
-
-use ascii::strip;
-use chain::chain;
+use crate::support::ascii::strip;
+use crate::support::chain::chain;
+use crate::support::{files_below, shared_fbx};
 use dolomite_fbx::check::{Played, PlayedError, Truth, check_file, vertex_error};
 use dolomite_fbx::{Compression, Conversion, Effort, Options, Origin, Report, convert};
 use std::path::{Path, PathBuf};
-use support::{files_below, shared_fbx};
 
 fn options(compress: Compression) -> Options<'static> {
     Options {

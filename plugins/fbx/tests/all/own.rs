@@ -1,12 +1,7 @@
 //! Files of our own, whose every vertex is known.
 
-#[path = "support/ascii.rs"]
-mod ascii;
-#[path = "support/chain.rs"]
-mod chain;
-
-use ascii::strip;
-use chain::{chain, chain_with};
+use crate::support::ascii::strip;
+use crate::support::chain::{chain, chain_with};
 use dolomite_fbx::check::{Played, Truth, vertex_error};
 use dolomite_fbx::model::{Interpolation, Property};
 use dolomite_fbx::{Conversion, FbxError, Limits, Options, Origin, Weights, convert};

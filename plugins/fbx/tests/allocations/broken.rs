@@ -4,47 +4,11 @@
 //! The short tests run always. The full ones take minutes:
 //! `cargo nextest run -p dolomite_fbx --release --run-ignored only -E 'test(full)' --no-capture`.
 
-mod support;
-
+use crate::counting::{ALONE, base, peak};
+use crate::support::{files_below, shared_fbx};
 use dolomite_fbx::{FbxError, Options, Origin, convert};
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
-use support::{files_below, shared_fbx};
-
-/// Bytes in use, and the most that ever were since the last look.
-static IN_USE: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-/// One case at a time: the counters are the process's.
-static ALONE: Mutex<()> = Mutex::new(());
-
-struct Counting;
-
-#[expect(
-    unsafe_code,
-    reason = "an allocator that counts is the one way to see every allocation, ufbx's too"
-)]
-// SAFETY: every call is handed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let now = IN_USE.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        PEAK.fetch_max(now, Ordering::Relaxed);
-        // SAFETY: the caller keeps the contract of `GlobalAlloc::alloc`, which is the system's too.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        IN_USE.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: as above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 /// What all cases came to.
 #[derive(Debug, Default)]
@@ -59,8 +23,7 @@ struct Tally {
 impl Tally {
     /// Converts `bytes` and writes them as .glb; `name` says which case it is if it fails.
     fn take(&mut self, bytes: &[u8], name: &str) {
-        let base = IN_USE.load(Ordering::Relaxed);
-        PEAK.store(base, Ordering::Relaxed);
+        let base = base();
         let began = Instant::now();
         let origin = Origin {
             name: name.to_owned(),
@@ -70,7 +33,7 @@ impl Tally {
             convert(bytes, &origin, &Options::default()).and_then(|made| made.to_glb())
         });
         let seconds = began.elapsed().as_secs_f64();
-        let peak = PEAK.load(Ordering::Relaxed) - base;
+        let peak = peak(base);
         let result = result.unwrap_or_else(|_| panic!("{name}: a panic"));
         match result {
             Ok(glb) => drop(glb),

@@ -1,11 +1,7 @@
 //! Nodes beside scales that children do not inherit, by values worked out by hand.
 
-#[path = "support/scene.rs"]
-#[expect(dead_code, reason = "shared by several tests")]
-mod scene;
-
+use crate::support::scene::{array, converted, link, model, scene};
 use glam::DVec3;
-use scene::{array, converted, link, model, scene};
 
 fn vector(name: &str, [x, y, z]: [f64; 3]) -> String {
     format!("\t\t\tP: \"{name}\", \"{name}\", \"\", \"A\",{x},{y},{z}\n")

@@ -1,59 +1,21 @@
 //! Memory follows what a mesh needs, not how well its file is packed; and what a file claims is not
 //! believed.
 
-#[path = "support/binary.rs"]
-mod binary;
-
-use binary::{Node, Value, mesh};
+use crate::binary::{Node, Value, mesh};
+use crate::counting::{ALONE, base, peak};
 use dolomite_fbx::{FbxError, Limits, Options, Origin, convert};
 use miniz_oxide::deflate::compress_to_vec_zlib;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Bytes in use, and the most that ever were since the last look.
-static IN_USE: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-/// One case at a time: the counters are the process's.
-static ALONE: Mutex<()> = Mutex::new(());
-
-struct Counting;
-
-#[expect(
-    unsafe_code,
-    reason = "an allocator that counts is the one way to see every allocation, ufbx's too"
-)]
-// SAFETY: every call is handed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let now = IN_USE.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        PEAK.fetch_max(now, Ordering::Relaxed);
-        // SAFETY: the caller keeps the contract of `GlobalAlloc::alloc`, which is the system's too.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        IN_USE.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: as above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 /// The triangles that came out, and the most memory that it took.
 fn take(file: &[u8], options: &Options) -> (Result<usize, FbxError>, usize) {
-    let base = IN_USE.load(Ordering::Relaxed);
-    PEAK.store(base, Ordering::Relaxed);
+    let base = base();
     let origin = Origin {
         name: "m.fbx".into(),
         ..Origin::default()
     };
     let made = convert(file, &origin, options);
     let made = made.and_then(|made| made.to_glb().map(|_| made.report.triangles));
-    (made, PEAK.load(Ordering::Relaxed) - base)
+    (made, peak(base))
 }
 
 /// Boxes on a grid, with normals and texture coordinates of every corner: bytes of the file, and of the

@@ -1,14 +1,10 @@
 //! Meshes far from their origin: what f32 cannot hold there goes into a node.
 
-#[path = "support/scene.rs"]
-#[expect(dead_code, reason = "shared by several tests")]
-mod support;
-
+use crate::support::scene::{array, converted, corners, field, geometry, link, model, scene};
 use dolomite_fbx::Conversion;
 use dolomite_fbx::Origin;
 use dolomite_fbx::check::{Played, Truth, vertex_error};
 use glam::DVec3;
-use support::{array, converted, corners, field, geometry, link, model, scene};
 
 /// The largest distance of a vertex at rest from where ufbx has it in the file's own axes.
 fn measured(file: &[u8], made: &Conversion) -> f64 {

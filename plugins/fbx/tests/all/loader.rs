@@ -1,9 +1,6 @@
 //! `load("strip.fbx")` in a Bevy app without a window.
-#![cfg(feature = "bevy")]
 
-#[path = "support/ascii.rs"]
-mod ascii;
-
+use crate::support::ascii;
 use bevy::asset::io::memory::{Dir, MemoryAssetReader};
 use bevy::asset::io::{AssetSourceBuilder, AssetSourceId};
 use bevy::asset::{AssetPlugin, LoadState};

@@ -1,15 +1,13 @@
 //! What else a file says: names in code pages, properties of users, visibility, keyed properties. Each
 //! is carried or has a line in `lost`.
 
-#[path = "support/ascii.rs"]
-mod ascii;
-#[path = "support/scene.rs"]
-mod support;
-
+use crate::support::ascii;
+use crate::support::scene::{
+    array, converted, corners, field, geometry, json, link, lost, model, scene,
+};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
-use support::{array, converted, corners, field, geometry, json, link, lost, model, scene};
 
 /// A property of the user.
 fn user(name: &str, kind: &str, flags: &str, value: &str) -> String {

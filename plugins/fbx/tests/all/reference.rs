@@ -1,12 +1,10 @@
 //! Converted files against meshes that the programs which made them deformed, and against ufbx.
 
-mod support;
-
+use crate::support::{files_below, shared_fbx};
 use dolomite_fbx::check::{Frame, check_file, read_frames};
 use dolomite_fbx::{Options, convert};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use support::{files_below, shared_fbx};
 
 /// Every reference frame of `frames.json` is within its tolerance, and the median of the files'
 /// largest errors is at most a hundred-thousandth of the model. Dual quaternions, which glTF does not

@@ -1,6 +1,6 @@
 //! A chain of nodes that inherit scale in several ways.
 
-use crate::ascii::{curve, header};
+use super::ascii::{curve, header};
 
 /// Three nodes, each below the last and 10 units above it, with a triangle each. From 0 s to 1 s each is
 /// turned by 50 degrees about its X and scaled by (2, 0.5, 1.5), straight; `inherit` is FBX's number of

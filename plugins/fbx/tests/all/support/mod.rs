@@ -1,0 +1,13 @@
+//! What the tests share: files that are made for them, and where the larger ones are.
+
+pub mod ascii;
+#[expect(dead_code, reason = "its false claims are of the tests of memory")]
+pub mod binary;
+pub mod chain;
+pub mod looks;
+pub mod made;
+pub mod scene;
+mod shared;
+pub mod takes;
+
+pub use shared::{files_below, shared_fbx};
