@@ -26,6 +26,8 @@ pub struct Variation {
     pub casters: bool,
     /// Whether lights are tested against the depth pyramid.
     pub culled: bool,
+    /// Whether ambient occlusion of ours is read.
+    pub occluded: bool,
 }
 
 /// What the directional lights of the world need.

@@ -25,6 +25,7 @@
 //! | [`cull`] | which of them a view can see |
 //! | [`model`] | shading models beside Bevy's standard material |
 //! | [`pyramid`] | what lies behind what is drawn |
+//! | [`occlusion`] | ambient occlusion in screen space |
 //! | [`choice`] | the way that `Auto` takes |
 //! | `render` | the passes (feature `render`) |
 //!
@@ -36,11 +37,13 @@ pub mod cull;
 pub mod gbuffer;
 pub mod light;
 pub mod model;
+pub mod occlusion;
 pub mod pyramid;
 #[cfg(feature = "render")]
 pub mod render;
 
 pub use components::{DeferredLighting, Way};
 pub use model::{ModelError, ShadingModels};
+pub use occlusion::{AmbientOcclusion, OcclusionQuality, OcclusionResolution};
 #[cfg(feature = "render")]
 pub use render::{BlinnPhongMaterial, BlinnPhongPlugin, DeferredPlugin, DeferredStats};

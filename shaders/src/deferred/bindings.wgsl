@@ -35,3 +35,7 @@ struct Lighting {
 // Light of all points and spots.
 @group(2) @binding(4) var gathered: texture_2d<f32>;
 #endif
+#ifdef AMBIENT_OCCLUSION
+// The share of the light from everywhere that reaches each pixel of the view.
+@group(2) @binding(5) var visible_share: texture_2d<f32>;
+#endif

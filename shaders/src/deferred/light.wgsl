@@ -4,7 +4,8 @@
 //
 // What no light of the view needs is not compiled: SUNS says that there are directional lights, SUN_SHADOWS that one
 // of them casts shadows, CASTERS that a point or spot light does, LISTS that there are lights to go through. MODEL is
-// the lighting id of the pixels that are drawn.
+// the lighting id of the pixels that are drawn. OCCLUDED says that there is ambient occlusion in screen space: Bevy's, or
+// by AMBIENT_OCCLUSION that of this crate.
 
 #import bevy_pbr::mesh_view_bindings as bevy
 #import bevy_pbr::mesh_view_types::{DIRECTIONAL_LIGHT_FLAGS_CONTACT_SHADOWS_ENABLED_BIT, DIRECTIONAL_LIGHT_FLAGS_SHADOWS_ENABLED_BIT}
@@ -20,6 +21,8 @@
 #endif
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
 #import bevy_pbr::mesh_view_bindings::screen_space_ambient_occlusion_texture
+#endif
+#ifdef OCCLUDED
 #import bevy_pbr::ssao_utils::ssao_multibounce
 #endif
 #ifdef ENVIRONMENT_MAP
@@ -27,6 +30,9 @@
 #endif
 #ifdef IRRADIANCE_VOLUME
 #import bevy_pbr::irradiance_volume
+#endif
+#ifdef AMBIENT_OCCLUSION
+#import dolomite::deferred::bindings::visible_share
 #endif
 #ifdef TILED
 #import dolomite::deferred::bindings::tiles
@@ -186,8 +192,14 @@ struct Occlusion {
 
 fn occlusion_at(surface: Surface, pixels: vec2<f32>) -> Occlusion {
     var occlusion = Occlusion(vec3(select(1.0, surface.occlusion, surface.model == STANDARD)), 1.0);
+#ifdef OCCLUDED
+    var visible = 1.0;
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
-    let visible = textureLoad(screen_space_ambient_occlusion_texture, vec2<i32>(pixels), 0i).r;
+    visible = textureLoad(screen_space_ambient_occlusion_texture, vec2<i32>(pixels), 0i).r;
+#endif
+#ifdef AMBIENT_OCCLUSION
+    visible = min(visible, textureLoad(visible_share, vec2<i32>(pixels - bevy::view.viewport.xy), 0).r);
+#endif
     occlusion.diffuse = min(occlusion.diffuse, ssao_multibounce(visible, surface.base_color));
     // Lagarde and de Rousiers 2014.
     let power = exp2(-16.0 * surface.roughness - 1.0);

@@ -2,6 +2,7 @@
 
 mod app;
 mod gbuffer;
+pub mod occlusion;
 mod scene;
 mod unlit;
 

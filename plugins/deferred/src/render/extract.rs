@@ -10,6 +10,7 @@ use bevy::render::sync_component::SyncComponent;
 
 use super::prepare::ViewLighting;
 use crate::components::DeferredLighting;
+use crate::occlusion::AmbientOcclusion;
 
 impl SyncComponent for DeferredLighting {
     // With the component goes all that was made for it, and Bevy's pass is back.
@@ -31,5 +32,19 @@ impl ExtractComponent for DeferredLighting {
             return None;
         }
         Some((*lighting, SkipDeferredLighting))
+    }
+}
+
+impl SyncComponent for AmbientOcclusion {
+    type Target = Self;
+}
+
+impl ExtractComponent for AmbientOcclusion {
+    type QueryData = &'static Self;
+    type QueryFilter = With<DeferredLighting>;
+    type Out = Self;
+
+    fn extract_component(occlusion: QueryItem<'_, '_, Self::QueryData>) -> Option<Self> {
+        Some(*occlusion)
     }
 }

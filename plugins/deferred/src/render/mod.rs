@@ -10,6 +10,7 @@ mod extract;
 mod gather;
 mod hull;
 mod lights;
+mod occlusion;
 mod pass;
 mod pipeline;
 mod prepare;
@@ -30,6 +31,7 @@ pub use stats::{DeferredStats, ViewStats};
 
 use crate::components::{DeferredLighting, Way};
 use crate::model::ShadingModels;
+use crate::occlusion::{AmbientOcclusion, OcclusionQuality, OcclusionResolution};
 
 /// Lights cameras that have [`DeferredLighting`]. Add after Bevy's plugins.
 ///
@@ -55,6 +57,9 @@ impl Plugin for DeferredPlugin {
             .init_resource::<DeferredStats>()
             .register_type::<DeferredLighting>()
             .register_type::<Way>()
+            .register_type::<AmbientOcclusion>()
+            .register_type::<OcclusionQuality>()
+            .register_type::<OcclusionResolution>()
             .add_systems(PreUpdate, stats::publish)
             .add_systems(
                 PostUpdate,
@@ -63,7 +68,10 @@ impl Plugin for DeferredPlugin {
         // Its hook needs the renderer's resources.
         if app.get_sub_app(RenderApp).is_some() {
             app.insert_resource(Extracted);
-            app.add_plugins(ExtractComponentPlugin::<DeferredLighting>::default());
+            app.add_plugins((
+                ExtractComponentPlugin::<DeferredLighting>::default(),
+                ExtractComponentPlugin::<AmbientOcclusion>::default(),
+            ));
         }
     }
 

@@ -16,6 +16,7 @@ use bevy::render::view::{ViewDepthTexture, ViewTarget, ViewUniformOffset, ViewUn
 
 use super::hull;
 use super::lights::Lights;
+use super::occlusion;
 use super::pipeline::{light_layout, tiles_layout};
 use super::prepare::ViewLighting;
 use super::pyramid::{self, Recording, ViewPyramid};
@@ -60,6 +61,12 @@ impl Reading<'_> {
                 },
             ]);
         }
+        if let (Some(_), Some(occlusion)) = (chosen, &lighting.occlusion) {
+            entries.push(BindGroupEntry {
+                binding: 5,
+                resource: occlusion.visible.default_view.into_binding(),
+            });
+        }
         let last = match chosen {
             Some(Chosen::Tiled) => Some(lighting.tiles.as_ref()?.lists.as_entire_binding()),
             Some(Chosen::Volumes) => Some(lighting.gathered.as_ref()?.default_view.into_binding()),
@@ -69,7 +76,10 @@ impl Reading<'_> {
             binding: 4,
             resource,
         }));
-        let layout = self.cache.get_bind_group_layout(&light_layout(chosen));
+        let layout = self.cache.get_bind_group_layout(&light_layout(
+            chosen,
+            chosen.is_some() && lighting.occlusion.is_some(),
+        ));
         Some(
             self.device
                 .create_bind_group("dolomite_deferred_light", &layout, &entries),
@@ -126,7 +136,9 @@ pub fn light(
         Chosen::Nothing | Chosen::BruteForce => Some(()),
     };
     // Without its lists the view would be lit by those of another frame.
-    if before.is_none() {
+    if before.is_none()
+        || occlude(&reading, (depths, prepass), offset, &uniforms, &mut ctx).is_none()
+    {
         return;
     }
     let diagnostics = ctx.diagnostic_recorder();
@@ -155,6 +167,41 @@ pub fn light(
         pass.draw(0..3, 0..1);
     }
     span.end(&mut pass);
+}
+
+/// Looks for ambient occlusion, where the camera asks for it; `None` if it should and cannot.
+fn occlude(
+    reading: &Reading,
+    (depths, prepass): (&TextureView, &ViewPrepassTextures),
+    offset: &ViewUniformOffset,
+    uniforms: &ViewUniforms,
+    ctx: &mut RenderContext,
+) -> Option<()> {
+    let Some(view) = &reading.lighting.occlusion else {
+        return Some(());
+    };
+    let [trace, filter] = reading
+        .lighting
+        .pipelines
+        .occlusion?
+        .map(|id| reading.cache.get_compute_pipeline(id));
+    let recording = occlusion::Recording {
+        occlusion: view,
+        pipelines: [trace?, filter?],
+        depths,
+        words: &prepass.deferred.as_ref()?.texture.default_view,
+        views: uniforms.uniforms.binding()?,
+        offset: offset.offset,
+    };
+    let diagnostics = ctx.diagnostic_recorder();
+    occlusion::record(
+        &recording,
+        reading.device,
+        reading.cache,
+        diagnostics.as_deref(),
+        ctx.command_encoder(),
+    );
+    Some(())
 }
 
 /// Tells which lights lie behind what is drawn, where that is worth it; `None` if it should and cannot.

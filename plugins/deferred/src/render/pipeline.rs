@@ -21,6 +21,7 @@ use bevy::render::render_resource::{
 use bevy::render::view::{ExtractedView, ViewUniform};
 use bevy::shader::ShaderDefVal;
 
+use super::occlusion;
 use super::shaders::Shaders;
 use crate::choice::{Chosen, Suns, Variation};
 
@@ -31,6 +32,7 @@ pub struct Pipelines {
     volumes: HashMap<(MeshPipelineKey, bool, bool), CachedRenderPipelineId>,
     tiles: HashMap<(u32, bool), CachedComputePipelineId>,
     pyramid: Option<[CachedComputePipelineId; 3]>,
+    occlusion: Option<[CachedComputePipelineId; 2]>,
 }
 
 type Entry = (u32, BindGroupLayoutEntryBuilder);
@@ -47,8 +49,9 @@ fn layout(
     BindGroupLayoutDescriptor::new(label, &entries)
 }
 
-/// The layout of our group in the full-screen pass; `None` for the hulls.
-pub fn light_layout(chosen: Option<Chosen>) -> BindGroupLayoutDescriptor {
+/// The layout of our group in the full-screen pass, which reads ambient occlusion where it is `occluded`; `None` for the
+/// hulls.
+pub fn light_layout(chosen: Option<Chosen>, occluded: bool) -> BindGroupLayoutDescriptor {
     let read = || storage_buffer_read_only_sized(false, None);
     let mut entries: Vec<Entry> = vec![
         (0, uniform_buffer_sized(false, None)),
@@ -66,6 +69,12 @@ pub fn light_layout(chosen: Option<Chosen>) -> BindGroupLayoutDescriptor {
             ));
         }
         _ => {}
+    }
+    if occluded {
+        entries.push((
+            5,
+            texture_2d(TextureSampleType::Float { filterable: false }),
+        ));
     }
     layout(
         "dolomite_deferred_light",
@@ -129,6 +138,8 @@ pub struct ViewPipelines {
     pub tiles: Option<CachedComputePipelineId>,
     /// The depth pyramid: its first levels, those above, and the test of lights.
     pub pyramid: Option<[CachedComputePipelineId; 3]>,
+    /// Ambient occlusion: the pass that looks around, and the one that takes the mean.
+    pub occlusion: Option<[CachedComputePipelineId; 2]>,
 }
 
 /// Makes pipelines when they are first asked for.
@@ -198,6 +209,14 @@ impl Maker<'_> {
                 made.pyramid = Some(*all);
             }
         }
+        if variation.occluded {
+            let known = &mut self.pipelines.occlusion;
+            let all = known.get_or_insert_with(|| {
+                occlusion::pipelines(shaders)
+                    .map(|descriptor| cache.queue_compute_pipeline(descriptor))
+            });
+            made.occlusion = Some(*all);
+        }
         Some(made)
     }
 
@@ -208,7 +227,8 @@ impl Maker<'_> {
         let mut computed = made
             .tiles
             .into_iter()
-            .chain(made.pyramid.into_iter().flatten());
+            .chain(made.pyramid.into_iter().flatten())
+            .chain(made.occlusion.into_iter().flatten());
         drawn.all(|id| self.cache.get_render_pipeline(id).is_some())
             && computed.all(|id| self.cache.get_compute_pipeline(id).is_some())
     }
@@ -257,10 +277,21 @@ fn light(
     if variation.casters {
         defs.push("CASTERS".into());
     }
+    if variation.occluded {
+        defs.push("AMBIENT_OCCLUSION".into());
+    }
+    if variation.occluded || key.contains(MeshPipelineKey::SCREEN_SPACE_AMBIENT_OCCLUSION) {
+        defs.push("OCCLUDED".into());
+    }
     defs.push("ONE_MODEL".into());
     defs.push(format!("MODEL_{model}").as_str().into());
     defs.push(ShaderDefVal::UInt("MODEL".into(), model.into()));
-    let mut descriptor = bevys_with(bevys, key, light_layout(Some(variation.chosen)), defs);
+    let mut descriptor = bevys_with(
+        bevys,
+        key,
+        light_layout(Some(variation.chosen), variation.occluded),
+        defs,
+    );
     descriptor.label = Some("dolomite_deferred_light".into());
     descriptor.vertex.shader = shaders.light.clone();
     if let Some(fragment) = &mut descriptor.fragment {
@@ -279,7 +310,7 @@ fn volumes(
     let kinds = [(spots, "SPOTS"), (casting, "CASTERS")];
     let kinds = kinds.into_iter().filter(|(is, _)| *is);
     let defs = kinds.map(|(_, def)| def.into()).collect();
-    let mut descriptor = bevys_with(bevys, key, light_layout(None), defs);
+    let mut descriptor = bevys_with(bevys, key, light_layout(None, false), defs);
     descriptor.label = Some("dolomite_deferred_volumes".into());
     descriptor.vertex.shader = shaders.volume.clone();
     descriptor.vertex.buffers = vec![VertexBufferLayout::from_vertex_formats(

@@ -15,12 +15,14 @@ use bevy::render::view::ExtractedView;
 use bytemuck::{Pod, Zeroable};
 
 use super::lights::Lights;
+use super::occlusion::{Uniform, ViewOcclusion};
 use super::pipeline::{Maker, ViewPipelines};
 use super::pyramid::{MANY, ViewPyramid};
 use super::stats::{DeferredStats, ViewStats};
 use crate::choice::{Chosen, Variation, choose};
 use crate::components::{DeferredLighting, Way};
 use crate::cull::{Listed, Sides};
+use crate::occlusion::AmbientOcclusion;
 
 /// Pixels on a side of a tile.
 pub const TILE: u32 = 16;
@@ -68,6 +70,7 @@ pub struct ViewLighting {
     pub(super) tiles: Option<TileBuffers>,
     pub(super) pyramid: Option<ViewPyramid>,
     pub(super) gathered: Option<CachedTexture>,
+    pub(super) occlusion: Option<ViewOcclusion>,
     uploaded: Vec<u32>,
 }
 
@@ -83,12 +86,13 @@ impl ViewLighting {
     /// Passes that are recorded for the view.
     #[must_use]
     pub fn passes(&self) -> u32 {
-        match self.variation.map(|variation| variation.chosen) {
+        let light = match self.variation.map(|variation| variation.chosen) {
             None => 0,
             Some(Chosen::Nothing | Chosen::BruteForce) => 1,
             Some(Chosen::Tiled) => 2 + u32::from(self.pyramid.is_some()),
             Some(Chosen::Volumes) => 2,
-        }
+        };
+        light + u32::from(self.occlusion.is_some())
     }
 
     /// Takes the wanted variation, or keeps the last one until the wanted one is compiled.
@@ -122,7 +126,8 @@ impl ViewLighting {
             u64::from(texture.texture.width()) * u64::from(texture.texture.height()) * 16
         });
         let pyramid = self.pyramid.as_ref().map_or(0, ViewPyramid::bytes);
-        tiles + buffers + gathered + pyramid
+        let occlusion = self.occlusion.as_ref().map_or(0, ViewOcclusion::bytes);
+        tiles + buffers + gathered + pyramid + occlusion
     }
 }
 
@@ -136,6 +141,7 @@ pub fn prepare(
         &ExtractedCamera,
         &DeferredLighting,
         Option<&RenderLayers>,
+        Option<&AmbientOcclusion>,
         Option<&mut ViewLighting>,
     )>,
     lights: Res<Lights>,
@@ -148,7 +154,7 @@ pub fn prepare(
     stats.clear();
     let blends = device.features().contains(WgpuFeatures::FLOAT32_BLENDABLE);
     let default = RenderLayers::default();
-    for (entity, main, view, camera, setting, layers, old) in &mut views {
+    for (entity, main, view, camera, setting, layers, occlusion, old) in &mut views {
         let mut new = ViewLighting::default();
         let mut old = old;
         let lighting = old.as_deref_mut().unwrap_or(&mut new);
@@ -167,20 +173,30 @@ pub fn prepare(
             );
         }
         let chosen = choose(setting.way, count, blends);
+        let size = view.viewport.zw();
+        let uniform = occlusion.and_then(Uniform::new);
         let wanted = Variation {
             chosen,
             suns: lights.suns,
             casters: lighting.listed.open() < count,
-            culled: chosen == Chosen::Tiled
-                && count >= MANY
-                && view.viewport.zw().min_element() > 0,
+            culled: chosen == Chosen::Tiled && count >= MANY && size.min_element() > 0,
+            occluded: uniform.is_some() && size.min_element() > 0,
         };
-        let Variation { chosen, culled, .. } = lighting.take(wanted, view, &mut maker);
+        let Variation {
+            chosen,
+            culled,
+            occluded,
+            ..
+        } = lighting.take(wanted, view, &mut maker);
         fill_uniform(lighting, view, chosen);
         fill_buffers(lighting, chosen, &device, &queue);
         fill_pyramid(lighting, culled, view, &device);
         lighting.gathered =
             (chosen == Chosen::Volumes).then(|| textures.get(&device, gathered_texture(camera)));
+        let last = lighting.occlusion.take();
+        lighting.occlusion = uniform
+            .filter(|_| occluded)
+            .map(|uniform| ViewOcclusion::new(uniform, size, last, &device, &mut textures));
         stats.push(ViewStats {
             camera: main.id(),
             chosen,

@@ -18,6 +18,10 @@ pub struct Shaders {
     pub pyramid_build: Handle<Shader>,
     /// `deferred/pyramid_lights.wgsl`.
     pub pyramid_lights: Handle<Shader>,
+    /// `deferred/occlusion_trace.wgsl`.
+    pub occlusion_trace: Handle<Shader>,
+    /// `deferred/occlusion_filter.wgsl`.
+    pub occlusion_filter: Handle<Shader>,
     /// Lighting ids of all models.
     pub models: Vec<u8>,
     #[expect(dead_code, reason = "held, never read")]
@@ -65,6 +69,8 @@ pub fn load(app: &mut App) -> Option<Shaders> {
         tiles: entry("deferred/tiles.wgsl"),
         pyramid_build: entry("deferred/pyramid_build.wgsl"),
         pyramid_lights: entry("deferred/pyramid_lights.wgsl"),
+        occlusion_trace: entry("deferred/occlusion_trace.wgsl"),
+        occlusion_filter: entry("deferred/occlusion_filter.wgsl"),
         models: models.ids().collect(),
         modules,
     })

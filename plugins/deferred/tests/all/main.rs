@@ -22,6 +22,8 @@ mod models;
 #[path = "../../examples/deferred.rs"]
 mod night;
 #[cfg(feature = "render")]
+mod occlusion;
+#[cfg(feature = "render")]
 mod oracle;
 #[cfg(feature = "render")]
 mod pyramid;
