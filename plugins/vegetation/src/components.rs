@@ -1,0 +1,50 @@
+//! What an app spawns: what grows on a terrain, and which cameras see it.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use crate::kind::Kinds;
+use crate::kind_error::KindError;
+
+/// What grows on the terrain of the same entity.
+#[derive(Component, Clone, Debug, PartialEq)]
+#[require(VegetationState)]
+pub struct Vegetation {
+    /// What grows. A list that cannot be drawn is named in [`VegetationState::fault`]; the last good one holds on.
+    pub kinds: Arc<Kinds>,
+    /// Share of all densities, 0 to 1: at 0 nothing is computed. Of all roots those of the lowest ranks are kept.
+    pub density: f32,
+    /// Share of how far away each kind is drawn, 0 to 4.
+    pub reach: f32,
+    /// Seed of all random choices.
+    pub seed: u32,
+    /// Most trees and rocks at once, which are entities: those of the lowest ranks stand.
+    pub most_meshes: usize,
+}
+
+impl Default for Vegetation {
+    /// Nothing.
+    fn default() -> Self {
+        Self {
+            kinds: Arc::default(),
+            density: 1.0,
+            reach: 1.0,
+            seed: 1,
+            most_meshes: 4000,
+        }
+    }
+}
+
+/// On a camera that sees what grows.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct VegetationView;
+
+/// What the plugin knows of a [`Vegetation`].
+#[derive(Component, Debug, Default)]
+pub struct VegetationState {
+    /// The last list of kinds that could be drawn, with where each grows.
+    pub kinds: Option<Arc<Kinds>>,
+    /// Why the list of the component is not used, if it is not.
+    pub fault: Option<KindError>,
+}

@@ -1,0 +1,192 @@
+//! What is drawn in an app: pictures, and what costs nothing.
+
+use std::sync::Arc;
+
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use bevy::render::RenderApp;
+use bevy::render::render_resource::{PipelineCache, PipelineDescriptor};
+use dolomite_ground::{GroundMaterial, GroundPlugin, TerrainView};
+use dolomite_terrain::{Fractal, GroundRect, Layer, Source, Terrain, TerrainData};
+use dolomite_vegetation::render::{
+    VegetationCount, VegetationCulling, VegetationPool, VegetationStats,
+};
+use dolomite_vegetation::{Kinds, Vegetation, VegetationPlugin, VegetationView};
+
+use crate::app;
+
+const KINDS: &str = "(kinds: [
+    (name: \"grass\", density: 12.0, reach: 60.0, shape: Blade((
+        length: (0.3, 0.6), width: 0.02,
+        look: (root: (0.0, 0.4, 0.0), tip: (0.1, 0.9, 0.1), dry: (0.4, 0.35, 0.15)))))])";
+
+/// Low hills with a camera on them, without plants.
+fn hills() -> Option<(App, Handle<Image>)> {
+    let mut app = app::app(|app| {
+        app::bevys(app);
+        app.insert_resource(bevy::pbr::DefaultOpaqueRendererMethod::deferred())
+            .add_plugins((GroundPlugin::default(), VegetationPlugin));
+    })?;
+    let hills = Fractal {
+        seed: 4,
+        octaves: 5,
+        amplitude: 6.0,
+        wavelength: 90.0,
+        ..default()
+    };
+    let terrain = Terrain::new(TerrainData {
+        extent: GroundRect::square(DVec2::ZERO, 400.0),
+        layers: vec![Layer {
+            source: Source::Fractal(hills),
+            mask: None,
+        }],
+        base: 20.0,
+        sea_level: None,
+    })
+    .expect("in range");
+    let height = terrain.sample_f64(DVec2::ZERO).height as f32;
+    let world = app.world_mut();
+    world.spawn((terrain, GroundMaterial::default()));
+    world.spawn((
+        // With shadows the ground beside the picture is kept.
+        DirectionalLight {
+            shadow_maps_enabled: true,
+            ..default()
+        },
+        Transform::default().looking_to(Vec3::new(-1.0, -1.2, -0.5), Vec3::Y),
+    ));
+    let eye = Transform::from_xyz(0.0, height + 1.6, 0.0)
+        .looking_to(Vec3::new(0.3, -0.15, -1.0), Vec3::Y);
+    world.spawn((
+        Camera3d::default(),
+        Msaa::Off,
+        TerrainView,
+        VegetationView,
+        eye,
+    ));
+    let target = app::target(&mut app, [160, 90]);
+    app::retarget(&mut app, &target);
+    Some((app, target))
+}
+
+fn plant(app: &mut App) -> Entity {
+    let kinds = Kinds::parse(KINDS, "test.ron".as_ref()).expect("a good list");
+    let world = app.world_mut();
+    let mut terrains = world.query_filtered::<Entity, With<Terrain>>();
+    let terrain = terrains.single(world).expect("one");
+    let vegetation = Vegetation {
+        kinds: Arc::new(kinds),
+        ..default()
+    };
+    world.entity_mut(terrain).insert(vegetation);
+    terrain
+}
+
+fn count(app: &App) -> VegetationCount {
+    app.world().resource::<VegetationStats>().get()
+}
+
+/// Pipelines of the whole app that are ours.
+fn pipelines(app: &App) -> usize {
+    let cache = app.sub_app(RenderApp).world().resource::<PipelineCache>();
+    let ours = cache.pipelines().filter(|pipeline| {
+        let label = match &pipeline.descriptor {
+            PipelineDescriptor::RenderPipelineDescriptor(descriptor) => &descriptor.label,
+            PipelineDescriptor::ComputePipelineDescriptor(descriptor) => &descriptor.label,
+        };
+        label
+            .as_ref()
+            .is_some_and(|label| label.starts_with("vegetation"))
+    });
+    ours.count()
+}
+
+/// Frames until nothing is dispatched any more.
+fn settle(app: &mut App) -> u64 {
+    for _ in 0..300 {
+        let before = count(app).dispatches;
+        app::frames(app, 6);
+        let now = count(app).dispatches;
+        if now == before && now > 0 {
+            return now;
+        }
+    }
+    panic!("it does not come to rest: {:?}", count(app));
+}
+
+#[test]
+fn it_rests_and_nothing_is_there_without_it_gpu() {
+    let Some((mut app, target)) = hills() else {
+        return;
+    };
+    app::frames(&mut app, 12);
+    let nothing = count(&app);
+    assert_eq!(
+        (nothing.bytes, nothing.dispatches, nothing.draws),
+        (0, 0, 0)
+    );
+    assert_eq!(pipelines(&app), 0);
+    let terrain = plant(&mut app);
+    let rests = settle(&mut app);
+    let grown = count(&app);
+    println!("{grown:?}");
+    assert!(grown.records.iter().sum::<u32>() > 500 && grown.cut == 1.0);
+    // Time goes on, and the wind with it: blades are drawn, and nothing is dispatched.
+    app.world_mut()
+        .insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(
+            std::time::Duration::from_millis(16),
+        ));
+    let draws = count(&app).draws;
+    app::frames(&mut app, 10);
+    assert_eq!(count(&app).dispatches, rests);
+    assert_eq!(count(&app).draws, draws + 10);
+    // Green pixels are there.
+    let picture = app::picture(&mut app, &target);
+    let green = app::count(&picture, 0, 160, |c| {
+        c.green > 1.5 * c.red && c.green > 2.0 * c.blue
+    });
+    assert!(green > 1000, "{green} pixels are green");
+    app::keep(picture, "grass.png");
+    app.world_mut().entity_mut(terrain).remove::<Vegetation>();
+    app::frames(&mut app, 3);
+    assert_eq!((count(&app).bytes, count(&app).views), (0, 0));
+}
+
+#[test]
+fn what_is_left_out_is_not_seen_gpu() {
+    let Some((mut app, target)) = hills() else {
+        return;
+    };
+    plant(&mut app);
+    settle(&mut app);
+    let culled = app::picture(&mut app, &target);
+    let few = count(&app).wanted;
+    app.insert_resource(VegetationCulling(false));
+    app::frames(&mut app, 3);
+    settle(&mut app);
+    let all = app::picture(&mut app, &target);
+    let many = count(&app).wanted;
+    println!("{few} of {many} records");
+    // The ground has left out most of what is beside the picture; what it keeps for shadows is culled here.
+    assert!(4 * many > 5 * few, "{few} of {many}");
+    assert!(
+        culled.data == all.data,
+        "the picture is the same to the byte"
+    );
+}
+
+#[test]
+fn a_pool_of_a_kibibyte_thins_and_says_so_gpu() {
+    let Some((mut app, _)) = hills() else { return };
+    app.insert_resource(VegetationPool {
+        records: 64,
+        pieces: 1 << 16,
+    });
+    plant(&mut app);
+    settle(&mut app);
+    app::frames(&mut app, 4);
+    let thin = count(&app);
+    println!("{thin:?}");
+    assert!(thin.cut < 0.5 && thin.wanted > 500, "{thin:?}");
+    assert!(thin.records.iter().sum::<u32>() <= 64, "{thin:?}");
+}

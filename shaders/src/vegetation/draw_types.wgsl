@@ -1,0 +1,41 @@
+#define_import_path dolomite::vegetation::draw_types
+
+// What the draws are told, byte for byte as plugins/vegetation/src/render/layout.rs.
+
+#import dolomite::vegetation::press::Press
+#import dolomite::vegetation::wind::WindField
+
+// What a kind looks like; colours are linear.
+struct Look {
+    // w: greatest lean, as the sine of an angle.
+    root: vec4<f32>,
+    // w: how far the tip hangs over.
+    tip: vec4<f32>,
+    // w: share of dry ones.
+    dry: vec4<f32>,
+    // Least and greatest length, width at the root, metres; share of the light that comes through.
+    size: vec4<f32>,
+    // How far the tip moves in 1 m/s as a share of the length; how much clumps differ.
+    sway: vec4<f32>,
+    // As Layer.reach.
+    reach: vec4<f32>,
+}
+
+struct BladeView {
+    // From the anchor to clip space, this frame and the last.
+    clip: mat4x4<f32>,
+    previous_clip: mat4x4<f32>,
+    camera: vec3<f32>,
+    pixels_per_radian: f32,
+    // Towards the sun, of length 1; 0 without one.
+    sun: vec3<f32>,
+    press_count: u32,
+    // World position of the anchor, metres.
+    anchor: vec2<i32>,
+    pad: vec2<u32>,
+    // This frame and the last.
+    wind: WindField,
+    previous_wind: WindField,
+    looks: array<Look, 8>,
+    presses: array<Press, 64>,
+}

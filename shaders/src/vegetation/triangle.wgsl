@@ -1,0 +1,39 @@
+#define_import_path dolomite::vegetation::triangle
+
+// A drawn triangle as roots see it: from above, in steps, going round the positive way.
+
+#import dolomite::vegetation::bindings::corner_position
+#import dolomite::vegetation::edges::{side_of, to_steps}
+
+struct Triangle {
+    // Places of its corners among the indices.
+    corners: vec3<u32>,
+    a: vec2<i32>,
+    b: vec2<i32>,
+    c: vec2<i32>,
+    heights: vec3<f32>,
+    // Whether it has an area.
+    exists: bool,
+}
+
+fn triangle_at(first: u32) -> Triangle {
+    let pa = corner_position(first);
+    let pb = corner_position(first + 1u);
+    let pc = corner_position(first + 2u);
+    let a = to_steps(pa.xz);
+    let b = to_steps(pb.xz);
+    let c = to_steps(pc.xz);
+    let side = side_of(a, b, c);
+    if side < 0 {
+        return Triangle(vec3(first, first + 2u, first + 1u), a, c, b, vec3(pa.y, pc.y, pb.y), true);
+    }
+    return Triangle(vec3(first, first + 1u, first + 2u), a, b, c, vec3(pa.y, pb.y, pc.y), side > 0);
+}
+
+fn least_of(t: Triangle) -> vec2<i32> {
+    return min(min(t.a, t.b), t.c);
+}
+
+fn most_of(t: Triangle) -> vec2<i32> {
+    return max(max(t.a, t.b), t.c);
+}
