@@ -8,14 +8,14 @@ use crate::map::{DisplacementMap, TEXELS_PER_METRE};
 use crate::maps::TILE;
 use crate::relief::{CityPatch, PatchData};
 use crate::rules::CityRules;
-use crate::streets::{Cell, EAST, NORTH, SOUTH, WEST, borders, section};
+use crate::streets::{Cell, EAST, NORTH, SOUTH, WEST, borders, extent, section};
 use crate::surface::Surface;
 
 /// How far walls and hedges reach into the ground, metres: more than the ground is ever displaced.
 pub const FOOT: f32 = 0.25;
 
 /// How far below the true ground the flat ground lies that goes on beyond the patches and under them, metres.
-pub const SUNK: f32 = 0.05;
+pub const SUNK: f32 = 0.02;
 
 /// Makes patches of blocks.
 pub struct Faces<'a> {
@@ -299,21 +299,32 @@ impl<'a> Faces<'a> {
         self.lid(Surface::Leaves, 0, &xs, &zs, hedge.height);
     }
 
-    /// Flat ground to `reach` metres around the origin's corner, in four patches, below the true one.
+    /// Flat ground in four patches, below the true one: that of all cells of a city that ends, and to `reach` metres
+    /// around the origin's corner of one that does not.
     pub fn far_ground(&mut self, reach: f32) {
-        let line = cut(-reach, reach, 2);
-        let across: Vec<f32> = line.iter().map(|x| x + reach).collect();
+        let (lines_x, lines_z) = match extent(self.rules) {
+            Some((least, count)) => {
+                let [x, z] = [0, 1].map(|k| {
+                    let end = least[k].wrapping_add(count[k].cast_signed());
+                    cut(self.line(k, least[k], 0), self.line(k, end, 0), 2)
+                });
+                (x, z)
+            }
+            None => (cut(-reach, reach, 2), cut(-reach, reach, 2)),
+        };
+        let across: Vec<f32> = lines_x.iter().map(|x| x - lines_x[0]).collect();
+        let up: Vec<f32> = lines_z.iter().rev().map(|z| lines_z[2] - z).collect();
         let face = Face {
             surface: Surface::Far,
             facing: 0,
             detail: 0,
             borders: [false; 4],
             across: &across,
-            up: &across,
-            top: 2.0 * reach,
+            up: &up,
+            top: across[2],
             phase: [0.0, 0.0],
         };
-        self.face(&face, |i, j| [line[i], -SUNK, line[2 - j]]);
+        self.face(&face, |i, j| [lines_x[i], -SUNK, lines_z[2 - j]]);
     }
 
     fn face(&mut self, face: &Face<'_>, point: impl Fn(usize, usize) -> [f32; 3]) {

@@ -8,7 +8,7 @@
 #import dolomite::geometry::amplify_types::StoredVertex
 #import dolomite::geometry::draw_types::{Shaded, Surface, geometry_draw}
 #import dolomite::city::types::{CityParams, TILES, LEAVES}
-#import dolomite::city::shade::{shade}
+#import dolomite::city::shade::{Seen, shade}
 
 @group(1) @binding(0) var<uniform> city: CityParams;
 // Cells whose blocks are patches: least column and row, greatest ones.
@@ -86,5 +86,7 @@ fn amplify(a: StoredVertex, b: StoredVertex, c: StoredVertex, number: u32) -> St
 fn material(surface: Surface) -> Shaded {
     let world = surface.position + geometry_draw.anchor;
     let away = distance(surface.position, geometry_draw.camera);
-    return shade(city, surface.material, world, away, surface.normal, surface.normal, surface.uv, 0.5, 0.0);
+    let pixel = length(fwidth(world)) * 0.7;
+    let ray = (surface.position - geometry_draw.camera) / max(away, 1e-6);
+    return shade(city, Seen(surface.material, world, ray, away, surface.normal, surface.normal, surface.uv, 0.5, 0.0, pixel));
 }

@@ -17,7 +17,9 @@ fn wall_tint(tint: u32, brick: bool) -> vec3<f32> {
     if brick {
         return mix(vec3(0.32, 0.115, 0.07), vec3(0.42, 0.23, 0.13), warm) * (1.0 - 0.35 * dark);
     }
-    return mix(vec3(0.62, 0.56, 0.46), mix(vec3(0.60, 0.42, 0.25), vec3(0.47, 0.52, 0.55), dark), warm);
+    // Cream, sand, ochre, rose; white, grey, green, blue.
+    let paint = array<vec3<f32>, 8>(vec3(0.66, 0.58, 0.44), vec3(0.62, 0.47, 0.30), vec3(0.58, 0.38, 0.17), vec3(0.58, 0.36, 0.29), vec3(0.70, 0.69, 0.65), vec3(0.46, 0.47, 0.46), vec3(0.40, 0.47, 0.36), vec3(0.38, 0.46, 0.52));
+    return paint[tint & 7u];
 }
 
 // `height` is that of the map, 0 to 1.
@@ -34,13 +36,14 @@ fn cover(surface: u32, tint: u32, height: f32) -> Cover {
             return Cover(mix(vec3(0.030, 0.052, 0.013), vec3(0.085, 0.135, 0.028), height), 0.95);
         }
         case BRICKS: {
-            return Cover(mix(vec3(0.30, 0.28, 0.25), wall_tint(tint, true) * (0.7 + 0.4 * height), joint), 0.85);
+            return Cover(wall_tint(tint, true) * (0.8 + 0.25 * height), 0.85);
         }
         case PLASTER: {
             return Cover(wall_tint(tint, false) * (0.88 + 0.16 * height), 0.9);
         }
         case TILES: {
-            let clay = mix(vec3(0.34, 0.105, 0.055), vec3(0.17, 0.085, 0.07), f32((tint >> 1u) & 3u) / 3.0);
+            // Three clays, and slate.
+            let clay = array<vec3<f32>, 4>(vec3(0.34, 0.105, 0.055), vec3(0.26, 0.10, 0.06), vec3(0.19, 0.085, 0.06), vec3(0.085, 0.095, 0.11))[(tint >> 1u) & 3u];
             return Cover(clay * (0.45 + 0.75 * height), 0.75);
         }
         default: {

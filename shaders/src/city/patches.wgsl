@@ -9,7 +9,7 @@
 #import dolomite::city::map::{MapSample, spline, texel_at, texel_place}
 #import dolomite::city::relief::{PatchData, face_base, face_place}
 #import dolomite::city::levels::{Corners, city_levels}
-#import dolomite::city::shade::{shade}
+#import dolomite::city::shade::{Seen, shade, wall_right}
 
 @group(1) @binding(0) var<uniform> city: CityParams;
 // Four texels a word, map after map.
@@ -78,11 +78,6 @@ fn evaluate(input: Patch, at: vec3<f32>) -> Vertex {
     return vertex;
 }
 
-// Places on a wall by its side: x runs to the right, seen from outside.
-fn wall_right(normal: vec3<f32>) -> vec3<f32> {
-    return cross(vec3(0.0, 1.0, 0.0), normal);
-}
-
 fn material(surface: Surface) -> Shaded {
     let world = surface.position + geometry_draw.anchor;
     let away = distance(surface.position, geometry_draw.camera);
@@ -99,6 +94,7 @@ fn material(surface: Surface) -> Shaded {
     let texels = city.relief.z;
     let on_map = select(surface.uv, vec2(world.x, -world.z), flat_ground) * texels;
     let footprint = length(fwidth(on_map));
+    let pixel = length(fwidth(world)) * 0.7;
     // Gone where a pixel covers a stone.
     let detail = 1.0 - smoothstep(2.0, 8.0, footprint);
     var height = 0.5;
@@ -114,5 +110,6 @@ fn material(surface: Surface) -> Shaded {
             normal = normalize(flat_normal - right * steep.x - up * steep.y);
         }
     }
-    return shade(city, surface.material, world, away, flat_normal, normal, surface.uv, height, detail);
+    let ray = (surface.position - geometry_draw.camera) / max(away, 1e-6);
+    return shade(city, Seen(surface.material, world, ray, away, flat_normal, normal, surface.uv, height, detail, pixel));
 }

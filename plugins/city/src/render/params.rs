@@ -10,8 +10,8 @@ use crate::rules::{CityRules, Streets};
 use crate::surface::Surface;
 use crate::windows::lit_limit;
 
-/// Luminance of a lit window, cd/m²: some 40 lux on a wall behind it that reflects half, and a lamp in sight.
-const WINDOW: f32 = 60.0;
+/// Luminance of a lit window, cd/m²: some 90 lux on a wall behind it that reflects half.
+const WINDOW: f32 = 14.0;
 
 /// The uniform of all kinds of a city.
 #[derive(ShaderType, Clone, Copy, Debug, Default, PartialEq)]

@@ -9,8 +9,6 @@ mod boxes;
 #[path = "../../examples/city.rs"]
 mod city;
 mod drawn;
-mod numbers;
 mod probe;
-mod promised;
 mod seams;
 mod support;

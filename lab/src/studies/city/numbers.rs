@@ -1,4 +1,4 @@
-//! The numbers of a city, on the CPU: what the crate promises, counted.
+//! The numbers of a city on the CPU: what the crate promises, counted.
 
 use std::collections::HashMap;
 use std::time::Instant;
@@ -26,7 +26,7 @@ pub struct Effort {
 }
 
 /// Pixels of a radian: 1080 lines over 60 degrees.
-const PIXELS: f32 = 935.0;
+pub const PIXELS: f32 = 935.0;
 
 /// All of them, of a city with this seed.
 pub fn numbers(seed: u32, effort: Effort) -> Value {
@@ -36,14 +36,7 @@ pub fn numbers(seed: u32, effort: Effort) -> Value {
         ..CityRules::default()
     };
     let maps = maps();
-    let mut faces = Faces::new(&rules, &maps, [0, 0]);
-    for x in 0..5 {
-        for z in 0..5 {
-            let within = |c: [i32; 2]| (0..5).contains(&c[0]) && (0..5).contains(&c[1]);
-            faces.block(&Block::new(&rules, [x, z]), within);
-        }
-    }
-    let patches = faces.patches;
+    let patches = patches(&rules, &maps);
     let mut all = making(&rules, effort.repeats);
     let mut add = |name: &str, value: Value| {
         if let Value::Object(all) = &mut all {
@@ -58,7 +51,10 @@ pub fn numbers(seed: u32, effort: Effort) -> Value {
         .collect();
     let above: u64 = errors.iter().filter_map(|e| e["above"].as_u64()).sum();
     add("error_above_tolerance", json!(above));
+    let samples: u64 = errors.iter().filter_map(|e| e["samples"].as_u64()).sum();
+    add("error_samples", json!(samples));
     add("error", json!(errors));
+    add("normals_deg", json!(normals(&rules, &maps, &patches)));
     add("boxes", boxes(&rules, &maps, &patches));
     add("tubes", tubes(&rules));
     add(
@@ -71,6 +67,18 @@ pub fn numbers(seed: u32, effort: Effort) -> Value {
         }),
     );
     all
+}
+
+/// Those of 5 × 5 blocks.
+pub fn patches(rules: &CityRules, maps: &[DisplacementMap]) -> Vec<CityPatch> {
+    let mut faces = Faces::new(rules, maps, [0, 0]);
+    for x in 0..5 {
+        for z in 0..5 {
+            let within = |c: [i32; 2]| (0..5).contains(&c[0]) && (0..5).contains(&c[1]);
+            faces.block(&Block::new(rules, [x, z]), within);
+        }
+    }
+    faces.patches
 }
 
 /// Bytes of patches on the GPU: control points, of which equal ones are one, and 20 words of tables each.
@@ -105,6 +113,7 @@ fn making(rules: &CityRules, repeats: usize) -> Value {
     };
     let (one, two) = (made(1), made(2));
     json!({
+        "order_differs": order_differs(rules, &one),
         "blocks": one.blocks.len(),
         "lamps": one.lamps.len(),
         "make_ms": median(&mut times),
@@ -113,6 +122,14 @@ fn making(rules: &CityRules, repeats: usize) -> Value {
         "hash_2_threads": format!("{:016x}", two.hash()),
         "same_bits": one == two,
     })
+}
+
+/// Records that are other ones when blocks are made one by one in a shuffled order.
+fn order_differs(rules: &CityRules, city: &CityPart) -> usize {
+    let mut order: Vec<usize> = (0..city.blocks.len()).collect();
+    order.sort_by_key(|k| pcg(*k as u32 ^ 0x00c1_7100));
+    let differs = |k: &&usize| Block::new(rules, city.blocks[**k].cell) != city.blocks[**k];
+    order.iter().filter(differs).count()
 }
 
 /// Milliseconds that this thread has had a core, where the system says so: on a machine with other work the wall says
@@ -285,6 +302,26 @@ fn error(
         "tolerance_px": tolerance, "samples": taken, "above": above, "worst_px": worst,
         "patches": kept, "patches_cut_off_at_level_64": cut,
     })
+}
+
+/// Greatest angle in degrees between a normal and that of differences of the surface in f64.
+fn normals(rules: &CityRules, maps: &[DisplacementMap], patches: &[CityPatch]) -> f64 {
+    let band = f64::from(rules.relief.band);
+    let mut worst = 0.0_f64;
+    for (k, patch) in patches.iter().enumerate() {
+        let map = &maps[patch.data.map[3] as usize];
+        for n in 0..8_u32 {
+            let hash = pcg(n ^ ((k as u32) << 3) ^ 0x0a0a_0000);
+            let [u, v] = [hash, pcg(hash)].map(|h| 0.01 + 0.98 * unit(h));
+            let (_, normal) = patch.evaluate(map, rules.relief.band, u, v);
+            let (u, v, step) = (f64::from(u), f64::from(v), 1e-5);
+            let at = |du: f64, dv: f64| patch.exact(map, band, u + du * step, v + dv * step);
+            let exact = (at(1.0, 0.0) - at(-1.0, 0.0)).cross(at(0.0, 1.0) - at(0.0, -1.0));
+            let sine = exact.normalize().cross(normal.as_dvec3().normalize());
+            worst = worst.max(sine.length().min(1.0).asin_degrees());
+        }
+    }
+    worst
 }
 
 fn boxes(rules: &CityRules, maps: &[DisplacementMap], patches: &[CityPatch]) -> Value {
