@@ -15,6 +15,7 @@ pub struct Grid {
     /// Where each cell begins in `items`, and one end more.
     starts: Vec<u32>,
     items: Vec<u32>,
+    /// The cell of each point; once all are sorted, its place in `items`.
     cells: Vec<u32>,
 }
 
@@ -66,9 +67,10 @@ impl Grid {
         self.items.clear();
         self.items.resize(places.len(), 0);
         // Starts are moved on while cells fill, and are the ends then: each is the start of the next.
-        for (point, &cell) in self.cells.iter().enumerate() {
-            let at = &mut self.starts[cell as usize];
+        for (point, cell) in self.cells.iter_mut().enumerate() {
+            let at = &mut self.starts[*cell as usize];
             self.items[*at as usize] = point as u32;
+            *cell = *at;
             *at += 1;
         }
         for cell in (1..=total).rev() {
@@ -93,6 +95,12 @@ impl Grid {
     #[must_use]
     pub fn order(&self) -> &[u32] {
         &self.items
+    }
+
+    /// Where each point stands in [`Self::order`].
+    #[must_use]
+    pub fn slots(&self) -> &[u32] {
+        &self.cells
     }
 
     /// Metres of a cell.
@@ -146,6 +154,9 @@ mod tests {
         let mut grid = Grid::default();
         grid.build(&places, 3.0);
         assert_eq!(grid.order().len(), 500);
+        for (point, slot) in grid.slots().iter().enumerate() {
+            assert_eq!(grid.order()[*slot as usize], point as u32);
+        }
         for _ in 0..200 {
             let at = Vec2::new(random.signed(45.0), random.signed(20.0));
             let (low, high) = (at - 4.0, at + 4.0);

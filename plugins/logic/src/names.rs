@@ -124,6 +124,12 @@ impl Names {
         self.texts.get(key.0 as usize).map_or("", |text| text)
     }
 
+    /// The text of the name with this number, as [`Values::sorted`](crate::Values::sorted) gives it; empty where it has none.
+    #[must_use]
+    pub fn text_of(&self, number: u32) -> &str {
+        self.text(Key(number))
+    }
+
     /// How many there are.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -21,6 +21,16 @@ pub trait Rays: Send + Sync + 'static {
     /// Whether a blocker of an earlier answer stops this way too. `false` may also mean that it is not known; `true`
     /// has to be true.
     fn still_blocks(&self, blocker: u64, from: Vec3, to: Vec3) -> bool;
+
+    /// What is in the way from one place to each of several others: anything, not what is first. Places of which
+    /// something is known already are left out. Of many ways from one place some find what is near once for all.
+    fn hide(&self, from: Vec3, to: &[Vec3], blockers: &mut [Option<u64>]) {
+        for (to, blocker) in to.iter().zip(blockers) {
+            if blocker.is_none() {
+                *blocker = self.cast(from, *to).map(|stop| stop.blocker);
+            }
+        }
+    }
 }
 
 /// What stops sight and shots in this world; without it nothing does.
@@ -35,8 +45,15 @@ pub struct BoxRays {
     cell: f32,
     size: [u32; 2],
     starts: Vec<u32>,
+    /// Boxes of each cell; [`AGAIN`] is set where a box of the same row's cell before is met again.
     items: Vec<u32>,
 }
+
+/// Says that the cell before, in the same row, has this box too.
+const AGAIN: u32 = 1 << 31;
+
+/// Boxes near several ways from one place that are all looked at for each: more are asked by their cells.
+const NEAR: usize = 64;
 
 /// When a way enters a box, as a part of it; nothing if it does not. 0 of one that starts inside.
 #[inline]
@@ -93,7 +110,8 @@ impl BoxRays {
                 (rays.cell_of(corners[0].xz()), rays.cell_of(corners[1].xz()));
             for y in y0..=y1 {
                 for x in x0..=x1 {
-                    lists[(y * rays.size[0] + x) as usize].push(number as u32);
+                    let again = if x > x0 { AGAIN } else { 0 };
+                    lists[(y * rays.size[0] + x) as usize].push(number as u32 | again);
                 }
             }
         }
@@ -137,6 +155,42 @@ impl BoxRays {
             }
         }
         first
+    }
+}
+
+impl BoxRays {
+    /// The boxes that a box around all ways from a place meets, and how many; nothing if there is no room for them.
+    fn near(&self, from: Vec3, to: &[Vec3], near: &mut [u32; NEAR]) -> Option<usize> {
+        if self.boxes.is_empty() {
+            return Some(0);
+        }
+        let whole = to.iter().filter(|to| to.is_finite());
+        let (low, high) = whole.fold((from, from), |(low, high), to| {
+            (low.min(*to), high.max(*to))
+        });
+        let ([x0, y0], [x1, y1]) = (self.cell_of(low.xz()), self.cell_of(high.xz()));
+        let mut count = 0;
+        for y in y0..=y1 {
+            let row = (y * self.size[0]) as usize;
+            let (first, last) = (row + x0 as usize, row + x1 as usize);
+            let first_cell = self.starts[first + 1] as usize;
+            for at in self.starts[first] as usize..self.starts[last + 1] as usize {
+                let number = self.items[at] & !AGAIN;
+                if at >= first_cell && self.items[at] != number {
+                    continue;
+                }
+                let [least, greatest] = self.boxes[number as usize];
+                let apart = least.cmpgt(high).any() || greatest.cmplt(low).any();
+                // A box of several rows counts in the first of these that is looked at.
+                let [_, own] = self.cell_of(least.xz());
+                if apart || (own.max(y0) != y) {
+                    continue;
+                }
+                *near.get_mut(count)? = number;
+                count += 1;
+            }
+        }
+        Some(count)
     }
 }
 
@@ -203,8 +257,13 @@ impl Rays for BoxRays {
             let (from_x, to_x) = (column(x0.min(x1) - SLACK), column(x0.max(x1) + SLACK));
             let start = row * self.size[0];
             let (from_cell, to_cell) = ((start + from_x) as usize, (start + to_x) as usize);
+            let first_cell = self.starts[from_cell + 1] as usize;
             let span = self.starts[from_cell] as usize..self.starts[to_cell + 1] as usize;
-            for &number in &self.items[span] {
+            for at in span {
+                let number = self.items[at] & !AGAIN;
+                if at >= first_cell && self.items[at] != number {
+                    continue;
+                }
                 if let Some(time) = enter_box(from, way, &self.boxes[number as usize]) {
                     let number = u64::from(number);
                     let sooner = first.is_none_or(|stop| {
@@ -220,6 +279,33 @@ impl Rays for BoxRays {
             }
         }
         first
+    }
+
+    /// Looks at each box near all of the ways, where there are few.
+    fn hide(&self, from: Vec3, to: &[Vec3], blockers: &mut [Option<u64>]) {
+        let mut near = [0_u32; NEAR];
+        let count = self.near(from, to, &mut near);
+        for (to, blocker) in to.iter().zip(blockers) {
+            if blocker.is_some() || !(from.is_finite() && to.is_finite()) {
+                continue;
+            }
+            *blocker = match count {
+                None => self.cast(from, *to).map(|stop| stop.blocker),
+                Some(count) => {
+                    let inverse = (*to - from).recip();
+                    near[..count]
+                        .iter()
+                        .find(|number| {
+                            let [low, high] = self.boxes[**number as usize];
+                            let (a, b) = ((low - from) * inverse, (high - from) * inverse);
+                            // As `enter_box` has it.
+                            let enter = a.min(b).max_element().max(0.0);
+                            enter <= a.max(b).min_element().min(1.0)
+                        })
+                        .map(|number| u64::from(*number))
+                }
+            };
+        }
     }
 
     fn still_blocks(&self, blocker: u64, from: Vec3, to: Vec3) -> bool {
@@ -323,6 +409,20 @@ impl Rays for RaySet {
         first
     }
 
+    fn hide(&self, from: Vec3, to: &[Vec3], blockers: &mut [Option<u64>]) {
+        let mut own = vec![None; to.len()];
+        for (number, rays) in self.0.iter().enumerate().take(256) {
+            // What is hidden already is left out by a blocker that nobody reads.
+            own.clone_from_slice(blockers);
+            rays.hide(from, to, &mut own);
+            for (blocker, own) in blockers.iter_mut().zip(&own) {
+                if blocker.is_none() {
+                    *blocker = own.map(|own| own & ((1 << MEMBER) - 1) | (number as u64) << MEMBER);
+                }
+            }
+        }
+    }
+
     fn still_blocks(&self, blocker: u64, from: Vec3, to: Vec3) -> bool {
         let member = self.0.get((blocker >> MEMBER) as usize);
         member.is_some_and(|rays| rays.still_blocks(blocker & ((1 << MEMBER) - 1), from, to))
@@ -372,6 +472,14 @@ mod tests {
             }
             let (ours, all) = (rays.cast(from, to), rays.cast_all(from, to));
             assert_eq!(ours.map(|s| s.time), all.map(|s| s.time), "{from} {to}");
+            // Of several ways at once each is hidden where it is alone.
+            let ways = [to, place(&mut random), to.lerp(from, 0.5), Vec3::NAN];
+            let mut hidden = [None; 4];
+            rays.hide(from, &ways, &mut hidden);
+            for (to, hidden) in ways.into_iter().zip(hidden) {
+                assert_eq!(hidden.is_some(), rays.cast_all(from, to).is_some());
+                assert!(hidden.is_none_or(|by| rays.still_blocks(by, from, to)));
+            }
             if let Some(stop) = ours {
                 hits += 1;
                 assert!(rays.still_blocks(stop.blocker, from, to));

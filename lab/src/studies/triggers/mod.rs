@@ -1,7 +1,9 @@
-//! Study `triggers`: movers that fly through boxes, and what triggers say of them, held to f64.
+//! Study `triggers`: movers that fly through the triggers of collision, and points that go through the zones of logic:
+//! what both say of it, held to f64.
 
 mod oracle;
 mod wave;
+mod zones;
 
 use crate::csv::{ErrorNumbers, Row};
 use crate::study::{Asked, Options, Report, Study};
@@ -14,13 +16,13 @@ use wave::{MOVERS, Wave, crosses};
 /// As the command line knows it.
 pub const STUDY: Study = Study {
     name: "triggers",
-    about: "movers of 0.1 to 1000 m/s through triggers: crossings missed, doubled, out of order; times",
+    about: "0.1 to 1000 m/s through triggers and zones: crossings missed, doubled, out of order; times",
     run,
     asked: &ASKED,
 };
 
 /// What its measured table says.
-const ASKED: [Asked; 8] = [
+const ASKED: [Asked; 12] = [
     asked(
         "Crossings of triggers, 0.1 to 1000 m/s",
         "≥ 1e6",
@@ -53,6 +55,20 @@ const ASKED: [Asked; 8] = [
         "",
         "/place_max_m",
         "m",
+    ),
+    asked(
+        "Crossings of zones of logic, 0.1 to 1000 m/s",
+        "≥ 1e6",
+        "/zones/crossings",
+        "",
+    ),
+    asked("Crossings of zones missed", "0", "/zones/missed", ""),
+    asked("Crossings of zones told twice", "0", "/zones/doubled", ""),
+    asked(
+        "Crossings of zones not when f64 says so",
+        "0",
+        "/zones/disordered",
+        "",
     ),
 ];
 
@@ -224,6 +240,7 @@ fn run(options: &Options) -> Report {
             "place_max_m": all.place,
             "ns_mover_step": median(all.ns),
             "hash": format!("{:016x}", all.hash.finish()),
+            "zones": zones::zones(options.seed, count as usize),
         }),
     }
 }
@@ -242,6 +259,13 @@ mod tests {
         for what in ["missed", "doubled", "invented", "disordered", "stays_wrong"] {
             assert_eq!(summary[what], 0, "{what}: {summary}");
         }
+        for what in ["missed", "doubled", "disordered"] {
+            assert_eq!(summary["zones"][what], 0, "{what}: {summary}");
+        }
+        assert!(
+            summary["zones"]["through_in_a_step"].as_u64() > Some(20),
+            "{summary}"
+        );
         assert!(summary["crossings"].as_u64().unwrap() >= 2000);
         // Of a mover 1e5 m away f64 knows 1.5e-11 m, of which the shortest step has 0.8 mm.
         assert!(summary["time_max"].as_f64().unwrap() < 1e-6, "{summary}");

@@ -1,9 +1,9 @@
 //! Crowds: everybody who goes where a field leads, without running into each other.
 //!
-//! A step has five stages over arrays: *gather* (from the world), *flow* (where each wants to go), *sort* (into a grid,
-//! so that who is near is near in memory), *avoid* (ORCA), *move* (never off the walkable ground, and back into the
-//! world). Wishes and avoidance of one agent are worked out in every second step, or more rarely where [`Attention`]
-//! says so; it moves in every step.
+//! A step has five stages over arrays: *gather* (from the world), *sort* (into a grid, so that who is near is near in
+//! memory), *flow* (where each wants to go), *avoid* (ORCA), *go* (never off the walkable ground, and back into the
+//! world). Wishes and avoidance of one agent are worked out in every second step, of one whom nobody hindered in every
+//! fourth, or more rarely where [`Attention`] says so; it moves in every step.
 
 use super::flow::FlowField;
 use super::ground::{WalkGrid, WalkGround};
@@ -33,6 +33,8 @@ pub struct Walker {
     pub speed: f32,
     /// The field that it follows, by its number in [`FlowFields`]; one that is not there leads nowhere.
     pub field: u16,
+    /// Whether nobody hindered it when it decided last: it decides half as often then.
+    pub calm: bool,
 }
 
 impl Walker {
@@ -45,6 +47,7 @@ impl Walker {
             radius: 0.3,
             speed: 1.4,
             field,
+            calm: false,
         }
     }
 
@@ -55,7 +58,7 @@ impl Walker {
             self.place.y.to_bits(),
             self.velocity.x.to_bits(),
             self.velocity.y.to_bits(),
-            u32::from(self.field),
+            u32::from(self.field) | u32::from(self.calm) << 16,
         ]
     }
 }
@@ -67,7 +70,7 @@ pub struct FlowFields(pub Vec<Arc<FlowField>>);
 /// How walkers avoid each other.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct WalkSettings {
-    /// Steps from one decision of a walker to the next.
+    /// Steps from one decision of a walker to the next; twice as many of one whom nobody hindered.
     pub every: u32,
     /// Seconds within which two are not to meet.
     pub horizon: f32,
@@ -105,10 +108,10 @@ pub struct WalkCounters {
 pub struct WalkTimes {
     /// From the world.
     pub gather: f32,
-    /// Wishes.
-    pub flow: f32,
     /// The grid.
     pub sort: f32,
+    /// Wishes.
+    pub flow: f32,
     /// Avoidance.
     pub avoid: f32,
     /// Places, and back into the world.
@@ -118,23 +121,35 @@ pub struct WalkTimes {
 /// One walker of a step.
 #[derive(Clone, Copy, Debug, Default)]
 struct Walk {
-    disc: Disc,
-    wish: Vec2,
+    velocity: Vec2,
+    radius: f32,
+    /// 0 of one who stands or is nobody's neighbour.
     speed: f32,
     field: u16,
     due: bool,
-    next: Vec2,
+    calm: bool,
 }
 
 /// Arrays that steps use again.
 #[derive(Default)]
 pub(super) struct Arrays {
-    walks: Vec<Walk>,
+    /// In the order of the world.
     places: Vec<Vec2>,
+    walks: Vec<Walk>,
+    grid: Grid,
     /// In the order of the grid.
     discs: Vec<Disc>,
-    grid: Grid,
-    velocities: Vec<Vec2>,
+    sorted: Vec<Walk>,
+    steps: Vec<Step>,
+}
+
+/// What becomes of a walker.
+#[derive(Clone, Copy, Debug, Default)]
+struct Step {
+    place: Vec2,
+    /// The wish, then the velocity.
+    velocity: Vec2,
+    calm: bool,
 }
 
 /// Walkers of one task.
@@ -164,11 +179,12 @@ pub(super) fn walk(
 ) {
     let pool = ComputeTaskPool::get_or_init(TaskPool::default);
     let Arrays {
-        walks,
         places,
-        discs,
+        walks,
         grid,
-        velocities,
+        discs,
+        sorted,
+        steps,
     } = &mut *arrays;
     let begun = Instant::now();
     walks.clear();
@@ -176,41 +192,29 @@ pub(super) fn walk(
     let every = settings.every.max(1);
     for (entity, walker, _, attention) in &walkers {
         let every = every.max(attention.map_or(1, Attention::steps));
+        let every = every.saturating_mul(1 + u32::from(walker.calm));
         let step = (clock.step as u32).wrapping_add(entity.index_u32());
         // Who has no place, or no size, is nobody's neighbour and stays.
         let whole = walker.place.is_finite()
             && walker.velocity.is_finite()
             && walker.radius.is_finite()
             && walker.radius >= 0.0;
-        let speed = if walker.speed.is_finite() {
+        let speed = if whole && walker.speed.is_finite() {
             walker.speed.max(0.0)
         } else {
             0.0
         };
         walks.push(Walk {
-            disc: Disc {
-                place: walker.place,
-                velocity: if whole { walker.velocity } else { Vec2::ZERO },
-                radius: if whole { walker.radius } else { 0.0 },
-            },
-            wish: Vec2::ZERO,
-            speed: if whole { speed } else { 0.0 },
+            velocity: walker.velocity,
+            radius: if whole { walker.radius } else { 0.0 },
+            speed,
             field: walker.field,
             due: step.is_multiple_of(every),
-            next: walker.velocity,
+            calm: walker.calm,
         });
         places.push(walker.place);
     }
     let gathered = Instant::now();
-    let fields = &fields.0;
-    walks.par_chunk_map_mut(pool, CHUNK, |_, chunk| {
-        for walk in chunk.iter_mut().filter(|walk| walk.due) {
-            let field = fields.get(usize::from(walk.field));
-            let way = field.map_or(Vec2::ZERO, |field| field.way(walk.disc.place));
-            walk.wish = way * walk.speed;
-        }
-    });
-    let flowed = Instant::now();
     let reach = if settings.reach > 0.0 && settings.reach.is_finite() {
         settings.reach
     } else {
@@ -218,72 +222,95 @@ pub(super) fn walk(
     };
     grid.build(places, reach);
     discs.clear();
-    discs.extend(
-        grid.order()
-            .iter()
-            .map(|&number| walks[number as usize].disc),
-    );
-    let sorted = Instant::now();
-    velocities.clear();
-    velocities.resize(walks.len(), Vec2::ZERO);
+    sorted.clear();
+    for &number in grid.order() {
+        let walk = walks[number as usize];
+        sorted.push(walk);
+        discs.push(Disc {
+            place: places[number as usize],
+            velocity: if walk.velocity.is_finite() {
+                walk.velocity
+            } else {
+                Vec2::ZERO
+            },
+            radius: walk.radius,
+        });
+    }
+    let ordered = Instant::now();
+    steps.clear();
+    steps.resize(sorted.len(), Step::default());
+    let (fields, sorted, discs) = (&fields.0, &*sorted, &*discs);
+    steps.par_chunk_map_mut(pool, CHUNK, |chunk_number, chunk| {
+        let first = chunk_number * CHUNK;
+        for (at, step) in (first..).zip(chunk) {
+            let walk = &sorted[at];
+            if walk.due && walk.speed > 0.0 {
+                let field = fields.get(usize::from(walk.field));
+                let way = field.map_or(Vec2::ZERO, |field| field.way(discs[at].place));
+                step.velocity = way * walk.speed;
+            }
+        }
+    });
+    let flowed = Instant::now();
     let crowd = Crowd {
-        walks,
+        walks: sorted,
         discs,
         grid,
         settings: &settings,
         reach,
         delta: clock.delta,
     };
-    velocities.par_chunk_map_mut(pool, CHUNK, |chunk_number, chunk| {
-        for (at, velocity) in chunk.iter_mut().enumerate() {
-            *velocity = crowd.steer(chunk_number * CHUNK + at);
+    steps.par_chunk_map_mut(pool, CHUNK, |chunk_number, chunk| {
+        let first = chunk_number * CHUNK;
+        for (at, step) in (first..).zip(chunk) {
+            (step.velocity, step.calm) = crowd.steer(at, step.velocity);
         }
     });
     let avoided = Instant::now();
-    let mut steered = 0;
-    // The order of the grid is that of the velocities.
-    for (&number, velocity) in grid.order().iter().zip(&*velocities) {
-        let walk = &mut walks[number as usize];
-        walk.next = *velocity;
-        steered += u32::from(walk.due);
-    }
     let ground = ground.as_ref().map(|ground| &*ground.0);
     let seconds = clock.delta;
-    walks.par_chunk_map_mut(pool, CHUNK, |_, chunk| {
-        for walk in chunk {
-            go(walk, ground, seconds);
+    steps.par_chunk_map_mut(pool, CHUNK, |chunk_number, chunk| {
+        let first = chunk_number * CHUNK;
+        for (at, step) in (first..).zip(chunk) {
+            step.place = discs[at].place;
+            go(step, sorted[at].speed, ground, seconds);
         }
     });
-    for ((_, mut walker, transform, _), walk) in walkers.iter_mut().zip(&*walks) {
+    let mut steered = 0;
+    for ((_, mut walker, transform, _), &slot) in walkers.iter_mut().zip(grid.slots()) {
+        let step = steps[slot as usize];
+        steered += u32::from(sorted[slot as usize].due);
         // Who stands is not marked as changed.
-        if walker.place == walk.disc.place && walker.velocity == walk.next {
+        if (walker.place, walker.velocity, walker.calm) == (step.place, step.velocity, step.calm) {
             continue;
         }
-        if !(walk.disc.place.is_finite() && walk.next.is_finite()) {
+        if !(step.place.is_finite() && step.velocity.is_finite()) {
             continue;
         }
-        walker.place = walk.disc.place;
-        walker.velocity = walk.next;
+        walker.place = step.place;
+        walker.velocity = step.velocity;
+        walker.calm = step.calm;
         if let Some(mut transform) = transform {
-            let height = ground.map_or(transform.translation.y, |g| g.height(walk.disc.place));
-            transform.translation = walk.disc.place.extend(height).xzy();
+            let height = ground.map_or(transform.translation.y, |g| g.height(step.place));
+            transform.translation = step.place.extend(height).xzy();
         }
     }
     let gone = Instant::now();
     let ms = |from: Instant, to: Instant| to.duration_since(from).as_secs_f32() * 1e3;
     *times = WalkTimes {
         gather: ms(begun, gathered),
-        flow: ms(gathered, flowed),
-        sort: ms(flowed, sorted),
-        avoid: ms(sorted, avoided),
+        sort: ms(gathered, ordered),
+        flow: ms(ordered, flowed),
+        avoid: ms(flowed, avoided),
         go: ms(avoided, gone),
     };
     *counters = WalkCounters {
         walkers: walks.len() as u32,
         steered,
-        bytes: (size_of::<Walk>() * walks.capacity()
-            + size_of::<Vec2>() * (places.capacity() + velocities.capacity())
-            + size_of::<Disc>() * discs.capacity()
+        bytes: (size_of::<Walk>() * (walks.capacity() + sorted.len())
+            + size_of::<Vec2>() * places.capacity()
+            + size_of::<Disc>() * discs.len()
+            + size_of::<Step>() * steps.capacity()
             + grid.bytes()) as u64,
     };
 }
@@ -298,78 +325,103 @@ struct Crowd<'a> {
     delta: f32,
 }
 
+/// Places that are compared at once: what a compiler keeps in two registers of a processor of 2008.
+const WIDE: usize = 8;
+
 impl Crowd<'_> {
-    /// The next velocity of the walker that is so far down the order of the grid.
-    fn steer(&self, at: usize) -> Vec2 {
-        let walk = &self.walks[self.grid.order()[at] as usize];
-        if !walk.due {
-            return walk.next;
-        }
-        if walk.speed == 0.0 {
-            return Vec2::ZERO;
-        }
-        let own = &self.discs[at];
-        let mut near = [(f32::INFINITY, 0_usize); NEIGHBOURS];
+    /// The nearest others of a walker, their places in the order of the grid, and how many.
+    #[inline]
+    fn nearest(&self, at: usize) -> ([u32; NEIGHBOURS], usize) {
+        let own = self.discs[at].place;
+        let mut squares = [f32::INFINITY; NEIGHBOURS];
+        let mut numbers = [0_u32; NEIGHBOURS];
         let mut count = 0;
-        let mut left = self.settings.looks;
+        let mut limit = self.reach * self.reach;
+        let mut left = self.settings.looks as usize;
         let reach = Vec2::splat(self.reach);
-        'rows: for span in self.grid.rows(own.place - reach, own.place + reach) {
-            for other in span {
-                if other == at {
-                    continue;
+        for span in self.grid.rows(own - reach, own + reach) {
+            let end = span
+                .end
+                .min(span.start + left + usize::from(span.contains(&at)));
+            left -= (end - span.start).min(left);
+            let mut first = span.start;
+            for discs in self.discs[span.start..end].chunks(WIDE) {
+                let mut apart = [f32::INFINITY; WIDE];
+                for (apart, disc) in apart.iter_mut().zip(discs) {
+                    *apart = disc.place.distance_squared(own);
                 }
-                if left == 0 {
-                    break 'rows;
-                }
-                left -= 1;
-                let square = self.discs[other].place.distance_squared(own.place);
-                // Also refuses NaN.
-                if square < self.reach * self.reach
-                    && (count < NEIGHBOURS || square < near[count - 1].0)
-                {
-                    count = (count + 1).min(NEIGHBOURS);
-                    let mut to = count - 1;
-                    while to > 0 && near[to - 1].0 > square {
-                        near[to] = near[to - 1];
-                        to -= 1;
+                for (other, square) in (first..).zip(apart) {
+                    // Also refuses NaN.
+                    if square < limit && other != at {
+                        count = (count + 1).min(NEIGHBOURS);
+                        let mut to = count - 1;
+                        while to > 0 && squares[to - 1] > square {
+                            squares[to] = squares[to - 1];
+                            numbers[to] = numbers[to - 1];
+                            to -= 1;
+                        }
+                        squares[to] = square;
+                        numbers[to] = other as u32;
+                        if count == NEIGHBOURS {
+                            limit = squares[NEIGHBOURS - 1];
+                        }
                     }
-                    near[to] = (square, other);
                 }
+                first += WIDE;
+            }
+            if left == 0 {
+                break;
             }
         }
+        (numbers, count)
+    }
+
+    /// The next velocity of the walker that is so far down the order of the grid, and whether nobody hindered it.
+    fn steer(&self, at: usize, wish: Vec2) -> (Vec2, bool) {
+        let walk = &self.walks[at];
+        if !walk.due {
+            return (walk.velocity, walk.calm);
+        }
+        if walk.speed == 0.0 {
+            return (Vec2::ZERO, true);
+        }
+        let own = &self.discs[at];
+        let (near, count) = self.nearest(at);
         let mut lines = [Line::default(); NEIGHBOURS];
         let step = self.delta * self.settings.every.max(1) as f32;
         let horizon = self.settings.horizon.max(step);
-        for (line, &(_, other)) in lines.iter_mut().zip(&near[..count]) {
+        for (line, &other) in lines.iter_mut().zip(&near[..count]) {
+            let other = other as usize;
             *line = half_plane(own, &self.discs[other], horizon, step, at < other);
         }
-        let result = velocity(&lines[..count], walk.speed, walk.wish);
+        let result = velocity(&lines[..count], walk.speed, wish);
         if result.is_finite() {
-            result
+            // What is longer than the speed is shortened, which hinders nobody.
+            (result, result.distance_squared(wish) < 1e-6)
         } else {
-            Vec2::ZERO
+            (Vec2::ZERO, false)
         }
     }
 }
 
 /// One step of one walker, in parts no longer than a cell.
-fn go(walk: &mut Walk, ground: Option<&WalkGrid>, seconds: f32) {
-    let way = walk.next * seconds;
-    let from = walk.disc.place;
+fn go(walk: &mut Step, speed: f32, ground: Option<&WalkGrid>, seconds: f32) {
+    let way = walk.velocity * seconds;
+    let from = walk.place;
     if !(from.is_finite() && way.is_finite()) {
         return;
     }
     let Some(ground) = ground else {
-        walk.disc.place = from + way;
+        walk.place = from + way;
         return;
     };
     // Where the ground was closed under somebody, they come out to where it is open.
     if !ground.is_open(from) {
         if let Some(open) = ground.nearest_open(from, 4) {
             let out = open - from;
-            let step = walk.speed * seconds;
+            let step = speed * seconds;
             let place = from + out.clamp_length_max(step);
-            walk.disc.place = if out.length() <= step { open } else { place };
+            walk.place = if out.length() <= step { open } else { place };
         }
         return;
     }
@@ -379,16 +431,17 @@ fn go(walk: &mut Walk, ground: Option<&WalkGrid>, seconds: f32) {
     // Ten thousand cells a step are a mistake: who is so fast stays.
     let parts = (way.abs().max_element() / ground.cell()).ceil();
     if parts > 1e4 {
-        walk.next = Vec2::ZERO;
+        walk.velocity = Vec2::ZERO;
         return;
     }
     let mut place = from;
     for _ in 0..parts as u32 {
         place = ground.step(place, place + way / parts);
     }
-    walk.disc.place = place;
+    walk.place = place;
     // What a wall took is not kept as speed; who slides goes as far as they went.
     if place != from + way {
-        walk.next = (place - from) / seconds;
+        walk.calm = false;
+        walk.velocity = (place - from) / seconds;
     }
 }

@@ -136,6 +136,8 @@ struct Target {
 pub(super) struct Lists {
     targets: Vec<Target>,
     places: Vec<Vec2>,
+    /// In the order of the grid.
+    sorted: Vec<Target>,
     grid: Grid,
 }
 
@@ -171,6 +173,7 @@ pub(super) fn see(
     let Lists {
         targets,
         places,
+        sorted,
         grid,
     } = &mut *lists;
     targets.clear();
@@ -187,7 +190,9 @@ pub(super) fn see(
         }
     }
     grid.build(places, 16.0);
-    let (targets, grid, bodies) = (&*targets, &*grid, &*bodies);
+    sorted.clear();
+    sorted.extend(grid.order().iter().map(|&number| targets[number as usize]));
+    let (targets, grid, bodies) = (&*sorted, &*grid, &*bodies);
     let rays: Option<&dyn Rays> = world.as_ref().map(|world| &*world.0);
     let every = settings.every.max(1);
     let due = |entity: Entity, attention: Option<&Attention>| {
@@ -205,24 +210,12 @@ pub(super) fn see(
             let sight = sight.bypass_change_detection();
             let eye = transform.translation + sight.eye;
             let forward = transform.rotation * Vec3::NEG_Z;
-            let hides = |blocker: Option<u64>, target: &Target, left: &mut u32| {
-                if let (Some(blocker), Some(rays)) = (blocker, rays)
-                    && blocker != NOT_CAST
-                    && rays.still_blocks(blocker, eye, target.place)
-                {
-                    return Some(blocker);
-                }
-                *left -= 1;
-                let stop = rays.and_then(|rays| rays.cast(eye, target.place));
-                stop.map(|stop| stop.blocker).or_else(|| {
-                    let (from, way) = (eye.as_dvec3(), (target.place - eye).as_dvec3());
-                    let skips = |other: Entity| other == entity || other == target.who;
-                    let hit = settings
-                        .bodies
-                        .then(|| bodies.cast(from, way, false, |body| skips(body.entity)));
-                    // Bodies move: they are not asked again.
-                    hit.flatten().map(|_| NOT_CAST)
-                })
+            let by_bodies = |target: &Target| {
+                let (from, way) = (eye.as_dvec3(), (target.place - eye).as_dvec3());
+                let skips = |other: Entity| other == entity || other == target.who;
+                bodies
+                    .cast(from, way, false, |body| skips(body.entity))
+                    .is_some()
             };
             look(
                 sight,
@@ -233,7 +226,10 @@ pub(super) fn see(
                 targets,
                 grid,
                 settings.rays,
-                hides,
+                rays,
+                settings
+                    .bodies
+                    .then_some(&by_bodies as &dyn Fn(&Target) -> bool),
             );
             if let Some(mut memory) = memory {
                 for &who in &sight.seen().collect::<Vec<_>>() {
@@ -254,7 +250,23 @@ pub(super) fn see(
     }
 }
 
-/// One look of one observer.
+/// What a look uses again.
+#[derive(Default)]
+struct Found {
+    /// Square of the distance, and number of the target in the order of the grid.
+    near: Vec<(f32, u32)>,
+    /// Who is to be looked for by a ray, and what hides them.
+    places: Vec<Vec3>,
+    asked: Vec<u32>,
+    blockers: Vec<Option<u64>>,
+    known: Vec<Known>,
+}
+
+thread_local! {
+    static FOUND: std::cell::RefCell<Found> = std::cell::RefCell::default();
+}
+
+/// One look of one observer. `targets` are in the order of the grid.
 fn look(
     sight: &mut Sight,
     eye: Vec3,
@@ -264,7 +276,8 @@ fn look(
     targets: &[Target],
     grid: &Grid,
     most: u32,
-    hides: impl Fn(Option<u64>, &Target, &mut u32) -> Option<u64>,
+    rays: Option<&dyn Rays>,
+    bodies: Option<&dyn Fn(&Target) -> bool>,
 ) {
     sight.rays = 0;
     let range = sight.range;
@@ -274,35 +287,80 @@ fn look(
     }
     let cos_field = ops::cos(sight.half_field.clamp(0.0, std::f32::consts::PI));
     let (middle, reach) = (eye.xz(), Vec2::splat(range));
-    let mut found: Vec<(f32, &Target)> = grid
-        .near(middle - reach, middle + reach)
-        .map(|number| &targets[number as usize])
-        .filter(|target| {
-            let friend = team.is_some() && target.team == team;
-            !friend && target.who != own && in_field(eye, forward, range, cos_field, target.place)
-        })
-        .map(|target| (target.place.distance_squared(eye), target))
-        .collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.who.cmp(&b.1.who)));
-    let mut left = most;
-    let mut known: Vec<Known> = Vec::with_capacity(found.len());
-    for (_, target) in found {
-        let before = sight
-            .known
-            .binary_search_by_key(&target.who, |known| known.who)
-            .ok()
-            .map(|at| sight.known[at].blocker);
-        let blocker = if left > 0 {
-            hides(before.flatten(), target, &mut left)
-        } else {
-            before.unwrap_or(Some(NOT_CAST))
-        };
-        known.push(Known {
-            who: target.who,
-            blocker,
-        });
-    }
-    sight.rays = most - left;
-    known.sort_unstable_by_key(|known| known.who);
-    sight.known = known;
+    FOUND.with_borrow_mut(|found| {
+        let Found {
+            near,
+            places,
+            asked,
+            blockers,
+            known,
+        } = found;
+        near.clear();
+        for span in grid.rows(middle - reach, middle + reach) {
+            let first = span.start as u32;
+            for (number, target) in (first..).zip(&targets[span]) {
+                let friend = team.is_some() && target.team == team;
+                if !friend
+                    && target.who != own
+                    && in_field(eye, forward, range, cos_field, target.place)
+                {
+                    near.push((target.place.distance_squared(eye), number));
+                }
+            }
+        }
+        // The nearest come first where there are not rays enough for all.
+        if near.len() > most as usize {
+            near.sort_unstable_by(|a, b| {
+                let who = |number: u32| targets[number as usize].who;
+                a.0.total_cmp(&b.0).then_with(|| who(a.1).cmp(&who(b.1)))
+            });
+        }
+        places.clear();
+        asked.clear();
+        known.clear();
+        for &(_, number) in &*near {
+            let target = &targets[number as usize];
+            let before = sight
+                .known
+                .binary_search_by_key(&target.who, |known| known.who)
+                .ok()
+                .map(|at| sight.known[at].blocker);
+            let has_left = (asked.len() as u32) < most;
+            let blocker = match before.flatten() {
+                _ if !has_left => before.unwrap_or(Some(NOT_CAST)),
+                Some(blocker)
+                    if blocker != NOT_CAST
+                        && rays
+                            .is_some_and(|rays| rays.still_blocks(blocker, eye, target.place)) =>
+                {
+                    Some(blocker)
+                }
+                _ => {
+                    asked.push(known.len() as u32);
+                    places.push(target.place);
+                    None
+                }
+            };
+            known.push(Known {
+                who: target.who,
+                blocker,
+            });
+        }
+        blockers.clear();
+        blockers.resize(places.len(), None);
+        if let Some(rays) = rays {
+            rays.hide(eye, places, blockers);
+        }
+        for (&at, blocker) in asked.iter().zip(&*blockers) {
+            let hidden = bodies.is_some_and(|hides| {
+                blocker.is_none() && hides(&targets[near[at as usize].1 as usize])
+            });
+            // Bodies move: they are not asked again.
+            known[at as usize].blocker = if hidden { Some(NOT_CAST) } else { *blocker };
+        }
+        sight.rays = asked.len() as u32;
+        known.sort_unstable_by_key(|known| known.who);
+        sight.known.clear();
+        sight.known.extend_from_slice(known);
+    });
 }

@@ -384,7 +384,12 @@ fn a_hundred_thousand_walk_and_sleepers_cost_nothing() {
         "100 000 walkers, a tick: {wall:.2} ms at least, {cpu:.2} ms of all cores; {:?}; {bytes} bytes an agent",
         all[0]
     );
-    assert_eq!((counters.walkers, counters.steered), (100_000, 50_000));
+    assert_eq!(counters.walkers, 100_000);
+    // Every second one of those that are hindered, every fourth of the others.
+    assert!(
+        (25_000..=50_000).contains(&counters.steered),
+        "{counters:?}"
+    );
     assert!(bytes <= 200, "{bytes}");
     let entities: Vec<Entity> = {
         let mut query = app.world_mut().query_filtered::<Entity, With<Walker>>();
