@@ -13,7 +13,10 @@
 //! | [`FbxPlugin`](fbx::FbxPlugin) | [`fbx`] | `load("hero.fbx")`, with the sub-assets of Bevy's glTF loader | no |
 //! | [`PatchPlugin`](tessellation::render::PatchPlugin) | [`tessellation`] | patches of your own, tessellated by your control and evaluate functions | yes |
 //! | [`GroundPlugin`](ground::GroundPlugin) | [`ground`] | terrain refined and drawn on the GPU | yes |
+//! | [`VegetationPlugin`](vegetation::VegetationPlugin) | [`vegetation`] | what grows on the ground, by a file of kinds | no; to be seen, yes |
 //! | [`SkyPlugin`](sky::SkyPlugin) | [`sky`] | sun, moon, stars, dusk, haze and exposure from the place of the sun | no; to be seen, yes |
+//! | [`CityPlugin`](city::CityPlugin) | [`city`] | streets, houses and lamps by a rule file, as patches | yes |
+//! | `InspectorPlugin` | `inspector` (feature `inspector`) | settings, entities and diagnostics on the screen; a console | to be seen, yes |
 //! | [`DeferredPlugin`](deferred::DeferredPlugin) | [`deferred`] | thousands of lights by tiles or volumes, shading models of your own | yes |
 //!
 //! [`DolomitePlugins`] adds all of them; [`DolomiteMinimalPlugins`] those that need neither a renderer nor
@@ -31,17 +34,27 @@
 //! Coordinates everywhere: metres and radians (places of the sun: degrees), right-handed, +Y up, −Z forward (north).
 
 pub use dolomite_character as character;
+pub use dolomite_city as city;
 pub use dolomite_collision as collision;
 pub use dolomite_deferred as deferred;
 pub use dolomite_fbx as fbx;
 pub use dolomite_geometry as geometry;
 pub use dolomite_ground as ground;
+#[cfg(feature = "inspector")]
+pub use dolomite_inspector as inspector;
 pub use dolomite_logic as logic;
 pub use dolomite_sky as sky;
 pub use dolomite_terrain as terrain;
 pub use dolomite_tessellation as tessellation;
+pub use dolomite_vegetation as vegetation;
+
+#[cfg(feature = "inspector")]
+mod described;
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
+
+#[cfg(feature = "inspector")]
+pub use described::describe;
 
 /// Every plugin of Dolomite. Add after Bevy's `DefaultPlugins`.
 pub struct DolomitePlugins;
@@ -53,7 +66,9 @@ impl PluginGroup for DolomitePlugins {
             .add(fbx::FbxPlugin)
             .add(character::render::CrowdPlugin)
             .add(ground::GroundPlugin::default())
+            .add(vegetation::VegetationPlugin)
             .add(sky::SkyPlugin)
+            .add(city::CityPlugin)
             .add(deferred::DeferredPlugin)
     }
 }

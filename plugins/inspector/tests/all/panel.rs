@@ -1,0 +1,339 @@
+//! The panel, drawn into an image without a window.
+use crate::support::{Fog, add_fog};
+
+use std::time::Duration;
+
+use bevy::camera::RenderTarget;
+use bevy::log::LogPlugin;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::render_resource::{PipelineCache, PollType, TextureFormat};
+use bevy::render::renderer::RenderDevice;
+use bevy::render::settings::{Backends, WgpuSettings};
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+use bevy::render::{RenderApp, render_resource::PipelineDescriptor};
+use bevy::tasks::block_on;
+use bevy::time::TimeUpdateStrategy;
+use bevy::window::{ExitCondition, WindowPlugin};
+use bevy::winit::WinitPlugin;
+use bevy_egui::{
+    EguiContext, EguiInput, EguiManagedTextures, EguiPostUpdateSet, EguiPreUpdateSet, egui,
+};
+use dolomite_inspector::panel::state::{Shell, Tab};
+use dolomite_inspector::panel::{InspectorCamera, InspectorPass, InspectorTarget};
+use dolomite_inspector::settings::edit::undo;
+use dolomite_inspector::{Console, Inspector, InspectorPlugin, InspectorWants};
+
+const WIDTH: u32 = 640;
+const HEIGHT: u32 = 400;
+
+/// What ran while nobody looked.
+#[derive(Resource, Default)]
+struct Ran(u32);
+
+#[derive(Resource, Default)]
+struct Captured(Option<Image>);
+
+#[derive(Resource)]
+struct Target(Handle<Image>);
+
+fn adapter_is_there() -> bool {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::VULKAN;
+    let instance = wgpu::Instance::new(descriptor);
+    let Err(error) = block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+    else {
+        return true;
+    };
+    assert!(
+        std::env::var_os("CI").is_none(),
+        "CI must not skip GPU tests: {error}"
+    );
+    eprintln!("skipped, no Vulkan device: {error}");
+    false
+}
+
+/// A stranger's app with a camera that draws a colour into an image.
+fn app() -> Option<App> {
+    if !adapter_is_there() {
+        return None;
+    }
+    let mut app = App::new();
+    let settings = WgpuSettings {
+        backends: Some(Backends::VULKAN),
+        ..default()
+    };
+    app.add_plugins(
+        DefaultPlugins
+            .build()
+            .set(WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            })
+            .set(RenderPlugin {
+                render_creation: settings.into(),
+                synchronous_pipeline_compilation: true,
+                ..default()
+            })
+            .disable::<LogPlugin>()
+            .disable::<WinitPlugin>()
+            .disable::<PipelinedRenderingPlugin>(),
+    )
+    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(16)))
+    .init_resource::<Ran>()
+    .init_resource::<Captured>()
+    // Twice, as two plugins of a stranger may do it.
+    .add_plugins(InspectorPlugin)
+    .add_plugins(InspectorPlugin);
+    add_fog(&mut app);
+    let count = |mut ran: ResMut<Ran>| ran.0 += 1;
+    app.add_systems(
+        PreUpdate,
+        (
+            count.in_set(EguiPreUpdateSet::InitContexts),
+            count.in_set(EguiPreUpdateSet::ProcessInput),
+            count.in_set(EguiPreUpdateSet::BeginPass),
+        ),
+    )
+    .add_systems(
+        PostUpdate,
+        (
+            count.in_set(EguiPostUpdateSet::EndPass),
+            count.in_set(EguiPostUpdateSet::ProcessOutput),
+            count.in_set(EguiPostUpdateSet::PostProcessOutput),
+        ),
+    )
+    .add_systems(InspectorPass, count);
+    let image = Image::new_target_texture(WIDTH, HEIGHT, TextureFormat::Rgba8UnormSrgb, None);
+    let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
+    let target = RenderTarget::Image(image.clone().into());
+    app.insert_resource(Target(image))
+        .insert_resource(InspectorTarget(target.clone()))
+        .insert_resource(ClearColor(Color::srgb(0.1, 0.5, 0.2)));
+    app.finish();
+    app.cleanup();
+    app.world_mut().spawn((Camera3d::default(), target));
+    app.world_mut().spawn((Fog::default(), Name::new("valley")));
+    Some(app)
+}
+
+fn frames(app: &mut App, count: u32) {
+    for _ in 0..count {
+        app.update();
+        assert_eq!(app.should_exit(), None, "rendering stopped");
+        let device = app.world().resource::<RenderDevice>();
+        device.poll(PollType::wait_indefinitely()).expect("drawn");
+    }
+}
+
+fn picture(app: &mut App) -> Vec<[u8; 4]> {
+    let target = app.world().resource::<Target>().0.clone();
+    app.world_mut().spawn(Screenshot::image(target)).observe(
+        |shot: On<ScreenshotCaptured>, mut captured: ResMut<Captured>| {
+            captured.0 = Some(shot.image.clone());
+        },
+    );
+    for _ in 0..60 {
+        frames(app, 1);
+        if let Some(image) = app.world_mut().resource_mut::<Captured>().0.take() {
+            let bytes = image.data.expect("it was read back");
+            if let Some(folder) = std::env::var_os("DOLOMITE_PICTURES") {
+                let name = format!("inspector-{}.ppm", app.world().resource::<Ran>().0);
+                let mut file = format!("P6 {WIDTH} {HEIGHT} 255\n").into_bytes();
+                file.extend(bytes.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]));
+                std::fs::write(std::path::Path::new(&folder).join(name), file)
+                    .expect("the folder can be written");
+            }
+            return bytes
+                .chunks_exact(4)
+                .map(|pixel| [pixel[0], pixel[1], pixel[2], pixel[3]])
+                .collect();
+        }
+    }
+    panic!("no picture");
+}
+
+fn pipelines(app: &App, label: &str) -> usize {
+    let cache = app.sub_app(RenderApp).world().resource::<PipelineCache>();
+    cache
+        .pipelines()
+        .filter(|pipeline| match &pipeline.descriptor {
+            PipelineDescriptor::RenderPipelineDescriptor(descriptor) => {
+                descriptor.label.as_deref() == Some(label)
+            }
+            PipelineDescriptor::ComputePipelineDescriptor(_) => false,
+        })
+        .count()
+}
+
+fn contexts(app: &mut App) -> usize {
+    let world = app.world_mut();
+    world.query::<&EguiContext>().iter(world).count()
+}
+
+fn open(app: &mut App, panel: bool, console: bool) {
+    *app.world_mut().resource_mut::<Inspector>() = Inspector { panel, console };
+}
+
+/// Hands egui events as a window would.
+fn hand(app: &mut App, events: Vec<egui::Event>) {
+    let world = app.world_mut();
+    let mut inputs = world.query_filtered::<&mut EguiInput, With<InspectorCamera>>();
+    inputs
+        .single_mut(world)
+        .expect("it is open")
+        .events
+        .extend(events);
+    frames(app, 1);
+}
+
+/// How many pixels two pictures have that differ.
+fn differing(a: &[[u8; 4]], b: &[[u8; 4]]) -> usize {
+    a.iter().zip(b).filter(|(a, b)| a != b).count()
+}
+
+mod gpu {
+    use super::*;
+
+    #[test]
+    fn closed_it_does_nothing_and_opened_it_is_drawn_over_the_picture() {
+        let Some(mut app) = app() else { return };
+        frames(&mut app, 5);
+        assert_eq!(app.world().resource::<Ran>().0, 0, "closed, nothing runs");
+        assert_eq!(contexts(&mut app), 0);
+        assert_eq!(pipelines(&app, "egui_pipeline"), 0);
+        let before = picture(&mut app);
+        assert_eq!(app.world().resource::<Ran>().0, 0);
+
+        open(&mut app, true, false);
+        frames(&mut app, 5);
+        assert!(app.world().resource::<Ran>().0 >= 30, "the count can count");
+        assert_eq!(contexts(&mut app), 1);
+        assert_eq!(pipelines(&app, "egui_pipeline"), 1);
+        let opened = picture(&mut app);
+        let part = differing(&before, &opened) as f32 / opened.len() as f32;
+        assert!((0.3..0.9).contains(&part), "{part} of the picture");
+        // Beside the panel the picture is as it was.
+        let corner = opened.len() - 1;
+        assert_eq!(opened[corner], before[corner]);
+
+        open(&mut app, false, false);
+        frames(&mut app, 8);
+        assert_eq!(contexts(&mut app), 0);
+        assert!(app.world().resource::<EguiManagedTextures>().is_empty());
+        assert_eq!(
+            *app.world().resource::<InspectorWants>(),
+            InspectorWants::default()
+        );
+        let ran = app.world().resource::<Ran>().0;
+        assert_eq!(picture(&mut app), before);
+        assert_eq!(
+            app.world().resource::<Ran>().0,
+            ran,
+            "closed again, nothing runs"
+        );
+    }
+
+    #[test]
+    fn every_tab_is_drawn_also_of_an_entity_that_is_gone() {
+        let Some(mut app) = app() else { return };
+        open(&mut app, true, true);
+        let fog = {
+            let world = app.world_mut();
+            world
+                .query_filtered::<Entity, With<Fog>>()
+                .single(world)
+                .unwrap()
+        };
+        let mut pictures = Vec::new();
+        for (tab, filter) in [
+            (Tab::Settings, "fog"),
+            (Tab::Entities, ""),
+            (Tab::Diagnostics, ""),
+            (Tab::Views, ""),
+        ] {
+            let mut shell = app.world_mut().resource_mut::<Shell>();
+            shell.tab = tab;
+            shell.all = true;
+            shell.filter = filter.to_owned();
+            shell.chosen = Some(fog);
+            if tab == Tab::Diagnostics {
+                app.world_mut().despawn(fog);
+                app.world_mut().resource_mut::<Shell>().tab = Tab::Entities;
+                frames(&mut app, 3);
+                app.world_mut().resource_mut::<Shell>().tab = tab;
+            }
+            frames(&mut app, 3);
+            pictures.push(picture(&mut app));
+        }
+        for (k, one) in pictures.iter().enumerate() {
+            for other in &pictures[k + 1..] {
+                assert!(differing(one, other) > 500, "tabs look alike");
+            }
+        }
+    }
+
+    #[test]
+    fn a_slider_is_pulled_and_taken_back_and_a_line_typed() {
+        let Some(mut app) = app() else { return };
+        open(&mut app, true, false);
+        app.world_mut().resource_mut::<Shell>().filter = "Fog".to_owned();
+        frames(&mut app, 5);
+        let dust = |app: &mut App| {
+            let world = app.world_mut();
+            world.query::<&Fog>().single(world).unwrap().dust
+        };
+        // The slider of `dust` is found by pulling at each row until one moves it.
+        let button = |pos, pressed| egui::Event::PointerButton {
+            pos,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        };
+        let mut found = None;
+        for y in (60..HEIGHT - 20).step_by(6) {
+            let [from, to] = [110.0, 150.0].map(|x| egui::pos2(x, y as f32));
+            hand(&mut app, vec![egui::Event::PointerMoved(from)]);
+            hand(&mut app, vec![button(from, true)]);
+            for k in 1..=4 {
+                let at = from + (to - from) * (k as f32 / 4.0);
+                hand(&mut app, vec![egui::Event::PointerMoved(at)]);
+            }
+            hand(&mut app, vec![button(to, false)]);
+            frames(&mut app, 1);
+            if dust(&mut app) != 1.0 {
+                found = Some(dust(&mut app));
+                break;
+            }
+        }
+        let found = found.expect("a slider was moved");
+        assert!((1.0..=100.0).contains(&found), "{found}");
+        // One pull is one change.
+        let place = undo(app.world_mut()).unwrap().expect("a change");
+        assert_eq!(place.path, ".dust");
+        assert_eq!(dust(&mut app), 1.0);
+
+        open(&mut app, false, true);
+        frames(&mut app, 5);
+        assert!(app.world().resource::<InspectorWants>().keyboard);
+        hand(
+            &mut app,
+            vec![egui::Event::Text("set Fog.dust 42".to_owned())],
+        );
+        let key = |pressed| egui::Event::Key {
+            key: egui::Key::Enter,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: egui::Modifiers::NONE,
+        };
+        hand(&mut app, vec![key(true)]);
+        hand(&mut app, vec![key(false)]);
+        frames(&mut app, 3);
+        let console = app.world().resource::<Console>();
+        let said: Vec<_> = console.output().map(|(_, line)| line.to_owned()).collect();
+        assert_eq!(dust(&mut app), 42.0, "{said:?}");
+    }
+}
