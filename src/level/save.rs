@@ -1,0 +1,309 @@
+//! Saved games: what of a level cannot be made anew from its file.
+
+use std::path::{Path, PathBuf};
+
+use bevy::math::DVec2;
+use bevy::prelude::*;
+use dolomite::logic::parts::LogicTimer;
+use dolomite::logic::senses::Memory;
+use dolomite::logic::{BehaviourError, DayClock, Health, Lamp, Objective, PickUp};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::begin::{begin, put_figure};
+use super::parts::{Bandage, Beacon, Cast, Level, LevelState, MIDDLE, Player, Soldier};
+use super::sealed::{self, Kind, SealedError};
+use super::walk::yaw_of;
+use crate::play::figure::Figure;
+
+/// Saved games.
+pub const SAVE: Kind = Kind {
+    letters: b"SAVE",
+    name: "saved game",
+    version: 1,
+};
+
+/// A saved game that is not gone on with.
+#[derive(Debug, Error)]
+pub enum SaveError {
+    /// Its file.
+    #[error(transparent)]
+    File(#[from] SealedError),
+    /// Another level, or another edition of it.
+    #[error("the saved game is of level `{saved}` with {has}; this is `{level}` with {needs}")]
+    Other {
+        /// Of what it is.
+        saved: String,
+        /// What is in it.
+        has: String,
+        /// What is played.
+        level: String,
+        /// What is in that.
+        needs: String,
+    },
+    /// A number in it is not finite, or nobody can stand there.
+    #[error("the saved game says that {0}")]
+    Value(String),
+    /// What soldiers do was refused.
+    #[error(transparent)]
+    Behaviour(#[from] BehaviourError),
+    /// There is nothing to save.
+    #[error("no level is being played")]
+    NoLevel,
+    /// There is no folder to save in.
+    #[error("there is no folder for saved games: neither XDG_DATA_HOME nor HOME is set")]
+    NoFolder,
+}
+
+/// A level in the middle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Saved {
+    /// Which level.
+    pub level: String,
+    /// Its seed.
+    pub seed: u64,
+    /// Seconds since it began.
+    pub passed: f32,
+    /// The hour.
+    pub hour: f32,
+    /// The figure: x, z, metres, and where it looks, radians.
+    pub figure: (f64, f64, f32),
+    /// Of the player.
+    pub health: f32,
+    /// Which beacons burn.
+    pub beacons: Vec<bool>,
+    /// Which bandages are still there.
+    pub bandages: Vec<bool>,
+    /// Everybody on patrol.
+    pub soldiers: Vec<SavedSoldier>,
+}
+
+/// A soldier.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SavedSoldier {
+    /// x, z, metres, and where it looks, radians.
+    pub place: (f32, f32, f32),
+    /// The next place of its round.
+    pub next: usize,
+    /// How sure it is, 0 to 1.
+    pub notice: f32,
+    /// It is after the player.
+    pub alarmed: bool,
+}
+
+/// What is worth saving; nothing of a level that has ended.
+pub fn take(world: &mut World) -> Option<Saved> {
+    let cast = *world.get_resource::<Cast>()?;
+    if world.resource::<LevelState>().verdict.is_some() {
+        return None;
+    }
+    let level = world.resource::<Level>().clone();
+    let figure = world.query::<&Figure>().iter(world).next()?.now;
+    Some(Saved {
+        level: level.name.to_owned(),
+        seed: level.seed,
+        passed: world.get::<LogicTimer>(cast.timer)?.passed,
+        hour: world.get::<DayClock>(cast.clock)?.hour,
+        figure: (figure.place.x, figure.place.y, figure.yaw),
+        health: world.get::<Health>(cast.player)?.now,
+        beacons: in_order::<Beacon, Lamp>(world)
+            .iter()
+            .map(|(_, lamp)| lamp.lit)
+            .collect(),
+        bandages: in_order::<Bandage, PickUp>(world)
+            .iter()
+            .map(|(_, one)| one.there)
+            .collect(),
+        soldiers: in_order::<Soldier, Transform>(world)
+            .iter()
+            .filter_map(|(entity, at)| {
+                let soldier = world.get::<Soldier>(*entity)?;
+                Some(SavedSoldier {
+                    place: (at.translation.x, at.translation.z, yaw_of(at)),
+                    next: soldier.next,
+                    notice: soldier.notice,
+                    alarmed: soldier.alarmed,
+                })
+            })
+            .collect(),
+    })
+}
+
+/// A component of all entities that have another, in the order in which they were made.
+fn in_order<A: Component, B: Component + Clone>(world: &mut World) -> Vec<(Entity, B)> {
+    let mut query = world.query_filtered::<(Entity, &B), With<A>>();
+    let mut all: Vec<_> = query.iter(world).map(|(e, b)| (e, b.clone())).collect();
+    all.sort_by_key(|(entity, _)| *entity);
+    all
+}
+
+fn check(saved: &Saved, level: &Level) -> Result<(), SaveError> {
+    let file = &level.file;
+    let counts = |a: usize, b: usize, c: usize| format!("{a} beacons, {b} bandages, {c} patrols");
+    let has = counts(
+        saved.beacons.len(),
+        saved.bandages.len(),
+        saved.soldiers.len(),
+    );
+    let needs = counts(
+        file.beacons.len(),
+        file.bandages.at.len(),
+        file.patrols.len(),
+    );
+    if saved.level != level.name || has != needs {
+        return Err(SaveError::Other {
+            saved: saved.level.clone(),
+            has,
+            level: level.name.to_owned(),
+            needs,
+        });
+    }
+    let range = |name: &str, value: f64, low: f64, high: f64| match (low..=high).contains(&value) {
+        true => Ok(()),
+        false => Err(SaveError::Value(format!("`{name}` is {value}"))),
+    };
+    range("passed", saved.passed.into(), 0.0, file.seconds.into())?;
+    range("hour", saved.hour.into(), 0.0, 24.0)?;
+    range("health", saved.health.into(), 0.0, file.health.into())?;
+    let far = 1e7;
+    range(
+        "figure",
+        saved.figure.0.abs().max(saved.figure.1.abs()),
+        0.0,
+        far,
+    )?;
+    range("figure", saved.figure.2.into(), -1e4, 1e4)?;
+    for (soldier, patrol) in saved.soldiers.iter().zip(&file.patrols) {
+        let (x, z, yaw) = soldier.place;
+        range(
+            "next",
+            soldier.next as f64,
+            0.0,
+            patrol.way.len() as f64 - 1.0,
+        )?;
+        range("notice", soldier.notice.into(), 0.0, 1.0)?;
+        range("yaw", yaw.into(), -1e4, 1e4)?;
+        if level.grid.nearest_open(Vec2::new(x, z), 4).is_none() {
+            let reason = format!("a soldier stands at {x}, {z}, where nobody can");
+            return Err(SaveError::Value(reason));
+        }
+    }
+    Ok(())
+}
+
+/// Goes on with a saved game.
+///
+/// # Errors
+/// [`SaveError`]; what is being played stays as it is then.
+pub fn put(world: &mut World, saved: &Saved) -> Result<(), SaveError> {
+    let level = world
+        .get_resource::<Level>()
+        .ok_or(SaveError::NoLevel)?
+        .clone();
+    check(saved, &level)?;
+    let old = level.seed;
+    world.resource_mut::<Level>().seed = saved.seed;
+    if let Err(error) = begin(world) {
+        world.resource_mut::<Level>().seed = old;
+        return Err(error.into());
+    }
+    let cast = *world.resource::<Cast>();
+    if let Some(mut timer) = world.get_mut::<LogicTimer>(cast.timer) {
+        timer.passed = saved.passed;
+    }
+    if let Some(mut clock) = world.get_mut::<DayClock>(cast.clock) {
+        clock.hour = saved.hour;
+    }
+    if let Some(mut health) = world.get_mut::<Health>(cast.player) {
+        health.now = saved.health;
+    }
+    let mut lit = 0;
+    for ((beacon, _), &burns) in in_order::<Beacon, Lamp>(world).iter().zip(&saved.beacons) {
+        if let Some(mut lamp) = world.get_mut::<Lamp>(*beacon) {
+            lamp.lit = burns;
+            lit += i32::from(burns);
+        }
+    }
+    if let Some(mut objective) = world.get_mut::<Objective>(cast.objective) {
+        objective.have = lit;
+    }
+    for ((bandage, _), &there) in in_order::<Bandage, PickUp>(world)
+        .iter()
+        .zip(&saved.bandages)
+    {
+        if let Some(mut bandage) = world.get_mut::<PickUp>(*bandage) {
+            bandage.there = there;
+        }
+    }
+    let (x, z, yaw) = saved.figure;
+    put_figure(world, DVec2::new(x, z), yaw);
+    let there = Vec2::new(x as f32, z as f32);
+    let player = Vec3::new(there.x, level.grid.height(there) + MIDDLE, there.y);
+    if let Some(mut at) = world.get_mut::<Transform>(cast.player) {
+        at.translation = player;
+    }
+    let soldiers = in_order::<Soldier, Transform>(world);
+    for ((entity, _), saved) in soldiers.iter().zip(&saved.soldiers) {
+        let (x, z, yaw) = saved.place;
+        let place = Vec2::new(x, z);
+        let place = level.grid.nearest_open(place, 4).unwrap_or(place);
+        let height = level.grid.height(place) + MIDDLE;
+        let at =
+            Transform::from_xyz(place.x, height, place.y).with_rotation(Quat::from_rotation_y(yaw));
+        let mut entity = world.entity_mut(*entity);
+        entity.insert(at);
+        if let Some(mut soldier) = entity.get_mut::<Soldier>() {
+            soldier.next = saved.next;
+            soldier.notice = saved.notice;
+            soldier.alarmed = saved.alarmed;
+        }
+        if saved.alarmed
+            && let Some(mut memory) = entity.get_mut::<Memory>()
+        {
+            memory.note(Some(cast.player), player, 1.0);
+        }
+    }
+    if let Some(mut player) = world.get_mut::<Player>(cast.player) {
+        *player = Player::default();
+    }
+    Ok(())
+}
+
+/// Where the saved game of a level lies.
+///
+/// # Errors
+/// [`SaveError::NoFolder`].
+pub fn path(level: &str) -> Result<PathBuf, SaveError> {
+    let data = std::env::var_os("XDG_DATA_HOME")
+        .filter(|value| !value.is_empty())
+        .map(PathBuf::from)
+        .or_else(|| std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local/share")))
+        .ok_or(SaveError::NoFolder)?;
+    Ok(data.join("dolomite/saves").join(format!("{level}.save")))
+}
+
+/// Writes a saved game.
+///
+/// # Errors
+/// [`SaveError::File`]; the last whole one stands.
+pub fn write(path: &Path, saved: &Saved) -> Result<(), SaveError> {
+    let text = serde_json::to_vec(saved).map_err(|error| content(path, &error))?;
+    Ok(sealed::write(SAVE, path, &text)?)
+}
+
+/// Reads a saved game; where it is damaged the one before it, and what is wrong with the newer one.
+///
+/// # Errors
+/// [`SaveError::File`] where neither is whole.
+pub fn read(path: &Path) -> Result<(Saved, Option<SealedError>), SaveError> {
+    let (bytes, error) = sealed::read_last(SAVE, path)?;
+    let saved = serde_json::from_slice(&bytes).map_err(|error| content(path, &error))?;
+    Ok((saved, error))
+}
+
+fn content(path: &Path, error: &serde_json::Error) -> SealedError {
+    SealedError::Content {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    }
+}

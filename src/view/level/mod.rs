@@ -1,0 +1,39 @@
+//! What a level looks like.
+//!
+//! | file | concern |
+//! |---|---|
+//! | [`beacons`] | beacons, bandages, bolts, and the hour's sun |
+//! | [`soldiers`] | the hiker's figure in other colours |
+//! | [`hud`], [`map`] | what is said over the picture |
+//! | [`screens`] | menus |
+//! | [`look`] | their letters and colours |
+
+pub mod beacons;
+pub mod hud;
+pub mod look;
+pub mod map;
+pub mod screens;
+pub mod soldiers;
+
+use bevy::prelude::*;
+
+use beacons::BeaconsPlugin;
+use hud::HudPlugin;
+use map::MapPlugin;
+use screens::ScreensPlugin;
+use soldiers::SoldiersPlugin;
+
+/// Shows the level that is played, and its menus. Add beside `LevelPlugin` and `MenuPlugin`.
+pub struct LevelViewPlugin;
+
+impl Plugin for LevelViewPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_plugins((
+            BeaconsPlugin,
+            SoldiersPlugin,
+            HudPlugin,
+            MapPlugin,
+            ScreensPlugin,
+        ));
+    }
+}
