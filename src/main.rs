@@ -1,4 +1,4 @@
-//! The command `dolomite`: play, shot, bench, settings, fbx2gltf, heights.
+//! The command `dolomite`: play, shot, bench, bot, settings, fbx2gltf, heights.
 
 mod command;
 
@@ -71,7 +71,10 @@ fn run(line: Line) -> Result<AppExit, BenchError> {
             let (path, frames) = (bench.path(), bench.frames());
             let file = bench.json.as_deref();
             if bench.matrix {
-                let rows = matrix::matrix(setup, path, size, frames, file)?;
+                let rows = match setup.scene.city {
+                    Some(_) => bench::city::matrix(setup, path, size, frames, file)?,
+                    None => matrix::matrix(setup, path, size, frames, file)?,
+                };
                 print!("{}", matrix::table(&rows));
             } else if path == Path::Start {
                 let report = start::start(setup, size, bench.window, file)?;
@@ -89,6 +92,10 @@ fn run(line: Line) -> Result<AppExit, BenchError> {
             }
             Ok(AppExit::Success)
         }
+        Command::Bot(bot) => Ok(match bot.run()? {
+            true => AppExit::Success,
+            false => AppExit::error(),
+        }),
         // Done before: they need neither game nor Bevy.
         Command::Fbx2gltf(_) | Command::Heights(_) => Ok(AppExit::Success),
         Command::Settings => {

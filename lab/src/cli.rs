@@ -20,8 +20,9 @@ pub struct Arguments {
     /// Name of a study, or `all`: every study, and a page that shows every figure
     #[arg(value_parser = known_study)]
     pub study: String,
-    /// Of `fbx` alone: the folder whose FBX files are converted [default: those of the shared data]
-    #[arg(value_name = "DIR")]
+    /// Of `fbx`: the folder whose FBX files are converted [default: those of the shared data]; of `replay`: the
+    /// recording that is played [default: one that the seed makes]
+    #[arg(value_name = "PATH")]
     pub folder: Option<PathBuf>,
     /// Seed of the inputs; same seed, same inputs
     #[arg(long, default_value_t = Options::default().seed)]
@@ -32,8 +33,10 @@ pub struct Arguments {
     /// Samples of each measurement; of `tessellation-stage`: pairs of patches
     #[arg(long, default_value_t = Options::default().samples, value_parser = sample_count)]
     pub samples: usize,
-    /// Of studies of collision alone: sweeps of each kind, rays, crossings of triggers, rides on platforms, moves in
-    /// rooms, movers beside Rapier's controller [default: 20000, 1000000, 20000, 20000, 100000 and 1000]
+    /// Of studies of collision: sweeps of each kind, rays, crossings of triggers, rides on platforms, moves in
+    /// rooms, movers beside Rapier's controller [default: 20000, 1000000, 20000, 20000, 100000 and 1000]; of `city`:
+    /// points on sides, and samples of each tolerance; of `agents`, `sight` and `replay`: ticks [default: 640, 96 and
+    /// 640]; of `paths`: ways [default: 10000]; of `occlusion`: scenes [default: 8]; of `shadow`: receivers [default: 200]
     #[arg(long)]
     pub count: Option<usize>,
     /// Of `sweep` alone: moves one ellipsoid through one list of triangles in place of the study, and prints what it
@@ -78,12 +81,15 @@ pub struct Arguments {
     /// to need more, sooner [default: as memory holds]
     #[arg(long, value_name = "TIMES", value_parser = multiple)]
     pub most: Option<f64>,
-    /// Of `light`, `scaling` and `far`: pixels of their frames [default: 320x180]
+    /// Of `light`, `occlusion`, `shadow`, `scaling` and `far`: pixels of their frames [default: 320x180]
     #[arg(long, value_name = "WxH", default_value = "320x180", hide_default_value = true, value_parser = frame_size)]
     pub size: [u32; 2],
     /// Of `light` and `far`: point and spot lights
     #[arg(long, default_value_t = Options::default().lights, value_parser = light_count)]
     pub lights: usize,
+    /// Walkers of `agents`; soldiers of `sight`, there 10000 if left out
+    #[arg(long, default_value_t = Options::default().agents, value_parser = agent_count)]
+    pub agents: usize,
     /// Of `lod` alone: run this part of it; may be given more than once [default: all parts]
     #[arg(long = "part", value_enum, value_name = "PART")]
     pub parts: Vec<Part>,
@@ -129,6 +135,9 @@ const OF_CASE: &str = "sweep";
 /// The study that takes a folder, and prints a line for each of its files in place of one object.
 const OF_FOLDER: &str = "fbx";
 
+/// The study that takes a file.
+const OF_FILE: &str = "replay";
+
 /// The study that has parts.
 const OF_PARTS: &str = "lod";
 
@@ -170,11 +179,11 @@ where
             ),
         ));
     }
-    if arguments.folder.is_some() && arguments.study != OF_FOLDER {
+    if arguments.folder.is_some() && ![OF_FOLDER, OF_FILE].contains(&arguments.study.as_str()) {
         return Err(Arguments::command().error(
             ErrorKind::ArgumentConflict,
             format!(
-                "a folder goes with the study {OF_FOLDER} alone, not with {}",
+                "a path goes with the studies {OF_FOLDER} and {OF_FILE} alone, not with {}",
                 arguments.study
             ),
         ));
@@ -218,6 +227,13 @@ const LIGHTS: std::ops::RangeInclusive<usize> = 0..=100_000;
 
 fn light_count(text: &str) -> Result<usize, String> {
     in_range(text, &LIGHTS)
+}
+
+/// Most walkers of a crowd.
+const AGENTS: std::ops::RangeInclusive<usize> = 1..=1_000_000;
+
+fn agent_count(text: &str) -> Result<usize, String> {
+    in_range(text, &AGENTS)
 }
 
 /// Two numbers of pixels, such as 320x180, of at most 8192.
@@ -267,7 +283,7 @@ fn study_list() -> String {
         text += &format!("  {:<18} {}\n", study.name, study.about);
     }
     text += "\n`dolomite_lab capsule` writes runs of compute passes for other implementations of WebGPU: see `capsule --help`.";
-    text += "\n`dolomite_lab tables` makes the pages of docs/measured of their data.";
+    text += "\n`dolomite_lab tables` makes the pages of docs/measured of their data, `dolomite_lab figures` the page of figures.";
     text += "\nA JSON object per study goes to standard output, progress to standard error.";
     text
 }
@@ -295,6 +311,7 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
         most: arguments.most,
         size: arguments.size,
         lights: arguments.lights,
+        agents: arguments.agents,
         parts: arguments.parts.clone(),
         folder: arguments.folder.clone(),
         out: Some(arguments.out.clone()),
@@ -313,7 +330,7 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
     if all {
         eprintln!(
             "written: {}",
-            write_index(&arguments.out, &reports)?.display()
+            write_index(&arguments.out, &reports, about, &device(), &today())?.display()
         );
     }
     if let (Some(path), [report]) = (&arguments.json_out, reports.as_slice()) {
@@ -328,6 +345,26 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
     Ok(reports.iter().map(Report::to_json).collect())
 }
 
+/// What a study is.
+fn about(name: &str) -> String {
+    let study = STUDIES.iter().find(|study| study.name == name);
+    study
+        .map(|study| study.about.to_owned())
+        .unwrap_or_default()
+}
+
+/// What this run measures on.
+fn device() -> String {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let adapter = Gpu::new().map_or_else(|_| "no adapter".to_owned(), |gpu| gpu.name);
+    let profile = if cfg!(debug_assertions) {
+        "dev"
+    } else {
+        "release"
+    };
+    format!("{adapter}, {cores} cores, {profile} profile")
+}
+
 /// Writes what a study was asked and what it reached.
 fn write_topic(path: &Path, report: &Report, words: &[String]) -> Result<(), CliError> {
     let known = path.exists().then(|| Topic::read(path)).transpose()?;
@@ -340,16 +377,9 @@ fn write_topic(path: &Path, report: &Report, words: &[String]) -> Result<(), Cli
         .find(|study| study.name == report.study)
         .map(|study| study.asked)
         .unwrap_or_default();
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let adapter = Gpu::new().map_or_else(|_| "no adapter".to_owned(), |gpu| gpu.name);
-    let profile = if cfg!(debug_assertions) {
-        "dev"
-    } else {
-        "release"
-    };
     let topic = Topic {
         topic,
-        device: format!("{adapter}, {cores} cores, {profile} profile"),
+        device: device(),
         date: today(),
         commit: commit(),
         rows: report.measurements(asked, &command_of(words)),
@@ -444,6 +474,7 @@ mod tests {
         let parsed = parse("fbx some/folder --out x").unwrap();
         assert_eq!(parsed.folder, Some(PathBuf::from("some/folder")));
         assert!(parse("noise some/folder").is_err());
+        assert!(parse("replay some/file.json").is_ok());
     }
 
     #[test]

@@ -11,6 +11,7 @@
 //! | [`capsule`] | runs of compute passes in files, for implementations of WebGPU that know no Rust |
 //! | [`csv`], [`plot`] | the files that a study writes |
 //! | [`measured`], [`tables`] | measured numbers, and the pages of `docs/measured` that are made of them |
+//! | [`mod@page`], [`figures`] | a page of figures in one HTML file; that of `docs/figures` |
 //! | [`study`], [`studies`] | what a study is, and all of them |
 //! | [`scenes`] | grounds, cameras over them, what is true and what is drawn under a place |
 //! | [`tessellators`] | what tessellators may be set to, and levels where one may go wrong |
@@ -22,7 +23,9 @@
 pub mod capsule;
 pub mod cli;
 pub mod csv;
+pub mod figures;
 pub mod measured;
+pub mod page;
 pub mod plot;
 pub mod scenes;
 pub mod studies;

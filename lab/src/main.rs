@@ -1,7 +1,7 @@
 //! `dolomite_lab`: see [`dolomite_lab`].
 
 use clap::Parser;
-use dolomite_lab::{capsule::command, cli, tables};
+use dolomite_lab::{capsule::command, cli, figures, tables};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -10,6 +10,10 @@ fn main() -> ExitCode {
         Some(word) if word == "tables" => {
             words.next();
             return make_tables(&tables::Arguments::parse_from(words));
+        }
+        Some(word) if word == "figures" => {
+            words.next();
+            return make_figures(&figures::Arguments::parse_from(words));
         }
         Some(word) if word == "capsule" => {
             words.next();
@@ -37,6 +41,21 @@ fn make_tables(arguments: &tables::Arguments) -> ExitCode {
         Ok(written) => {
             for name in written {
                 println!("written: {name}");
+            }
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn make_figures(arguments: &figures::Arguments) -> ExitCode {
+    match figures::run(arguments) {
+        Ok(written) => {
+            if written {
+                println!("written: {}", arguments.out.display());
             }
             ExitCode::SUCCESS
         }

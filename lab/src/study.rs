@@ -2,10 +2,10 @@
 
 use crate::csv::{Row, to_csv};
 use crate::measured::Measurement;
+use crate::page::Page;
 use crate::plot::{Chart, PlotError, to_svg};
 use clap::ValueEnum;
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -37,7 +37,7 @@ pub struct Options {
     pub seed: u32,
     /// Samples of each measurement.
     pub samples: usize,
-    /// Sweeps of a kind, or rays; `None`: as many as take a minute.
+    /// Sweeps of a kind, or rays, or scenes of `occlusion`, or receivers of `shadow`; `None`: as many as take a minute.
     pub count: Option<usize>,
     /// Timed runs of each measurement; the median counts.
     pub repeats: usize,
@@ -51,13 +51,15 @@ pub struct Options {
     pub errors: Vec<f64>,
     /// Most vertices that the others of `lod` may draw, as a multiple of ours; `None`: as memory holds.
     pub most: Option<f64>,
-    /// Pixels of a frame of `light`, `scaling` and `far`, width and height.
+    /// Pixels of a frame of `light`, `occlusion`, `shadow`, `scaling` and `far`, width and height.
     pub size: [u32; 2],
     /// Point and spot lights of `light` and `far`.
     pub lights: usize,
     /// What of `lod` is run; nothing named is all of it.
     pub parts: Vec<Part>,
-    /// Where `fbx` looks for files; `None` is the shared data.
+    /// Walkers of `agents`, soldiers of `sight`.
+    pub agents: usize,
+    /// Where `fbx` looks for files; `None` is the shared data. Of `replay`: the recording; `None` makes one.
     pub folder: Option<PathBuf>,
     /// Where results besides tables and charts go; `None` keeps none.
     pub out: Option<PathBuf>,
@@ -77,6 +79,7 @@ impl Default for Options {
             most: None,
             size: [320, 180],
             lights: 100,
+            agents: 100_000,
             parts: Vec::new(),
             folder: None,
             out: None,
@@ -198,35 +201,33 @@ impl Report {
     }
 }
 
-/// Writes the page that shows the figures of `reports` into `folder`, where they lie.
+/// Writes the page that shows the figures of `reports` into `folder`: charts, notes and numbers, all within it. `about`
+/// says what a study is, `device` and `date` are those of the run.
 ///
 /// # Errors
-/// [`LabError::Write`].
-pub fn write_index(folder: &Path, reports: &[Report]) -> Result<PathBuf, LabError> {
-    let mut page = String::from(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Dolomite lab</title>\n\
-         <style>body{font:16px/1.5 sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem}\
-         img{max-width:100%}</style></head><body>\n<h1>Dolomite lab</h1>\n",
+/// [`LabError`].
+pub fn write_index(
+    folder: &Path,
+    reports: &[Report],
+    about: impl Fn(&str) -> String,
+    device: &str,
+    date: &str,
+) -> Result<PathBuf, LabError> {
+    let mut page = Page::new(
+        "Dolomite lab",
+        "Run time against error, methods beside their baselines on the same inputs in one run.",
     );
+    page.weak(&format!("Measured on {date}: {device}."));
     for report in reports {
-        let study = report.study;
-        let mut section =
-            format!("<h2>{study}</h2>\n<p><a href=\"{study}.csv\">{study}.csv</a></p>\n");
+        page.section(report.study, report.study);
+        page.words(&about(report.study));
         for figure in &report.figures {
-            let (name, caption) = (&figure.name, escaped(&figure.caption));
-            section +=
-                &format!("<p><img src=\"{name}.svg\" alt=\"{caption}\"></p>\n<p>{caption}</p>\n");
+            page.figure(&to_svg(&figure.chart)?, &figure.caption);
         }
-        section += "<ul>\n";
-        for note in &report.notes {
-            writeln!(section, "<li>{}</li>", escaped(note))
-                .expect("a String takes everything that is written");
-        }
-        page += &section;
-        page += "</ul>\n";
+        page.list(report.notes.iter().map(String::as_str));
+        page.weak(&format!("All rows: {}.csv beside this page.", report.study));
     }
-    page += "</body></html>\n";
-    write_file(folder, "index.html", &page)
+    write_file(folder, "index.html", &page.finish())
 }
 
 /// Three digits: more are not the same in the next run.
@@ -237,13 +238,6 @@ fn rounded(number: &Value) -> Value {
             .map_or(number.clone(), Value::from),
         _ => number.clone(),
     }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }
 
 fn write_file(folder: &Path, name: &str, text: &str) -> Result<PathBuf, LabError> {
@@ -301,8 +295,20 @@ mod tests {
                 folder.join("example_time_error.svg")
             ]
         );
-        let page = std::fs::read_to_string(write_index(&folder, &[report()]).unwrap()).unwrap();
-        assert!(page.contains("example_time_error.svg") && page.contains("a &amp; b"));
+        let page = std::fs::read_to_string(
+            write_index(
+                &folder,
+                &[report()],
+                |_| "about it".into(),
+                "a device",
+                "2026-01-31",
+            )
+            .unwrap(),
+        )
+        .unwrap();
+        assert!(page.contains("<svg") && page.contains("a &amp; b"));
+        assert!(page.contains("about it"));
+        assert!(page.contains("2026-01-31: a device"));
         assert!(page.contains("time &lt; error"));
         std::fs::remove_dir_all(folder).unwrap();
     }

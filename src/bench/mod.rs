@@ -5,8 +5,10 @@
 //! | [`mod@path`] | where the camera is at a moment |
 //! | [`mod@parts`], [`mod@spans`] | what each part of a frame costs |
 //! | [`mod@start`] | from the start of the process to the settled picture |
+//! | [`mod@city`] | ways to make the triangles of a city |
 //! | [`mod@classic`] | the scene to compare methods on |
 
+pub mod city;
 pub mod classic;
 pub mod parts;
 pub mod path;
@@ -44,6 +46,9 @@ pub enum BenchError {
     /// A way to make triangles was refused.
     #[error(transparent)]
     Method(#[from] MethodError),
+    /// The bot did not play.
+    #[error(transparent)]
+    Bot(#[from] crate::bot::BotError),
     /// No frame was asked for.
     #[error("0 frames: ask for at least 1 with `--frames`")]
     NoFrames,

@@ -40,8 +40,8 @@ pub struct Bench {
     /// With `--path start`: start the game in a window of this size, as a player does.
     #[arg(long, conflicts_with = "matrix")]
     pub window: bool,
-    /// Compare every way to make the triangles of the classic scene, filled and as lines, and print a
-    /// table.
+    /// Compare every way to make the triangles of the classic scene, or of a scene with a city, filled and as
+    /// lines, and print a table.
     #[arg(long, conflicts_with_all = ["mode", "lines", "no_fill"])]
     pub matrix: bool,
 }
@@ -49,7 +49,11 @@ pub struct Bench {
 impl Bench {
     /// The path to fly.
     pub fn path(&self) -> path::Path {
-        self.path.unwrap_or(path::Path::Orbit)
+        self.path.unwrap_or(if self.scene.is_classic() {
+            path::Path::Orbit
+        } else {
+            path::Path::Walk
+        })
     }
 
     /// Size of the picture, pixels.
@@ -78,7 +82,7 @@ impl Bench {
     /// [`BenchError`], naming the file and the reason.
     pub fn setup(&self) -> Result<Setup, BenchError> {
         let mut setup = self.scene.setup(|settings| settings.panel = false)?;
-        if self.matrix && !self.scene.is_classic() {
+        if self.matrix && !self.scene.is_classic() && setup.scene.city.is_none() {
             return Err(MethodError::OtherScene(setup.scene.name.clone()).into());
         }
         match self.path {

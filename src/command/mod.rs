@@ -1,6 +1,7 @@
 //! The command line: what can be asked for, and how it becomes a setup.
 
 mod bench;
+mod bot;
 mod elevation;
 mod fbx2gltf;
 mod heights;
@@ -11,14 +12,17 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use dolomite_game::bench::BenchError;
+use dolomite_game::console;
 use dolomite_game::input::keys;
+use dolomite_game::level::menu::Screen;
 use dolomite_game::run::Setup;
 
 use bench::Bench;
+use bot::Bot;
 use fbx2gltf::Fbx2gltf;
 use heights::Heights;
 use scene::SceneArgs;
-use values::Size;
+use values::{Size, Stand};
 
 /// A mountain to fly and walk over, refined on the GPU.
 ///
@@ -35,18 +39,20 @@ pub struct Line {
 
 fn after_help() -> String {
     format!(
-        "Keys:\n{}\nExamples:\n  \
+        "Keys:\n{}\nConsole (the key left of 1, or --exec FILE):\n{}\nExamples:\n  \
          dolomite --scene jacksboro --detail 8\n  \
          dolomite --scene alps.png --spacing 25 --height-scale 0.08\n  \
          dolomite shot --scene mountain --size 1920x1080 --out mountain.png\n  \
          dolomite bench --scene mountain --path fly --frames 600 --json fly.json\n  \
+         dolomite bot --level mountain --seed 1 --runs 10 --json won.json\n  \
          dolomite bench --scene classic --matrix --frames 12\n\n\
          Environment:\n  \
          DOLOMITE_ASSETS    the assets folder, where it is not found\n  \
          DOLOMITE_SHARED    the folder of shared data, for the scene `classic`\n  \
          WGPU_ADAPTER_NAME  part of the name of the Vulkan device to use\n  \
          RUST_LOG           what is logged, for example info\n",
-        indented(&keys::table())
+        indented(&keys::table()),
+        indented(&console::table().help())
     )
 }
 
@@ -64,6 +70,8 @@ pub enum Command {
     Shot(Shot),
     /// Fly a fixed path without a window and write what each frame cost, as JSON.
     Bench(Bench),
+    /// Let a bot play a level to its end, by input alone, without a window.
+    Bot(Bot),
     /// Convert an FBX file to glTF and say how exact the result is.
     Fbx2gltf(Fbx2gltf),
     /// Say what a file of elevation is, picture it, convert it.
@@ -99,7 +107,7 @@ impl Play {
                 settings.window = (size.x, size.y);
             }
             settings.vsync &= !self.no_vsync;
-            settings.panel &= !self.no_hud;
+            settings.panel &= !self.no_hud && self.scene.level.is_none();
         })?;
         if self.scene.camera.is_none() {
             setup.start_behind_figure();
@@ -137,6 +145,49 @@ pub struct Shot {
     /// Show the panel of frame times and counts.
     #[arg(long)]
     hud: bool,
+    /// With --level: the screen that is shown.
+    #[arg(long, value_enum, default_value = "play", help_heading = "Level")]
+    screen: Screens,
+    /// With --level: where the player stands and looks, metres and degrees.
+    #[arg(
+        long,
+        value_name = "X,Z,DEGREES",
+        allow_hyphen_values = true,
+        help_heading = "Level"
+    )]
+    stand: Option<Stand>,
+    /// With --level: the hour of the day.
+    #[arg(long, help_heading = "Level")]
+    hour: Option<f32>,
+    /// With --level: so many beacons burn.
+    #[arg(long, default_value_t = 0, help_heading = "Level")]
+    lit: usize,
+}
+
+/// Screens of a level.
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+enum Screens {
+    Title,
+    Play,
+    Pause,
+    Settings,
+    Keys,
+    Won,
+    Lost,
+}
+
+impl From<Screens> for Screen {
+    fn from(screen: Screens) -> Self {
+        match screen {
+            Screens::Title => Self::Title,
+            Screens::Play => Self::Play,
+            Screens::Pause => Self::Pause,
+            Screens::Settings => Self::Settings,
+            Screens::Keys => Self::Keys,
+            Screens::Won => Self::Won,
+            Screens::Lost => Self::Lost,
+        }
+    }
 }
 
 impl Shot {
@@ -147,6 +198,15 @@ impl Shot {
     pub fn setup(&self) -> Result<Setup, BenchError> {
         let mut setup = self.scene.setup(|settings| settings.panel = self.hud)?;
         setup.panels = self.hud;
+        if let Some(level) = &mut setup.level {
+            let mut file = (*level.level.file).clone();
+            file.start = self.stand.map_or(file.start, |Stand(at)| at);
+            file.hour = self.hour.unwrap_or(file.hour);
+            level.level.file = file.into();
+            level.screen = self.screen.into();
+            level.lit = self.lit;
+            level.keeps_nothing = true;
+        }
         if self.walk.is_some() {
             if self.scene.camera.is_none() {
                 setup.start_behind_figure();
@@ -198,6 +258,25 @@ mod tests {
             for other in ["--max-error 1", "--budget 3"] {
                 assert!(rules(&format!("{patches} {other}")).is_err());
             }
+        }
+    }
+
+    #[test]
+    fn help_names_every_command_of_the_console() {
+        let help = Line::command().render_long_help().to_string();
+        let table = console::table();
+        table.command().clone().debug_assert();
+        for name in [
+            "set", "get", "scene", "shot", "bench", "spawn", "bot", "views",
+        ] {
+            assert!(table.list().any(|(known, _)| known == name), "{name}");
+        }
+        for (name, about) in table.list() {
+            // Some names begin other lines too.
+            let told = help
+                .lines()
+                .any(|line| line.split_whitespace().next() == Some(name) && line.contains(&about));
+            assert!(told, "{name}");
         }
     }
 

@@ -3,11 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use clap::builder::BoolishValueParser;
 use dolomite_game::bench::BenchError;
 use dolomite_game::bench::classic::args::ClassicArgs;
 use dolomite_game::bench::classic::{self, view::FIELD_OF_VIEW};
-use dolomite_game::run::{GameError, Setup};
+use dolomite_game::console::script::Script;
+use dolomite_game::level::load;
+use dolomite_game::level::menu::Screen;
+use dolomite_game::run::{GameError, LevelSetup, Setup};
 use dolomite_game::scene::{MapOptions, SceneRequest};
+use dolomite_game::settings::paths;
 use dolomite_game::settings::quality::Preset;
 use dolomite_game::settings::{Renderer, Settings};
 
@@ -21,6 +26,12 @@ pub struct SceneArgs {
     /// (.ron), or a height map (.png, .tif, .asc, .hgt, .raw, .r16, .r32, .f32).
     #[arg(long, default_value = "mountain")]
     pub scene: String,
+    /// Play a level in its scene: `mountain`.
+    #[arg(long, value_name = "LEVEL", conflicts_with = "scene")]
+    pub level: Option<String>,
+    /// Seed of a level: where its soldiers begin.
+    #[arg(long, default_value_t = 1)]
+    level_seed: u64,
     #[command(flatten)]
     pub classic: ClassicArgs,
     /// Height map: metres between samples [default: what the file tells, else 30].
@@ -103,9 +114,20 @@ pub struct SceneArgs {
     /// Who lights the picture [default: that of the settings, else bevy].
     #[arg(long, value_enum, help_heading = "Settings")]
     renderer: Option<Renderer>,
+    /// Draw what grows [default: that of the settings, else in windows that a GPU draws].
+    #[arg(
+        long,
+        value_name = "on|off",
+        value_parser = BoolishValueParser::new(),
+        help_heading = "Settings"
+    )]
+    vegetation: Option<bool>,
     /// So many lamps, in scenes that have some (night), in place of the scene's own number.
     #[arg(long, value_name = "LAMPS")]
     lights: Option<u32>,
+    /// Do the commands of the console in this file, a line each, once the scene is there; a mistake leaves out the rest.
+    #[arg(long, value_name = "FILE")]
+    exec: Option<PathBuf>,
     /// Give the figure a torch.
     #[arg(long)]
     torch: bool,
@@ -159,6 +181,7 @@ impl SceneArgs {
         settings.pixels_per_edge = self.pixels_per_edge.unwrap_or(settings.pixels_per_edge);
         settings.finest_patch = self.finest_patch.unwrap_or(settings.finest_patch);
         settings.renderer = self.renderer.unwrap_or(settings.renderer);
+        settings.vegetation = self.vegetation.or(settings.vegetation);
         settings.preset = self.preset.unwrap_or(settings.preset);
         settings.resolution = self.resolution.or(settings.resolution);
         self.rule(&mut settings);
@@ -166,8 +189,19 @@ impl SceneArgs {
         settings
             .check(Path::new("command line"))
             .map_err(GameError::from)?;
+        let level = match &self.level {
+            Some(name) => {
+                let assets = paths::assets_dir().map_err(GameError::from)?;
+                let loaded = load::load(name, self.level_seed, &assets);
+                Some(loaded.map_err(GameError::from)?.0)
+            }
+            None => None,
+        };
+        let scene = level
+            .as_ref()
+            .map_or(&self.scene, |level| &level.file.scene);
         let request = SceneRequest {
-            scene: self.scene.clone(),
+            scene: scene.clone(),
             map: MapOptions {
                 spacing: self.spacing,
                 read: self.read.options(self.spacing.is_some()),
@@ -181,10 +215,22 @@ impl SceneArgs {
         };
         let mut setup = Setup::load(settings, request, self.camera.map(|Camera(pose)| pose))?;
         self.classic.check(&setup.scene)?;
+        setup.level = level.map(|level| LevelSetup {
+            level,
+            screen: Screen::Title,
+            lit: 0,
+            camera: self.camera.map(|Camera(pose)| pose),
+            keeps_nothing: false,
+        });
+        setup.switches.follow = setup.level.is_some();
         setup.switches.lines = self.lines;
         setup.switches.shapes = self.shapes;
         setup.switches.torch = self.torch;
         setup.switches.fill = !self.no_fill;
+        setup.script = match &self.exec {
+            Some(file) => Some(Script::read(file).map_err(GameError::from)?),
+            None => None,
+        };
         Ok(setup)
     }
 }

@@ -39,6 +39,19 @@ impl FromStr for Degrees2 {
     }
 }
 
+/// A place on the ground, (x, z), metres, and a way to look, degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stand(pub (f32, f32, f32));
+
+impl FromStr for Stand {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let [x, z, yaw] = numbers(text)?;
+        Ok(Self((x as f32, z as f32, yaw as f32)))
+    }
+}
+
 /// Position in metres, yaw and pitch in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera(pub Pose);

@@ -5,22 +5,38 @@ use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll, MouseSc
 use bevy::prelude::*;
 use bevy::window::{CursorGrabMode, CursorOptions, PrimaryWindow};
 
-use super::PlayerInput;
+use super::{InputMode, PlayerInput};
+use dolomite::inspector::{Inspector, InspectorSystems, InspectorWants};
+
 use crate::settings::Settings;
+
+/// The set in which devices are read (schedule `PreUpdate`).
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct DeviceSystems;
 
 /// Reads devices into [`PlayerInput`], and gives and takes the cursor.
 pub struct InputPlugin;
 
 impl Plugin for InputPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Startup, take_cursor)
+        app.init_resource::<InputMode>()
+            .add_systems(Startup, take_cursor)
             .add_systems(
                 PreUpdate,
-                (read_keyboard_and_mouse, read_gamepads)
+                (read_keyboard_and_mouse, read_gamepads, mean)
                     .chain()
-                    .after(InputSystems),
+                    .in_set(DeviceSystems)
+                    .after(InputSystems)
+                    .after(InspectorSystems),
             )
-            .add_systems(Update, (free_or_take_cursor, leave));
+            .add_systems(
+                Update,
+                (
+                    free_or_take_cursor,
+                    lend_cursor.run_if(resource_exists_and_changed::<Inspector>),
+                    leave,
+                ),
+            );
     }
 }
 
@@ -42,10 +58,22 @@ fn read_keyboard_and_mouse(
     scroll: Res<AccumulatedMouseScroll>,
     settings: Res<Settings>,
     cursor: Option<Single<&CursorOptions, With<PrimaryWindow>>>,
+    inspector: Option<Res<Inspector>>,
+    wants: Option<Res<InspectorWants>>,
     mut input: ResMut<PlayerInput>,
 ) {
+    let wants = wants.as_deref().copied().unwrap_or_default();
+    if wants.keyboard {
+        // Something is being typed.
+        *input = PlayerInput::default();
+        return;
+    }
     let axis = |minus: KeyCode, plus: KeyCode| {
         f32::from(keys.pressed(plus)) - f32::from(keys.pressed(minus))
+    };
+    let step = |minus: &[KeyCode], plus: &[KeyCode]| {
+        let any = |keys_of: &[KeyCode]| keys.any_just_pressed(keys_of.iter().copied());
+        i32::from(any(plus)) - i32::from(any(minus))
     };
     let looking = cursor.is_some_and(|cursor| cursor.grab_mode != CursorGrabMode::None);
     let turn = settings.mouse_sensitivity.to_radians();
@@ -66,12 +94,29 @@ fn read_keyboard_and_mouse(
         } else {
             Vec2::ZERO
         },
-        zoom: match scroll.unit {
-            MouseScrollUnit::Line => scroll.delta.y,
-            MouseScrollUnit::Pixel => scroll.delta.y / PIXELS_PER_STEP,
+        zoom: if wants.pointer {
+            0.0
+        } else {
+            match scroll.unit {
+                MouseScrollUnit::Line => scroll.delta.y,
+                MouseScrollUnit::Pixel => scroll.delta.y / PIXELS_PER_STEP,
+            }
         },
         jump: keys.just_pressed(KeyCode::KeyJ),
         wave: keys.just_pressed(KeyCode::KeyH),
+        act: keys.pressed(KeyCode::KeyE),
+        menu: keys.just_pressed(KeyCode::Escape),
+        navigate: IVec2::new(
+            step(
+                &[KeyCode::ArrowLeft, KeyCode::KeyA],
+                &[KeyCode::ArrowRight, KeyCode::KeyD],
+            ),
+            step(
+                &[KeyCode::ArrowUp, KeyCode::KeyW],
+                &[KeyCode::ArrowDown, KeyCode::KeyS],
+            ),
+        ),
+        confirm: keys.any_just_pressed([KeyCode::Enter, KeyCode::Space]),
         switch_follow: keys.just_pressed(KeyCode::KeyC),
         switch_mode: keys.just_pressed(KeyCode::KeyM),
         switch_metric: keys.just_pressed(KeyCode::KeyN),
@@ -81,10 +126,13 @@ fn read_keyboard_and_mouse(
         switch_shapes: keys.just_pressed(KeyCode::KeyB),
         switch_torch: keys.just_pressed(KeyCode::KeyT),
         switch_renderer: keys.just_pressed(KeyCode::KeyR),
+        switch_vegetation: keys.just_pressed(KeyCode::KeyV),
         switch_keys: keys.just_pressed(KeyCode::F1),
         resolution_steps: i32::from(keys.just_pressed(KeyCode::Equal))
             - i32::from(keys.just_pressed(KeyCode::Minus)),
-        leave: keys.just_pressed(KeyCode::Escape),
+        // It closes the inspector first.
+        leave: keys.just_pressed(KeyCode::Escape)
+            && !inspector.is_some_and(|inspector| inspector.is_open() || inspector.is_changed()),
     };
 }
 
@@ -118,6 +166,16 @@ fn read_gamepads(
             input.look += Vec2::new(look_stick.x, pitch_sign * look_stick.y) * STICK_TURN * seconds;
         }
         input.fast |= pad.pressed(GamepadButton::RightTrigger2);
+        let pressed = |minus: GamepadButton, plus: GamepadButton| {
+            i32::from(pad.just_pressed(plus)) - i32::from(pad.just_pressed(minus))
+        };
+        input.navigate += IVec2::new(
+            pressed(GamepadButton::DPadLeft, GamepadButton::DPadRight),
+            pressed(GamepadButton::DPadUp, GamepadButton::DPadDown),
+        );
+        input.act |= pad.pressed(GamepadButton::South);
+        input.confirm |= pad.just_pressed(GamepadButton::South);
+        input.menu |= pad.just_pressed(GamepadButton::Start);
         input.jump |= pad.just_pressed(GamepadButton::East);
         input.wave |= pad.just_pressed(GamepadButton::RightThumb);
         input.switch_follow |= pad.just_pressed(GamepadButton::LeftThumb);
@@ -126,6 +184,39 @@ fn read_gamepads(
         input.switch_focus |= pad.just_pressed(GamepadButton::South);
         input.switch_keys |= pad.just_pressed(GamepadButton::Start);
         input.leave |= pad.just_pressed(GamepadButton::Select);
+    }
+}
+
+/// Leaves of the wishes what they mean now.
+fn mean(mode: Res<InputMode>, mut input: ResMut<PlayerInput>) {
+    *input = meant(*mode, *input);
+}
+
+fn meant(mode: InputMode, input: PlayerInput) -> PlayerInput {
+    match mode {
+        InputMode::Explore => PlayerInput {
+            act: false,
+            menu: false,
+            navigate: IVec2::ZERO,
+            confirm: false,
+            ..input
+        },
+        // Buttons of a gamepad that act are no switches meanwhile.
+        InputMode::Play => PlayerInput {
+            switch_lines: false,
+            switch_fill: false,
+            switch_focus: false,
+            switch_follow: false,
+            switch_keys: input.switch_keys && !input.menu,
+            leave: false,
+            ..input
+        },
+        InputMode::Menu => PlayerInput {
+            menu: input.menu,
+            navigate: input.navigate,
+            confirm: input.confirm,
+            ..default()
+        },
     }
 }
 
@@ -156,6 +247,14 @@ fn free_or_take_cursor(
     } else if grabbed && !window.focused {
         grab(&mut cursor, false);
     }
+}
+
+/// While the inspector is open the cursor is its.
+fn lend_cursor(
+    inspector: Res<Inspector>,
+    mut cursor: Single<&mut CursorOptions, With<PrimaryWindow>>,
+) {
+    grab(&mut cursor, !inspector.is_open());
 }
 
 fn grab(cursor: &mut CursorOptions, take: bool) {
@@ -235,6 +334,37 @@ mod tests {
             Vec2::new(40.0, 10.0)
         );
         assert_eq!(app.world().resource::<PlayerInput>().look, Vec2::ZERO);
+    }
+
+    #[test]
+    fn in_a_menu_nobody_walks_and_in_a_level_escape_does_not_leave() {
+        let input = PlayerInput {
+            walk: Vec2::Y,
+            fast: true,
+            act: true,
+            menu: true,
+            confirm: true,
+            navigate: IVec2::Y,
+            leave: true,
+            switch_lines: true,
+            switch_torch: true,
+            ..default()
+        };
+        let explore = meant(InputMode::Explore, input);
+        assert!(explore.leave && explore.switch_lines && !explore.act && !explore.menu);
+        let play = meant(InputMode::Play, input);
+        assert!(play.act && play.menu && play.switch_torch && play.walk == Vec2::Y);
+        assert!(!play.leave && !play.switch_lines);
+        let menu = meant(InputMode::Menu, input);
+        assert_eq!(
+            menu,
+            PlayerInput {
+                menu: true,
+                confirm: true,
+                navigate: IVec2::Y,
+                ..default()
+            }
+        );
     }
 
     #[test]

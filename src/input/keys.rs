@@ -34,8 +34,15 @@ pub const KEYS: &[Key] = &[
     key("arrows", "directional pad", "walk the figure"),
     key("J", "east button", "jump"),
     key("H", "right stick down", "wave a hand"),
+    key("E", "south button", "in a level: hold a torch to a beacon"),
+    key(
+        "Esc, Enter",
+        "start, south button",
+        "in a level: its menu; takes what is chosen",
+    ),
     key("T", "", "torch on, off"),
     key("R", "", "lighting by Bevy or by Dolomite"),
+    key("V", "", "what grows on, off"),
     key("L", "west button", "lines on, off"),
     key("F", "north button", "fill on, off"),
     key(
@@ -52,6 +59,8 @@ pub const KEYS: &[Key] = &[
     key("B", "", "what collision knows: shapes, contacts, tiles"),
     key("- =", "", "draw fewer, more pixels; the panel stays sharp"),
     key("F1", "start", "these keys on, off"),
+    key("F10", "", "inspector: settings, entities, diagnostics"),
+    key("`", "", "console; Tab completes, help lists the commands"),
     key("Esc", "select", "leave"),
 ];
 

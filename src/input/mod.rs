@@ -9,6 +9,18 @@ pub mod keys;
 
 use bevy::prelude::*;
 
+/// What keys and buttons mean now.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InputMode {
+    /// Flying and walking over a scene, with all its switches.
+    #[default]
+    Explore,
+    /// Playing a level: Esc and start open its menu, and the buttons of a gamepad act.
+    Play,
+    /// In a menu: arrows, W and S, and the directional pad choose, and nobody walks.
+    Menu,
+}
+
 /// What the player wants. Levels (`fly`, `walk`, `fast`) hold while a key is held; steps (`look`,
 /// `zoom`, the switches) are of one frame.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
@@ -23,6 +35,14 @@ pub struct PlayerInput {
     pub jump: bool,
     /// The figure waves a hand, in this frame.
     pub wave: bool,
+    /// The figure does what there is to do where it stands, as long as this is held: it lights a beacon.
+    pub act: bool,
+    /// Opens a level's menu, or closes it, in this frame.
+    pub menu: bool,
+    /// Steps in a menu in this frame: x to the right, y downwards.
+    pub navigate: IVec2,
+    /// Takes what is chosen in a menu, in this frame.
+    pub confirm: bool,
     /// Turn of the view in this frame, radians: x to the right, y upwards.
     pub look: Vec2,
     /// Zoom in this frame, in wheel steps; positive zooms in.
@@ -45,6 +65,8 @@ pub struct PlayerInput {
     pub switch_torch: bool,
     /// Switches between Bevy's lighting and Dolomite's.
     pub switch_renderer: bool,
+    /// Switches what grows.
+    pub switch_vegetation: bool,
     /// Switches the panel of keys.
     pub switch_keys: bool,
     /// Steps of the resolution in this frame: above 0 more pixels are drawn.

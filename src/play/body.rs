@@ -11,6 +11,7 @@ use dolomite::collision::rapier::Pusher;
 use dolomite::collision::{CharacterBody, CollisionSystems, MoveState, MoveWish};
 use dolomite::terrain::{Ground, Terrain};
 
+use super::city::CityWall;
 use super::figure::{Figure, FigureSystems, Stance, inside};
 use super::jump::Jump;
 use super::things::{LiftSystems, Solid};
@@ -63,7 +64,7 @@ fn embody(
     scene: Res<CurrentScene>,
     figures: Query<(Entity, &Figure)>,
     bodies: Query<(Entity, &BodyOf)>,
-    things: Query<(), With<Solid>>,
+    things: Query<(), Or<(With<Solid>, With<CityWall>)>>,
 ) {
     for (entity, body) in &bodies {
         if things.is_empty() || !figures.contains(body.0) {

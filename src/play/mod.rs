@@ -6,10 +6,12 @@
 //! |---|---|
 //! | [`camera`] | the camera, free or following |
 //! | [`figure`], [`jump`] | the walking figure; its leaps |
+//! | [`city`] | walls of a city |
 //! | [`things`], [`body`] | boulders, blocks, lifts, stones; the figure among them |
 
 pub mod body;
 pub mod camera;
+pub mod city;
 pub mod figure;
 pub mod jump;
 pub mod things;
@@ -22,6 +24,7 @@ use crate::scene::{CurrentScene, Pose};
 use crate::settings::Settings;
 use body::BodyPlugin;
 use camera::{CameraPlugin, FreeCamera};
+use city::CityWallsPlugin;
 use figure::{Figure, FigurePlugin};
 use things::ThingsPlugin;
 
@@ -94,6 +97,7 @@ impl Plugin for SimulationPlugin {
                 ReloadPlugin,
                 ThingsPlugin,
                 BodyPlugin,
+                CityWallsPlugin,
             ))
             .add_systems(PreStartup, spawn)
             .add_systems(

@@ -22,17 +22,25 @@ use bevy::prelude::*;
 use bevy::render::diagnostic::RenderDiagnosticsPlugin;
 use thiserror::Error;
 
+use crate::console::ConsolePlugin;
+use crate::console::script::{Script, ScriptError};
+use crate::level::menu::{Menu, MenuPlugin, Screen};
+use crate::level::parts::{self, Beacon};
+use crate::level::{LevelError, LevelPlugin, LevelSystems};
+use crate::play::camera::FreeCamera;
 use crate::play::figure::Figure;
 use crate::play::{SimulationPlugin, Switches};
 use crate::scene::{self, CurrentScene, Pose, SceneError, SceneRequest};
 use crate::settings::paths::{self, AssetsDir, AssetsError};
 use crate::settings::{Settings, SettingsError};
+use crate::view::level::LevelViewPlugin;
 use crate::view::panel::PanelPlugin;
 use crate::view::progress::{self, ProgressPlugin};
 use crate::view::start::StartPlugin;
 use crate::view::textures::{self, TextureError};
 use crate::view::{DressPlugin, SceneTextures, ViewPlugin};
 use device::DeviceError;
+use dolomite::logic::Lamp;
 use dolomite::{DolomiteMinimalPlugins, DolomitePlugins};
 use offscreen::OffscreenError;
 
@@ -48,12 +56,18 @@ pub enum GameError {
     /// The scene was refused.
     #[error(transparent)]
     Scene(#[from] Box<SceneError>),
+    /// The level was refused.
+    #[error(transparent)]
+    Level(#[from] LevelError),
     /// No device to draw with.
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// A texture was refused.
     #[error(transparent)]
     Texture(#[from] TextureError),
+    /// A script cannot be read.
+    #[error(transparent)]
+    Script(#[from] ScriptError),
     /// Rendering without a window failed.
     #[error(transparent)]
     Offscreen(#[from] OffscreenError),
@@ -80,6 +94,52 @@ pub struct Setup {
     pub switches: Switches,
     /// Shows panels.
     pub panels: bool,
+    /// The level that is played in the scene.
+    pub level: Option<LevelSetup>,
+    /// Commands of the console, done once the scene is there.
+    pub script: Option<Script>,
+}
+
+/// A level, and how it is come upon.
+#[derive(Clone)]
+pub struct LevelSetup {
+    /// The level.
+    pub level: parts::Level,
+    /// The screen that is shown first.
+    pub screen: Screen,
+    /// Beacons that burn already.
+    pub lit: usize,
+    /// Where the camera is, in place of behind the figure.
+    pub camera: Option<Pose>,
+    /// Nobody plays: nothing is saved by itself.
+    pub keeps_nothing: bool,
+}
+
+impl LevelSetup {
+    fn add(self, app: &mut App) {
+        let mut menu = Menu::at(self.screen);
+        menu.keeps_nothing = self.keeps_nothing;
+        app.insert_resource(self.level)
+            .insert_resource(menu)
+            .add_plugins((LevelPlugin, MenuPlugin, LevelViewPlugin));
+        let (lit, camera) = (self.lit, self.camera);
+        let arrange = move |mut lamps: Query<(Entity, &mut Lamp), With<Beacon>>,
+                            mut cameras: Query<&mut FreeCamera>,
+                            mut switches: ResMut<Switches>| {
+            let mut all: Vec<_> = lamps.iter_mut().collect();
+            all.sort_by_key(|(entity, _)| *entity);
+            for (_, lamp) in all.iter_mut().take(lit) {
+                lamp.lit = true;
+            }
+            if let Some(pose) = camera {
+                switches.follow = false;
+                for mut camera in &mut cameras {
+                    camera.pose = pose;
+                }
+            }
+        };
+        app.add_systems(Startup, arrange.after(LevelSystems::Begin));
+    }
 }
 
 impl Setup {
@@ -105,6 +165,8 @@ impl Setup {
             scene,
             switches: Switches::default(),
             panels: true,
+            level: None,
+            script: None,
         })
     }
 
@@ -154,10 +216,17 @@ impl Setup {
             }
             None => {
                 app.add_plugins((DolomitePlugins, SimulationPlugin, ViewPlugin));
+                if let Some(level) = self.level {
+                    level.add(app);
+                }
             }
         }
         if self.panels {
             app.add_plugins(PanelPlugin);
+        }
+        app.add_plugins(ConsolePlugin);
+        if let Some(script) = self.script {
+            app.insert_resource(script);
         }
     }
 }

@@ -17,12 +17,14 @@ use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use dolomite::ground::detail::MakingBudget;
 use dolomite::ground::render::TerrainRelief;
+use dolomite::inspector::Console;
 use dolomite::tessellation::render::GeometryStats;
 use thiserror::Error;
 
 use super::device::{self, Device};
 use super::unseen::{self, Unseen};
 use super::{GameError, Setup, log_plugin};
+use crate::console::script::{self, Script};
 use crate::play::Landscape;
 use crate::scene::CurrentScene;
 use crate::settings::{MAX_SIDE, Settings};
@@ -70,6 +72,9 @@ pub enum OffscreenError {
     /// Pipelines or terrain never came to rest.
     #[error("the view did not settle within {SETTLE_LIMIT} updates: {0}")]
     NotSettled(String),
+    /// A script has a mistake; where and which was said.
+    #[error("the script {0} stopped at a mistake")]
+    Script(String),
     /// No picture came back from the device.
     #[error("the device gave no picture back")]
     NoPicture,
@@ -98,6 +103,7 @@ pub struct Offscreen {
     /// What draws.
     pub device: Device,
     target: Handle<Image>,
+    script: Option<Script>,
 }
 
 impl Offscreen {
@@ -105,10 +111,12 @@ impl Offscreen {
     ///
     /// # Errors
     /// [`GameError`]: no device, a size of 0 or too large, missing assets.
-    pub fn new(setup: Setup, size: UVec2) -> Result<Self, GameError> {
+    pub fn new(mut setup: Setup, size: UVec2) -> Result<Self, GameError> {
         check_size(size, MAX_SIDE)?;
         let device = device::probe()?;
         check_size(size, device.max_texture)?;
+        // It waits until the view has settled.
+        let script = setup.script.take();
         let mut app = App::new();
         app.add_plugins(
             DefaultPlugins
@@ -158,6 +166,7 @@ impl Offscreen {
             app,
             device,
             target,
+            script,
         })
     }
 
@@ -196,14 +205,34 @@ impl Offscreen {
         // A budget learns from the times of frames as they are seen.
         let budget = self.app.world().resource::<Settings>().budget;
         self.app.insert_resource(Unseen(budget.is_none()));
-        let settled = self.rest();
+        let mut settled = self.rest();
         self.app.insert_resource(Unseen(false));
+        if settled.is_ok()
+            && let Some(script) = self.script.take()
+        {
+            settled = self.run_script(&script).and_then(|()| self.rest());
+        }
         if let Some(making) = making {
             self.app.insert_resource(making);
         }
         settled?;
         // With pixels.
         self.step(Duration::ZERO)
+    }
+
+    /// Does the commands of a script, with steps of a sixtieth of a second where they wait.
+    fn run_script(&mut self, script: &Script) -> Result<(), OffscreenError> {
+        script::begin(self.app.world_mut(), script);
+        let faults = self.app.world().resource::<Console>().faults();
+        while !self.app.world().resource::<Console>().queue.is_empty() {
+            self.step(STEP)?;
+        }
+        // What the last command said is told in the next step.
+        self.step(Duration::ZERO)?;
+        if self.app.world().resource::<Console>().faults() > faults {
+            return Err(OffscreenError::Script(script.name.clone()));
+        }
+        Ok(())
     }
 
     /// Steps until nothing changes any more.

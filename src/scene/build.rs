@@ -1,6 +1,7 @@
 //! From the fields of a scene file to a terrain.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use bevy::log::warn;
 use bevy::math::{DVec2, DVec3};
@@ -11,6 +12,7 @@ use dolomite::terrain::{
     Fractal, GroundRect, HeightMap, HeightMapError, HeightMapFile, Holes, Layer, Mask, Source,
     Terrain, TerrainData,
 };
+use dolomite::vegetation::Kinds;
 
 use super::file::{SceneFile, SourceFile, StartFile};
 use super::things::Thing;
@@ -78,6 +80,9 @@ pub(super) fn from_file(
         source: Box::new(source),
     })?;
     check_numbers(file).map_err(value)?;
+    let city = file.city.as_ref().map(|city| city.on(&terrain));
+    let city = city.transpose().map_err(value)?;
+    let vegetation = kinds(file, path, files)?;
     let (camera, figure, facing) = match file.start {
         Some(start) => start_of(start),
         None => default_start(&terrain),
@@ -91,6 +96,8 @@ pub(super) fn from_file(
         sea: file.sea,
         sun: file.sun,
         lamps: file.lamps,
+        city,
+        vegetation,
         camera,
         figure,
         facing,
@@ -98,6 +105,25 @@ pub(super) fn from_file(
         files: files.clone(),
         own: None,
     })
+}
+
+/// What grows. A file that is not there leaves the ground bare, and says so: the scene is built into the program, the
+/// files of its plants are not.
+fn kinds(
+    file: &SceneFile,
+    path: &Path,
+    files: &mut Files,
+) -> Result<Option<Arc<Kinds>>, SceneError> {
+    let Some(name) = &file.vegetation else {
+        return Ok(None);
+    };
+    let path = path.parent().unwrap_or(Path::new("")).join(name);
+    watch(files, &path);
+    if !path.exists() {
+        warn!("{}: no such file; nothing grows", path.display());
+        return Ok(None);
+    }
+    Ok(Some(Arc::new(Kinds::read(&path)?)))
 }
 
 /// Builds a scene from a height map alone: no sea, materials by the share of its own heights.
@@ -176,6 +202,8 @@ pub(super) fn from_map(
         sea: Sea::default(),
         sun: Sun::default(),
         lamps: None,
+        city: None,
+        vegetation: None,
         camera,
         figure,
         facing,

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use dolomite::terrain::{HeightMapError, TerrainError};
+use dolomite::vegetation::KindError;
 use thiserror::Error;
 
 /// Why a scene could not be loaded.
@@ -55,6 +56,9 @@ pub enum SceneError {
         /// Why, and what to do.
         reason: String,
     },
+    /// A file of kinds was refused.
+    #[error(transparent)]
+    Kinds(#[from] KindError),
     /// A height map was refused.
     #[error("{}{source}", .scene.as_ref().map_or(String::new(), |path| format!("scene file {}: ", path.display())))]
     Map {

@@ -9,6 +9,7 @@ use dolomite::sky::Sun;
 use dolomite::terrain::{Fractal, HeightMapFile, Hill, Mask, PermutationNoise};
 use serde::Deserialize;
 
+use super::city::CityFile;
 use super::lamps::Lamps;
 use super::things::Thing;
 
@@ -50,6 +51,12 @@ pub struct SceneFile {
     /// Lamps on the ground. Left out: none.
     #[serde(default)]
     pub lamps: Option<Lamps>,
+    /// A city on the ground, which has to be level there. Left out: none.
+    #[serde(default)]
+    pub city: Option<CityFile>,
+    /// What grows: a file of kinds, relative to the folder of the scene file. Left out: nothing.
+    #[serde(default)]
+    pub vegetation: Option<String>,
     /// Where camera and figure start. Left out: looking over the middle from the south.
     #[serde(default)]
     pub start: Option<StartFile>,

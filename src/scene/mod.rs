@@ -7,10 +7,12 @@
 //! | `kind` | scenes that draw themselves |
 //! | [`things`] | what stands and lies on the ground |
 //! | [`lamps`] | lamps on the ground |
+//! | [`city`] | a city on it |
 //! | `pose` | where a camera stands and looks |
 //! | `reload` | taking over changes while the game runs |
 
 mod build;
+pub mod city;
 mod error;
 pub mod file;
 mod kind;
@@ -29,7 +31,9 @@ use bevy::prelude::*;
 use dolomite::ground::{GroundMaterial, MaterialBands, Sea};
 use dolomite::sky::Sun;
 use dolomite::terrain::{Ground, Terrain};
+use dolomite::vegetation::Kinds;
 
+use city::CityScene;
 pub use error::SceneError;
 use file::SceneFile;
 pub use kind::{NamedScene, OwnView};
@@ -52,6 +56,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
         include_str!("../../assets/scenes/playground.ron"),
     ),
     ("night", include_str!("../../assets/scenes/night.ron")),
+    ("city", include_str!("../../assets/scenes/city.ron")),
 ];
 
 /// A scene, ready to be drawn and walked on. Cheap to clone.
@@ -73,6 +78,10 @@ pub struct LoadedScene {
     pub sun: Sun,
     /// Its lamps, if it has some.
     pub lamps: Option<Lamps>,
+    /// Its city, if it has one.
+    pub city: Option<CityScene>,
+    /// What grows, if anything does.
+    pub vegetation: Option<Arc<Kinds>>,
     /// Where the camera starts.
     pub camera: Pose,
     /// Where the figure starts, (x, z), metres.
@@ -396,7 +405,7 @@ mod tests {
     fn a_wrong_scene_is_an_error_that_names_it() {
         for (scene, words) in [
             ("nowhere", ["nowhere", "mountain"]),
-            ("mountains", ["mountains", "night)"]),
+            ("mountains", ["mountains", "city)"]),
             ("no/such.ron", ["no/such.ron", "scene file"]),
             ("no/such.png", ["no/such.png", "check"]),
             ("no/such.raw", ["no/such.raw", "check"]),
@@ -426,7 +435,7 @@ mod tests {
             ..named(Err("it is away"))
         };
         let error = load(&unknown, &assets()).err().unwrap().to_string();
-        assert!(error.contains("night, flat"), "{error}");
+        assert!(error.contains("city, flat"), "{error}");
     }
 
     #[test]

@@ -42,6 +42,10 @@ pub fn reload_changed(
     mut fault: ResMut<SceneFault>,
     mut watched: Local<Option<Files>>,
 ) {
+    if request.is_changed() {
+        // Another scene was asked for, and has files of its own.
+        *watched = None;
+    }
     let watched = watched.get_or_insert_with(|| scene.files.clone());
     let now: Files = watched
         .iter()

@@ -83,6 +83,12 @@ pub struct Settings {
     /// Amplitude in metres of the fractal detail below the sample spacing of scenes that have
     /// some (`jacksboro`), instead of the scene's own; 0 (none) to 1000.
     pub detail: Option<f32>,
+    /// Draws what grows in scenes where something does; none: in a window of a device that is no program on the CPU.
+    pub vegetation: Option<bool>,
+    /// Share of its density, 0 to 1.
+    pub vegetation_density: f32,
+    /// Share of how far away it is drawn, 0 to 4.
+    pub vegetation_reach: f32,
     /// Shows the panel of frame times and counts.
     pub panel: bool,
 }
@@ -138,6 +144,9 @@ impl Default for Settings {
             resolution: None,
             sun: None,
             detail: None,
+            vegetation: None,
+            vegetation_density: 1.0,
+            vegetation_reach: 1.0,
             panel: true,
         }
     }
@@ -279,6 +288,14 @@ impl Settings {
                 1024.0,
             ),
             ("budget", self.budget.unwrap_or(1.0), 0.0, false, 1000.0),
+            (
+                "vegetation_density",
+                self.vegetation_density,
+                0.0,
+                true,
+                1.0,
+            ),
+            ("vegetation_reach", self.vegetation_reach, 0.0, true, 4.0),
             ("detail", self.detail.unwrap_or(0.0), 0.0, true, 1000.0),
             (
                 "shadow_cascades",

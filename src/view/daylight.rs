@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy::render::view::ColorGrading;
 use dolomite::sky::{SeenSky, Sky, SkySystems, Sun};
 
-use super::quality;
+use super::{city, quality};
 use crate::scene::CurrentScene;
 use crate::settings::Settings;
 use crate::settings::quality::Quality;
@@ -46,11 +46,18 @@ fn place(scene: &CurrentScene, settings: &Settings) -> Sun {
         .map_or(scene.sun, |(azimuth, elevation)| Sun { azimuth, elevation })
 }
 
-/// The sky of the scene's cameras: whether there is a sea.
+/// The sky of the scene's cameras: whether there is a sea, and how dark nights are.
 pub fn sky(scene: &CurrentScene) -> Sky {
+    let usual = Sky::default();
+    let (night_ev100, stars) = match scene.city {
+        Some(_) => (city::NIGHT_EV100, city::STARS),
+        None => (usual.night_ev100, usual.stars),
+    };
     Sky {
         sea: scene.terrain.sea_level().is_some(),
-        ..default()
+        night_ev100,
+        stars,
+        ..usual
     }
 }
 
@@ -59,9 +66,14 @@ fn turn_sun(
     settings: Res<Settings>,
     mut suns: Query<&mut Sun>,
     mut skies: Query<&mut Sky>,
+    mut last: Local<Option<Sun>>,
 ) {
-    for mut sun in &mut suns {
-        sun.set_if_neq(place(&scene, &settings));
+    // A sun that was turned otherwise, as by the console, stays where it is while the settings change in other things.
+    let wanted = place(&scene, &settings);
+    if last.replace(wanted) != Some(wanted) {
+        for mut sun in &mut suns {
+            sun.set_if_neq(wanted);
+        }
     }
     for mut seen in &mut skies {
         seen.set_if_neq(sky(&scene));

@@ -86,10 +86,18 @@ pub struct Coming {
     made: Handle<FbxConversion>,
 }
 
+/// The person, once they are there: others may look like them.
+#[derive(Resource, Clone)]
+pub struct Hero {
+    /// Joints and clips.
+    pub person: Arc<Person>,
+    /// Meshes.
+    pub scene: Option<Handle<bevy::world_serialization::WorldAsset>>,
+}
+
 /// Whether every figure looks as it will: nothing is being loaded, and all joints have been found.
 pub fn is_there(world: &mut World) -> bool {
-    let mut unbound =
-        world.query_filtered::<(), (With<Character>, With<Figure>, Without<CharacterJoints>)>();
+    let mut unbound = world.query_filtered::<(), (With<Character>, Without<CharacterJoints>)>();
     !world.contains_resource::<Coming>() && unbound.iter(world).next().is_none()
 }
 
@@ -131,6 +139,10 @@ fn arrive(
     match person {
         Ok((person, scene)) => {
             let person = Arc::new(person);
+            commands.insert_resource(Hero {
+                person: person.clone(),
+                scene: scene.clone(),
+            });
             for figure in &figures {
                 let mut figure = commands.entity(figure);
                 figure.insert(Character {

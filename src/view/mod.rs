@@ -13,13 +13,18 @@
 //! | [`bloom`] | bloom in views of any shape |
 //! | [`renderer`] | who lights the picture |
 //! | [`lamps`], [`torch`] | lamps of the scene; the one in the figure's hand |
+//! | [`city`] | the city of the scene |
+//! | [`vegetation`] | what grows |
+//! | [`level`] | what a level looks like, and its menus |
 //! | [`unlit`] | a view without its lighting, for the bench |
 //! | [`daylight`] | the place of the sun; colours by day and by night |
 
 pub mod bloom;
+pub mod city;
 pub mod daylight;
 pub mod hero;
 pub mod lamps;
+pub mod level;
 pub mod panel;
 pub mod passes;
 pub mod progress;
@@ -33,6 +38,7 @@ pub mod textures;
 pub mod things;
 pub mod torch;
 pub mod unlit;
+pub mod vegetation;
 
 use bevy::camera::{Hdr, RenderTarget};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
@@ -46,6 +52,7 @@ use dolomite::ground::detail::budget::{Budget, FrameTime, frame_time};
 use dolomite::ground::{GroundTextures, PatchDetail, TerrainView};
 use dolomite::terrain::Ground;
 use dolomite::tessellation::GeometryCamera;
+use dolomite::vegetation::VegetationView;
 
 use crate::play::camera::{CameraSystems, FreeCamera};
 use crate::play::figure::Figure;
@@ -54,6 +61,7 @@ use crate::scene::CurrentScene;
 use crate::settings::Settings;
 use crate::settings::quality::Quality;
 use bloom::BloomFitPlugin;
+use city::CityScenePlugin;
 use daylight::{DaylightPlugin, SATURATION};
 use hero::HeroPlugin;
 use lamps::LampsPlugin;
@@ -64,6 +72,7 @@ use shapes::ShapesPlugin;
 use sharpen::Widened;
 use things::ThingViewPlugin;
 use torch::TorchPlugin;
+use vegetation::PlantPlugin;
 
 /// Distances that the camera sees, metres. Depth is infinite; `far` bounds culling only.
 const NEAR: f32 = 0.15;
@@ -139,6 +148,8 @@ impl Plugin for ViewPlugin {
                 RendererPlugin,
                 LampsPlugin,
                 TorchPlugin,
+                CityScenePlugin,
+                PlantPlugin,
             ))
             .add_systems(
                 Dress,
@@ -196,7 +207,7 @@ fn dress_camera(
                 ..default()
             },
             Scaled,
-            TerrainView,
+            (TerrainView, VegetationView),
             Widened::detail(
                 widened.as_deref(),
                 settings.max_error.unwrap_or(1.0),

@@ -4,6 +4,7 @@
 mod absent;
 mod budget;
 mod classic;
+mod console;
 mod crowd;
 mod culled;
 mod feet;
@@ -12,6 +13,7 @@ mod hero;
 mod hostile;
 mod images;
 mod lamps;
+mod level;
 mod night;
 #[expect(dead_code, reason = "only its body is drawn here")]
 #[path = "../../plugins/character/tests/all/support/person.rs"]

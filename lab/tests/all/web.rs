@@ -62,6 +62,38 @@ fn capsules(name: &str) -> PathBuf {
     folder
 }
 
+/// The page of figures as it is committed, and one that lacks its style: nothing is said in the console and every figure is
+/// seen, in light and in dark.
+#[test]
+fn the_page_of_figures_is_whole_in_chromium_gpu() {
+    if !is_there() {
+        return;
+    }
+    succeed("npm", &["run", "--silent", "tools"]);
+    let page = web().join("../docs/figures/index.html");
+    let path = page.display().to_string();
+    let (text, success) = said("node", &["dist-tools/figures.js", &path]);
+    println!("{text}");
+    assert!(success, "{text}");
+
+    let whole = std::fs::read_to_string(&page).expect("it is committed");
+    let at = whole.find("<style>").expect("it has a style");
+    let end = whole.find("</style>").expect("it has a style");
+    let broken = std::env::temp_dir().join(format!("dolomite_figures_{}.html", std::process::id()));
+    let bare = format!(
+        "{}<script>nothing()</script>{}",
+        &whole[..at],
+        &whole[end..]
+    );
+    std::fs::write(&broken, bare).expect("a page");
+    let (text, success) = said(
+        "node",
+        &["dist-tools/figures.js", &broken.display().to_string()],
+    );
+    std::fs::remove_file(&broken).expect("it is ours");
+    assert!(!success && text.contains("WRONG"), "{text}");
+}
+
 /// Every capsule, 10⁴ random patches among them, to the bit; the page, its slider, its picture, its messages. And a
 /// capsule in which one expected word is another is found.
 #[test]

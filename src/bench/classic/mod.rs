@@ -54,6 +54,8 @@ fn load(path: &Path, methods: Methods) -> Result<LoadedScene, ClassicHeightsErro
         sea: Sea::default(),
         sun: dolomite::sky::Sun::default(),
         lamps: None,
+        city: None,
+        vegetation: None,
         camera: orbit(0.0),
         figure: DVec2::ZERO,
         facing: 0.0,

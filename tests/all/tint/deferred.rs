@@ -7,7 +7,7 @@ use bevy::core_pipeline::prepass::{MotionVectorPrepass, NormalPrepass};
 use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::render::render_resource::{PipelineCache, PipelineDescriptor, TextureFormat};
-use dolomite::deferred::{BlinnPhongMaterial, DeferredLighting, Way};
+use dolomite::deferred::{AmbientOcclusion, BlinnPhongMaterial, DeferredLighting, Way};
 
 use super::variants::Variant;
 
@@ -42,13 +42,17 @@ pub fn draw(app: &mut App) -> Vec<Variant> {
         if order % 2 == 1 {
             camera.insert((Hdr, NormalPrepass, MotionVectorPrepass));
         }
+        if order >= 2 {
+            camera.insert(AmbientOcclusion::default());
+        }
     }
     for _ in 0..10 {
         app.update();
     }
     let variants = asked(app);
-    // The lists, both hulls in their view, writing with and without normals and motion, and three ways of lighting.
-    assert!(variants.len() >= 7, "{} variants", variants.len());
+    // The lists, both hulls in their view, writing with and without normals and motion, three ways of lighting, and both
+    // passes of ambient occlusion.
+    assert!(variants.len() >= 9, "{} variants", variants.len());
     variants
 }
 
