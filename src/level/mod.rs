@@ -2,7 +2,7 @@
 //!
 //! | file | concern |
 //! |---|---|
-//! | [`file`], [`load`], [`error`] | a level in its file; against its ground; what is wrong with it |
+//! | [`mod@file`], [`load`], [`mod@error`] | a level in its file; against its ground; what is wrong with it |
 //! | [`ground`] | the ground that logic knows |
 //! | [`parts`], [`begin`] | entities and resources; how they begin |
 //! | `player`, `day`, `soldier`, `walk`, `verdict` | what happens in a step |

@@ -37,7 +37,7 @@ impl Default for AmbientOcclusion {
 }
 
 /// How much is looked at: slices of directions a pixel, and steps on each of a slice's two sides. 4 × 4 pixels, over which
-/// a filter takes the mean, each look elsewhere. `dolomite_lab occlusion` has the error and the time of each.
+/// a filter takes the mean, each look elsewhere. The error of each is in docs/measured/light.md.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Default, Clone, PartialEq, Hash)]
 pub enum OcclusionQuality {
@@ -78,7 +78,8 @@ pub struct Settings {
     pub most_pixels: f32,
 }
 
-/// How thick what is seen counts, of the radius: from the curve of `dolomite_lab occlusion`.
+/// How thick what is seen counts, of the radius: of 0.1, 0.25, 0.5, 1 and 4 the one with the least error over three scenes
+/// and radii of 0.25 to 2 m.
 const THICKNESS: f32 = 1.0;
 
 /// Beyond so many pixels steps lie so far apart that they find little: near the camera the radius shrinks.
