@@ -268,6 +268,7 @@ mod gpu {
     /// The window as a person has it: F10, a slider pulled, the console opened, a line typed. With `DOLOMITE_PICTURES`
     /// its pictures are kept in that folder.
     #[test]
+    #[ignore = "minutes of software Vulkan; `--run-ignored only` runs it"]
     fn in_the_window_a_command_is_typed_and_the_panel_opens_and_closes() {
         if !adapter::is_there() {
             return;
