@@ -78,8 +78,8 @@ pub struct Settings {
     pub most_pixels: f32,
 }
 
-/// How thick what is seen counts, of the radius: of 0.1, 0.25, 0.5, 1 and 4 the one with the least error over three scenes
-/// and radii of 0.25 to 2 m.
+/// How thick what is seen counts, of the radius. Over three scenes and radii of 0.25 to 2 m, 0.1 had up to a third more error
+/// than 1, and 4 was within a hundredth of it; those were taken before angles came from the height over the surface.
 const THICKNESS: f32 = 1.0;
 
 /// Beyond so many pixels steps lie so far apart that they find little: near the camera the radius shrinks.
