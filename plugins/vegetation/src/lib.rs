@@ -25,7 +25,7 @@
 //! | [`fade`] | how many stand at a distance, and how wide |
 //! | [`blade`], [`chain`] | the geometry of a blade, and of kelp |
 //! | [`wind`], [`bend`] | what moves it |
-//! | [`reference`], [`shade`] | what a field of blades looks like from afar: by brute force, and as a table |
+//! | [`mod@reference`], [`shade`] | what a field of blades looks like from afar: by brute force, and as a table |
 //! | [`instances`] | trees and rocks around a point |
 //! | `render` | all of it in the picture (feature `render`, on by default) |
 //!
