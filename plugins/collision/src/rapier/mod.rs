@@ -11,12 +11,17 @@
 //! world of its before the first `RigidBody` or [`GroundTiles`] is there.
 
 mod bodies;
+mod cells;
+mod contacts;
 mod counters;
 mod diagonals;
+mod dispatch;
 mod field;
 mod heights;
 mod meet;
 mod push;
+mod surface;
+mod surfaces;
 mod tiles;
 
 pub use counters::BridgeCounters;
@@ -63,6 +68,7 @@ impl Plugin for RapierBridgePlugin {
         }
         counters::build(app);
         app.init_resource::<tiles::Tiles>()
+            .init_resource::<surfaces::Surfaces>()
             .configure_sets(
                 FixedUpdate,
                 (
@@ -79,6 +85,7 @@ impl Plugin for RapierBridgePlugin {
                 (
                     (
                         make_world.run_if(needs_world),
+                        surfaces::teach.run_if(any_with_component::<RapierContextSimulation>),
                         meet::shape.run_if(any_with_component::<MeetsMovers>),
                         push::stand_in.run_if(
                             any_with_component::<Pusher>
@@ -90,12 +97,19 @@ impl Plugin for RapierBridgePlugin {
                     push::push
                         .in_set(RapierBridgeSystems::Push)
                         .run_if(any_with_component::<Pusher>),
-                    (tiles::change, tiles::lift, tiles::keep, counters::publish)
+                    (
+                        surfaces::keep,
+                        tiles::change,
+                        tiles::lift,
+                        tiles::keep,
+                        counters::publish,
+                    )
                         .chain()
                         .in_set(RapierBridgeSystems::Tiles)
                         .run_if(
                             any_with_component::<GroundTiles>
-                                .or_else(any_with_component::<tiles::TileOf>),
+                                .or_else(any_with_component::<tiles::TileOf>)
+                                .or_else(surfaces::any),
                         ),
                 ),
             );
