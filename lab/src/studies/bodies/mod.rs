@@ -232,11 +232,15 @@ mod tests {
             ..Options::default()
         };
         let summary = run(&options).summary;
-        // 1 mm is what is asked for and not reached (docs/measured): held to what was measured, 20, 1.3 and 30 mm, and
-        // some more, so that it gets no worse.
-        for (ground, most) in [("flat", 0.025), ("slope", 2e-3), ("waves", 0.035)] {
-            let off = summary["roll"][ground]["unbroken_m"].as_f64().unwrap();
-            assert!(off <= most, "{ground}: {summary}");
+        for ground in ["flat", "slope", "waves"] {
+            let rolled = &summary["roll"][ground];
+            // Not nearly: to the bit, whatever holds the samples.
+            assert_eq!(rolled["unbroken_m"], 0.0, "{ground}: {summary}");
+            // The counterpart: other ways of the same ball differ, by what f32 makes of them.
+            assert!(
+                rolled["parry_m"].as_f64().unwrap() > 0.0,
+                "{ground}: {summary}"
+            );
         }
         assert_eq!(summary["fast"]["below"], 0, "{summary}");
         for terrain in ["hills", "gravel"] {

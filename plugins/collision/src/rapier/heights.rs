@@ -15,6 +15,9 @@ use thiserror::Error;
 
 /// Ground that Rapier's bodies meet: tiles of it come where bodies are awake, and go.
 ///
+/// Contacts and collision events name this entity. Its `Friction`, `Restitution`, `CollisionGroups` and `SolverGroups`
+/// are those of the ground.
+///
 /// Another ground, written into this component, is met from the next step on: bodies on what has changed wake, and
 /// those that would be inside are lifted by as much as the ground rose.
 #[derive(Component, Clone)]

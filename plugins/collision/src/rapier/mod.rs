@@ -7,7 +7,8 @@
 //! | [`MeetsMovers`] | you, on a body | movers meet it, stand on it and are pushed by it |
 //!
 //! [`RapierBridgePlugin`] adds Rapier in steps of `FixedUpdate`, one step of Rapier a step of Bevy; to set Rapier up
-//! in another way, add its plugin before this one, in `FixedUpdate`. Neither a system of Rapier's runs nor is there a
+//! in another way, add its plugin before this one, in `FixedUpdate`, and leave its world empty until a step has begun:
+//! the bridge then gives it a query dispatcher that knows ground. Neither a system of Rapier's runs nor is there a
 //! world of its before the first `RigidBody` or [`GroundTiles`] is there.
 
 mod bodies;
@@ -168,8 +169,8 @@ fn needs_world(
 fn make_world(mut commands: Commands, fixed: Res<Time<Fixed>>) {
     let mut simulation = RapierContextSimulation::default();
     simulation.integration_parameters.dt = fixed.timestep().as_secs_f32();
-    // Contacts of one shape that have nearly the same normal are else merged, those of two tiles are not: a ball
-    // would roll over a border otherwise than over an edge.
+    // Contacts whose normals are within 5° of each other are else merged, and get the normal of the first: a ball in a
+    // hollow would be pushed along one that is off by so much.
     simulation.integration_parameters.contact_clustering = false;
     commands.insert_resource(TimestepMode::Fixed {
         dt: fixed.timestep().as_secs_f32(),
