@@ -1,14 +1,18 @@
 //! Tiles of the ground under bodies: where they are, and what becomes of bodies when they change.
 
 use super::*;
-use bevy::ecs::system::RunSystemOnce as _;
+use bevy::ecs::system::{RunSystemOnce as _, SystemParam};
 use bevy::math::Quat;
+use bevy::transform::StaticTransformOptimizations;
 use bevy_rapier3d::parry::query::{Ray, ShapeCastOptions};
 use bevy_rapier3d::prelude::{
-    ActiveEvents, CoefficientCombineRule, CollisionEvent, Friction, QueryFilter, ReadRapierContext,
+    ActiveEvents, ActiveHooks, BevyPhysicsHooks, CoefficientCombineRule, CollisionEvent,
+    ContactModificationContextView, Friction, QueryFilter, RapierPhysicsPlugin, ReadRapierContext,
+    TimestepMode,
 };
 use dolomite_collision::rapier::Diagonals;
 use dolomite_testkit::random::Random;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 #[test]
 fn the_surface_is_that_of_parry() {
@@ -268,4 +272,66 @@ fn a_ground_turns_to_ice() {
     steps(&mut app, 128);
     // Two seconds down a slope of 0.2 without friction: half of 9.81 · 0.196 · 4, level, is 3.8 m.
     assert!(place(&app, body).x > stood.x + 3.0, "{}", place(&app, body));
+}
+
+/// How often Rapier asked [`OwnHooks`].
+#[derive(Resource, Default)]
+struct Asked(AtomicUsize);
+
+/// Hooks of an app that knows nothing of ground.
+#[derive(SystemParam)]
+struct OwnHooks<'w> {
+    asked: Res<'w, Asked>,
+}
+
+impl BevyPhysicsHooks for OwnHooks<'_> {
+    fn modify_solver_contacts(&self, _: ContactModificationContextView) {
+        self.asked.0.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// Rapier as an app has set it up, with its own hooks: the bridge adds no second one, and borders are none there too.
+#[test]
+fn an_app_keeps_its_own_rapier() {
+    let rolled = |cells| {
+        let mut app = App::new();
+        app.add_plugins((
+            MinimalPlugins,
+            RapierPhysicsPlugin::<OwnHooks>::default().in_fixed_schedule(),
+            RapierBridgePlugin,
+        ))
+        .init_resource::<Asked>()
+        .init_resource::<StaticTransformOptimizations>()
+        .insert_resource(TimestepMode::Fixed {
+            dt: 1.0 / 64.0,
+            substeps: 1,
+        })
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(
+            1.0 / 64.0,
+        )));
+        app.finish();
+        app.cleanup();
+        app.update();
+        app.world_mut().spawn(ground_tiles(waves, cells));
+        let start = Vec3::new(2.3, 1.2, 3.4);
+        let body = ball(&mut app, 0.5, start, Vec3::new(4.0, 0.0, 0.7));
+        app.world_mut()
+            .entity_mut(body)
+            .insert(ActiveHooks::MODIFY_SOLVER_CONTACTS);
+        let mut path = Vec::new();
+        for _ in 0..300 {
+            app.update();
+            path.push(place(&app, body));
+        }
+        let mut worlds = app.world_mut().query::<&RapierContextSimulation>();
+        assert_eq!(worlds.iter(app.world()).count(), 1);
+        let asked = app.world().resource::<Asked>().0.load(Ordering::Relaxed);
+        assert!(asked > 100, "{asked}");
+        path
+    };
+    let whole = rolled(64);
+    let end = whole[whole.len() - 1];
+    let surface = waves(DVec2::new(end.x.into(), end.z.into())) as f32;
+    assert!(end.x > 12.0 && end.y > surface, "{end}");
+    assert_eq!(rolled(1), whole);
 }
