@@ -1,5 +1,6 @@
 //! Study `bodies`: Rapier's bodies on tiles of the ground, and Rapier's character controller beside our movers.
 
+mod asked;
 mod controller;
 mod method;
 mod roll;
@@ -8,12 +9,13 @@ mod walkers;
 
 use crate::csv::{ErrorNumbers, Row};
 use crate::plot::{Axes, Chart, Curve as Line};
-use crate::study::{Asked, Figure, Options, Report, Study};
+use crate::study::{Figure, Options, Report, Study};
+use asked::ASKED;
 use bevy::math::{DVec2, Vec3};
 use dolomite_collision::rapier::Diagonals;
 use dolomite_testkit::metrics::ErrorStats;
 use dolomite_testkit::random::{Random, mixed};
-use roll::{GROUNDS, Under, apart, fast, path};
+use roll::{GROUNDS, Under, apart, beside, fast, path};
 use serde_json::{Map, Value, json};
 use terrain::Terrain;
 use walkers::{Curve, ITERATIONS, Walked, all, curve, places};
@@ -26,145 +28,42 @@ pub const STUDY: Study = Study {
     asked: &ASKED,
 };
 
-/// What its measured table says.
-const ASKED: [Asked; 16] = [
-    asked(
-        "A ball over borders of tiles of 8 m, farthest from one unbroken tile in 100 m, flat",
-        "≤ 1e-3",
-        "/roll/flat/unbroken_m",
-        "m",
-    ),
-    asked(
-        "The same on a slope",
-        "≤ 1e-3",
-        "/roll/slope/unbroken_m",
-        "m",
-    ),
-    asked(
-        "The same over waves",
-        "≤ 1e-3",
-        "/roll/waves/unbroken_m",
-        "m",
-    ),
-    asked(
-        "The same against parry's own height field, flat",
-        "≤ 1e-3",
-        "/roll/flat/parry_m",
-        "m",
-    ),
-    asked(
-        "The same against parry's own height field, on a slope",
-        "≤ 1e-3",
-        "/roll/slope/parry_m",
-        "m",
-    ),
-    asked(
-        "The same against parry's own height field, over waves",
-        "≤ 1e-3",
-        "/roll/waves/parry_m",
-        "m",
-    ),
-    asked(
-        "Balls at 100 m/s over ground that is replaced under them, times below it",
-        "0",
-        "/fast/below",
-        "",
-    ),
-    asked(
-        "Moves a second over Rapier's controller, hills",
-        "≥ 5",
-        "/over/hills/rapier",
-        "ratio",
-    ),
-    asked(
-        "Moves a second over Rapier's controller that climbs steps, hills",
-        "≥ 5",
-        "/over/hills/rapier_steps",
-        "ratio",
-    ),
-    asked(
-        "Moves a second over Rapier's controller that climbs steps, gravel",
-        "",
-        "/over/gravel/rapier_steps",
-        "ratio",
-    ),
-    asked(
-        "Deepest penetration, hills and gravel",
-        "≤ 1e-4",
-        "/depth_max_m/ours",
-        "m",
-    ),
-    asked(
-        "Deepest penetration, Rapier's controller",
-        "",
-        "/depth_max_m/rapier",
-        "m",
-    ),
-    asked(
-        "Steps that stand still, hills",
-        "",
-        "/still/hills/ours",
-        "part",
-    ),
-    asked(
-        "Steps that stand still, hills, Rapier's controller",
-        "",
-        "/still/hills/rapier",
-        "part",
-    ),
-    asked(
-        "Largest error of three advances of a slide, gravel",
-        "",
-        "/iterations/gravel/error_max_m/2",
-        "m",
-    ),
-    asked(
-        "Steps that three advances do not finish, gravel",
-        "",
-        "/iterations/gravel/wrong/2",
-        "part",
-    ),
-];
-
-const fn asked(
-    what: &'static str,
-    asked: &'static str,
-    at: &'static str,
-    unit: &'static str,
-) -> Asked {
-    Asked {
-        what,
-        asked,
-        at,
-        unit,
-    }
-}
-
 /// Balls of each ground, each from another place and at another speed.
 const BALLS: usize = 4;
 
 /// Steps of a walk.
 const STEPS: u32 = 60;
 
-/// Farthest apart, metres: from one unbroken tile of ours cut in turns, and from parry's field with cells cut alike.
-fn rolled(random: &mut Random, height: roll::Height) -> [Vec<f64>; 2] {
-    let mut errors = [Vec::new(), Vec::new()];
+/// Farthest apart of the paths of each ball, metres.
+#[derive(Default)]
+struct Rolled {
+    /// Tiles against one unbroken tile, cells cut in turns.
+    unbroken: Vec<f64>,
+    /// Tiles against parry's field, cells cut alike.
+    parry: Vec<f64>,
+    /// Parry's field against itself from another origin: what f32 makes of the same ground.
+    parry_itself: Vec<f64>,
+    /// From the straight line: of tiles, and of parry's field. Of flat ground alone it says anything.
+    beside: [Vec<f64>; 2],
+}
+
+fn rolled(random: &mut Random, height: roll::Height) -> Rolled {
+    let mut found = Rolled::default();
     for _ in 0..BALLS {
         let start = DVec2::new(16.0 + 8.0 * random.unit(), 100.0 + 8.0 * random.unit());
         let velocity = Vec3::new(random.range(3.0, 5.0), 0.0, random.range(-0.8, 0.8));
         let go = |under| path(height, under, start, velocity).0;
-        let against = [
-            (
-                Under::Tiles(256, Diagonals::Alternating),
-                Diagonals::Alternating,
-            ),
-            (Under::Parry, Diagonals::Alike),
-        ];
-        for (errors, (whole, diagonals)) in errors.iter_mut().zip(against) {
-            errors.push(apart(&go(whole), &go(Under::Tiles(8, diagonals)), start));
+        let [whole, turns] = [256, 8].map(|cells| go(Under::Tiles(cells, Diagonals::Alternating)));
+        let alike = go(Under::Tiles(8, Diagonals::Alike));
+        let [parry, moved] = [0, 8].map(|first| go(Under::Parry(first)));
+        found.unbroken.push(apart(&whole, &turns, start));
+        found.parry.push(apart(&parry, &alike, start));
+        found.parry_itself.push(apart(&parry, &moved, start));
+        for (beside_line, path) in found.beside.iter_mut().zip([alike, parry]) {
+            beside_line.push(beside(&path, start, velocity));
         }
     }
-    errors
+    found
 }
 
 fn run(options: &Options) -> Report {
@@ -173,14 +72,20 @@ fn run(options: &Options) -> Report {
     let (mut rows, mut roll) = (Vec::new(), Map::new());
     for (name, height) in GROUNDS {
         eprintln!("bodies: a ball rolls, {name}");
-        let [unbroken, parry] = rolled(&mut random, height);
+        let found = rolled(&mut random, height);
         let worst = |errors: &[f64]| errors.iter().copied().fold(0.0, f64::max);
+        let [ours, theirs] = &found.beside;
         roll.insert(
             name.into(),
-            json!({ "unbroken_m": worst(&unbroken), "parry_m": worst(&parry) }),
+            json!({
+                "unbroken_m": worst(&found.unbroken),
+                "parry_m": worst(&found.parry),
+                "parry_itself_m": worst(&found.parry_itself),
+                "beside_m": { "ours": worst(ours), "parry": worst(theirs) },
+            }),
         );
-        rows.push(rolled_row(name, "an unbroken tile", &unbroken));
-        rows.push(rolled_row(name, "parry's height field", &parry));
+        rows.push(rolled_row(name, "an unbroken tile", &found.unbroken));
+        rows.push(rolled_row(name, "parry's height field", &found.parry));
     }
     eprintln!("bodies: 100 m/s");
     let fast = fast(options.seed, count.div_ceil(16));
@@ -327,11 +232,15 @@ mod tests {
             ..Options::default()
         };
         let summary = run(&options).summary;
-        // 1 mm is what is asked for and not reached (docs/measured): held to what was measured, 20, 1.3 and 30 mm, and
-        // some more, so that it gets no worse.
-        for (ground, most) in [("flat", 0.025), ("slope", 2e-3), ("waves", 0.035)] {
-            let off = summary["roll"][ground]["unbroken_m"].as_f64().unwrap();
-            assert!(off <= most, "{ground}: {summary}");
+        for ground in ["flat", "slope", "waves"] {
+            let rolled = &summary["roll"][ground];
+            // Not nearly: to the bit, whatever holds the samples.
+            assert_eq!(rolled["unbroken_m"], 0.0, "{ground}: {summary}");
+            // The counterpart: other ways of the same ball differ, by what f32 makes of them.
+            assert!(
+                rolled["parry_m"].as_f64().unwrap() > 0.0,
+                "{ground}: {summary}"
+            );
         }
         assert_eq!(summary["fast"]["below"], 0, "{summary}");
         for terrain in ["hills", "gravel"] {

@@ -26,8 +26,8 @@ pub const GROUNDS: [(&str, Height); 3] = [("flat", flat), ("slope", slope), ("wa
 pub enum Under {
     /// Tiles of so many cells of 1 m, cut in this way.
     Tiles(u32, Diagonals),
-    /// One height field of parry's of 256 m, cells cut all alike.
-    Parry,
+    /// One height field of parry's of 256 m, cells cut all alike, that begins so many metres from the origin.
+    Parry(i32),
 }
 
 /// A way along X of this length, metres, is judged.
@@ -83,8 +83,8 @@ fn ground(app: &mut App, height: Height, under: Under) {
                 .with_diagonals(diagonals);
             app.world_mut().spawn(tiles);
         }
-        Under::Parry => {
-            let side = 0..=256_u16;
+        Under::Parry(first) => {
+            let side = first..=first + 256;
             let samples = side.clone().flat_map(|x| {
                 side.clone()
                     .map(move |z| height(DVec2::new(x.into(), z.into())) as f32)
@@ -94,9 +94,10 @@ fn ground(app: &mut App, height: Height, under: Under) {
                 Vec3::new(256.0, 1.0, 256.0),
                 HeightFieldFlags::FIX_INTERNAL_EDGES,
             );
+            let middle = first as f32 + 128.0;
             app.world_mut().spawn((
                 Collider::from(SharedShape::new(field)),
-                Transform::from_xyz(128.0, 0.0, 128.0),
+                Transform::from_xyz(middle, 0.0, middle),
             ));
         }
     }
@@ -144,6 +145,16 @@ pub fn apart(one: &[Vec3], other: &[Vec3], start: DVec2) -> f64 {
         .zip(other)
         .map(|(a, b)| f64::from(a.distance(*b)));
     distances.fold(0.0, f64::max)
+}
+
+/// The farthest that a path gets from the straight level line from its start, metres: on flat ground it is that line.
+pub fn beside(path: &[Vec3], start: DVec2, velocity: Vec3) -> f64 {
+    let way = DVec2::new(velocity.x.into(), velocity.z.into()).normalize();
+    let off = path.iter().map(|place| {
+        let from = DVec2::new(place.x.into(), place.z.into()) - start;
+        from.perp_dot(way).abs()
+    });
+    off.fold(0.0, f64::max)
 }
 
 /// What became of balls at 100 m/s over ground that is replaced under them.

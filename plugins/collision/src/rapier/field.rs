@@ -1,12 +1,15 @@
-//! A tile as Rapier meets it: triangles that know those beyond the border.
+//! A tile as casts and sensors meet it: triangles that know those beyond the border.
 //!
 //! Parry keeps bodies from catching on edges between flush triangles by holding the normal of a contact between that
 //! of the triangle and those of its neighbours. Its own height field has none beyond its border, where it allows 45°
 //! outwards, so that a ball that rolls onto a tile is braked by its edge; and where cells are cut from north-west to
 //! south-east it asks triangles that share a corner alone. This shape has the samples one step around the tile, and
-//! asks those that share the edge. Contacts are therefore to the bit those of one field without borders.
+//! asks those that share the edge. Contacts with bodies are those of the whole ground, `surface.rs`, where Rapier's world
+//! knows how to ask it; where it does not they are those of these tiles.
 
+use super::cells::{Lattice, Part};
 use super::diagonals::Diagonals;
+use super::heights::around;
 use bevy::math::{IVec2, Vec3};
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
 use bevy_rapier3d::parry::mass_properties::MassProperties;
@@ -15,11 +18,11 @@ use bevy_rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 use bevy_rapier3d::parry::query::details::NormalConstraints;
 use bevy_rapier3d::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
 use bevy_rapier3d::parry::shape::{
-    CompositeShape, FeatureId, HeightField, HeightFieldCellStatus, Shape, ShapeType, Triangle,
-    TrianglePseudoNormals, TypedShape,
+    CompositeShape, FeatureId, HeightField, HeightFieldCellStatus, Shape, ShapeType, TypedShape,
 };
 use bevy_rapier3d::parry::utils::Array2;
 use std::f32::consts::FRAC_PI_4;
+use std::sync::Arc;
 
 /// Triangles of a tile around its middle, those of a cell one after the other.
 #[derive(Clone)]
@@ -27,35 +30,18 @@ pub(super) struct TileShape {
     /// Parry's own, for rays, points and continuous collision detection, where normals do not count.
     field: HeightField,
     /// Those of the tile and of one step around it, columns along Z together.
-    samples: Vec<f32>,
+    samples: Arc<[f32]>,
     cells: i32,
-    step: f32,
+    lattice: Lattice,
     /// The first cell, on the lattice of the world.
     first: IVec2,
-    diagonals: Diagonals,
     bvh: Bvh,
-}
-
-/// What a side of a tile of `cells` has of samples with those of one step around it.
-pub(super) const fn around(cells: i32) -> i32 {
-    cells + 3
-}
-
-/// Which way the two neighbours of a triangle lie that are not of its cell: of a cell cut from north-west to south-east
-/// the left triangle has the sides in the west and south, of another those in the west and north.
-const fn neighbours(falls: bool, right: bool) -> [IVec2; 2] {
-    match (falls, right) {
-        (true, false) => [IVec2::NEG_X, IVec2::Y],
-        (true, true) => [IVec2::X, IVec2::NEG_Y],
-        (false, false) => [IVec2::NEG_X, IVec2::NEG_Y],
-        (false, true) => [IVec2::X, IVec2::Y],
-    }
 }
 
 impl TileShape {
     /// Of samples of the tile whose first cell is `first`, and of one step around it.
     pub fn new(
-        samples: Vec<f32>,
+        samples: Arc<[f32]>,
         cells: i32,
         step: f32,
         first: IVec2,
@@ -83,13 +69,15 @@ impl TileShape {
             field,
             samples,
             cells,
-            step,
+            lattice: Lattice { step, diagonals },
             first,
-            diagonals,
             bvh: Bvh::new(),
         };
         let count = 2 * (cells * cells) as u32;
-        let leaves = (0..count).map(|id| (id as usize, shape.part(id).0.local_aabb()));
+        let leaves = (0..count).map(|id| {
+            let (part, place) = shape.part(id);
+            (id as usize, part.triangle.aabb(&place))
+        });
         let bvh = Bvh::from_iter(BvhBuildStrategy::Binned, leaves);
         shape.bvh = bvh;
         shape
@@ -99,63 +87,23 @@ impl TileShape {
     pub fn bytes(&self) -> u64 {
         let cells = (self.cells * self.cells) as usize;
         let heights = size_of_val(self.field.heights().data());
-        let samples = size_of_val(self.samples.as_slice());
+        let samples = size_of_val(&*self.samples);
         (samples + heights + cells + self.bvh.total_memory_size()) as u64
     }
 
-    fn corner(&self, at: IVec2) -> Vector {
-        let height = self.samples[((at.x + 1) * around(self.cells) + at.y + 1) as usize];
-        // Exact: half of a side is a multiple of half a step.
-        let half = self.step * self.cells as f32 * 0.5;
-        Vec3::new(
-            at.x as f32 * self.step - half,
-            height,
-            at.y as f32 * self.step - half,
-        )
-    }
-
-    /// A triangle of a cell, from one beside the tile on, with its front upwards.
-    fn triangle(&self, cell: IVec2, right: bool) -> Triangle {
-        let at = |x, z| self.corner(cell + IVec2::new(x, z));
-        let (nw, ne, sw, se) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
-        match (self.falls(cell), right) {
-            (true, false) => Triangle::new(nw, sw, se),
-            (true, true) => Triangle::new(nw, se, ne),
-            (false, false) => Triangle::new(nw, sw, ne),
-            (false, true) => Triangle::new(sw, se, ne),
-        }
-    }
-
-    fn falls(&self, cell: IVec2) -> bool {
-        self.diagonals.falls(self.first + cell)
-    }
-
-    /// A triangle and what its normals lie between, by its number.
-    fn part(&self, id: u32) -> (Triangle, TrianglePseudoNormals) {
+    /// A triangle by its number, and where the frame of its cell lies in that of the tile.
+    fn part(&self, id: u32) -> (Part, Pose) {
         let (cell, right) = (id as i32 / 2, id & 1 == 1);
         let cell = IVec2::new(cell / self.cells, cell % self.cells);
-        let triangle = self.triangle(cell, right);
-        let face = triangle.normal().unwrap_or(Vec3::Y);
-        let halfway = |other: Triangle| {
-            let normal = other.normal().unwrap_or(face);
-            // Both point upwards: they are never opposite.
-            (face + normal).normalize_or(face)
+        let height = |at: IVec2| {
+            let at = at - self.first + 1;
+            self.samples[(at.x * around(self.cells) + at.y) as usize]
         };
-        let falls = self.falls(cell);
-        let [one, two] = neighbours(falls, right).map(|by| {
-            let there = cell + by;
-            // West of an edge along Z is a right triangle, east of it a left one; north of one along X is the left one
-            // of a cell that falls and the right one of another, south of it the other way round.
-            let its_right = match by {
-                IVec2::NEG_X => true,
-                IVec2::X => false,
-                IVec2::NEG_Y => !self.falls(there),
-                _ => self.falls(there),
-            };
-            halfway(self.triangle(there, its_right))
-        });
-        let edges = [one, two, halfway(self.triangle(cell, !right))];
-        (triangle, TrianglePseudoNormals { face, edges })
+        let part = self.lattice.part(self.first + cell, right, &height);
+        // Exact: half of a side is a multiple of half a step.
+        let from = cell.as_vec2() * self.lattice.step - 0.5 * self.lattice.step * self.cells as f32;
+        let place = Pose::from_translation(Vec3::new(from.x, part.base, from.y));
+        (part, place)
     }
 }
 
@@ -165,8 +113,8 @@ impl CompositeShape for TileShape {
         id: u32,
         f: &mut dyn FnMut(Option<&Pose>, &dyn Shape, Option<&dyn NormalConstraints>),
     ) {
-        let (triangle, normals) = self.part(id);
-        f(None, &triangle, Some(&normals));
+        let (part, place) = self.part(id);
+        f(Some(&place), &part.triangle, Some(&part.normals));
     }
 
     fn bvh(&self) -> &Bvh {
@@ -268,43 +216,7 @@ mod tests {
         TileShape::new(samples.collect(), cells, 0.5, first, diagonals)
     }
 
-    /// Every neighbour shares two corners with the triangle, and each of its edges has one.
-    #[test]
-    fn neighbours_share_an_edge() {
-        for diagonals in [Diagonals::Alternating, Diagonals::Alike] {
-            let tile = tile(IVec2::new(-3, 6), 4, diagonals);
-            for id in 0..32 {
-                let (triangle, normals) = tile.part(id);
-                let corners = [triangle.a, triangle.b, triangle.c];
-                // The triangles around, by brute force: all that share two corners.
-                let mut expected = Vec::new();
-                for x in -1..5 {
-                    for z in -1..5 {
-                        for right in [false, true] {
-                            let other = tile.triangle(IVec2::new(x, z), right);
-                            let theirs = [other.a, other.b, other.c];
-                            let shared = corners.iter().filter(|c| theirs.contains(c)).count();
-                            if shared == 2 {
-                                expected.push((normals.face + other.normal().unwrap()).normalize());
-                            }
-                        }
-                    }
-                }
-                assert_eq!(expected.len(), 3, "{id}");
-                for edge in normals.edges {
-                    assert!(expected.iter().any(|e| e.distance(edge) < 1e-6), "{id}");
-                }
-                for other in expected {
-                    assert!(
-                        normals.edges.iter().any(|e| e.distance(other) < 1e-6),
-                        "{id}"
-                    );
-                }
-            }
-        }
-    }
-
-    /// The same triangle of two tiles that overlap, but for where they lie.
+    /// The same triangle of two tiles that overlap.
     #[test]
     fn a_border_is_as_the_inside_to_the_bit() {
         let whole = tile(IVec2::ZERO, 8, Diagonals::Alternating);
@@ -318,10 +230,10 @@ mod tests {
             for id in 0..32_u32 {
                 let cell = IVec2::new(id as i32 / 2 / 4, id as i32 / 2 % 4) + corner;
                 let there = (cell.x * 8 + cell.y) as u32 * 2 + (id & 1);
-                let ((a, of_part), (b, of_whole)) = (part.part(id), whole.part(there));
-                assert_eq!(of_part.face, of_whole.face);
-                assert_eq!(of_part.edges, of_whole.edges);
-                assert_eq!(a.b - a.a, b.b - b.a);
+                let ((a, _), (b, _)) = (part.part(id), whole.part(there));
+                assert_eq!(a.normals.face, b.normals.face);
+                assert_eq!(a.normals.edges, b.normals.edges);
+                assert_eq!(a.triangle, b.triangle);
             }
         }
     }
@@ -333,8 +245,9 @@ mod tests {
             for z in 0..3 {
                 let cell = IVec2::new(x, z);
                 let (left, right) = tile.field.triangles_at(z as usize, x as usize);
-                for (parry, ours) in [(left, false), (right, true)] {
-                    let ours = tile.triangle(cell, ours);
+                for (parry, ours) in [(left, 0), (right, 1)] {
+                    let (ours, place) = tile.part(((x * 3 + z) * 2 + ours) as u32);
+                    let ours = ours.triangle.transformed(&place);
                     let parry = parry.unwrap();
                     // Its corners are products of thirds.
                     assert!(parry.a.distance(ours.a) < 1e-6, "{cell}");

@@ -4,7 +4,7 @@
 //! distance of samples is a power of two, and places of samples are exact in f32 up to 2²⁴ of them from the origin.
 
 use super::diagonals::Diagonals;
-use super::field::{TileShape, around};
+use super::field::TileShape;
 use bevy::ecs::prelude::*;
 use bevy::math::{DVec2, IVec2, Vec3};
 use bevy::transform::components::Transform;
@@ -14,6 +14,9 @@ use std::sync::Arc;
 use thiserror::Error;
 
 /// Ground that Rapier's bodies meet: tiles of it come where bodies are awake, and go.
+///
+/// Contacts and collision events name this entity. Its `Friction`, `Restitution`, `CollisionGroups` and `SolverGroups`
+/// are those of the ground.
 ///
 /// Another ground, written into this component, is met from the next step on: bodies on what has changed wake, and
 /// those that would be inside are lifted by as much as the ground rose.
@@ -52,6 +55,11 @@ pub enum TileError {
 
 /// Samples farther from the origin than this many steps are not exact in f32.
 const FARTHEST: f64 = 16_777_216.0;
+
+/// What a side of a tile of `cells` has of samples with those of one step around it.
+pub(super) const fn around(cells: i32) -> i32 {
+    cells + 3
+}
 
 impl GroundTiles {
     /// Samples `step` metres apart, a power of two, and tiles of `cells` by `cells` of them.
@@ -122,7 +130,9 @@ impl GroundTiles {
     #[must_use]
     pub fn cell(&self, xz: DVec2) -> Option<IVec2> {
         let cell = (xz / f64::from(self.step)).floor();
-        (cell.abs().max_element() < FARTHEST).then(|| cell.as_ivec2())
+        // Each by itself: the greatest of a number and of none is the number.
+        let near = cell.abs().cmplt(DVec2::splat(FARTHEST)).all();
+        near.then(|| cell.as_ivec2())
     }
 
     /// The tile of a cell.
@@ -164,7 +174,7 @@ impl GroundTiles {
     }
 
     /// The samples of a tile and of one step around it, those of a column along Z together.
-    pub(super) fn samples(&self, tile: IVec2) -> Vec<f32> {
+    pub(super) fn samples(&self, tile: IVec2) -> Arc<[f32]> {
         let first = tile * self.cells as i32;
         let side = -1..around(self.cells as i32) - 1;
         let columns = side
@@ -174,7 +184,7 @@ impl GroundTiles {
     }
 
     /// A tile of these samples.
-    pub(super) fn shape(&self, tile: IVec2, samples: Vec<f32>) -> TileShape {
+    pub(super) fn shape(&self, tile: IVec2, samples: Arc<[f32]>) -> TileShape {
         let cells = self.cells as i32;
         TileShape::new(samples, cells, self.step, tile * cells, self.diagonals)
     }

@@ -7,16 +7,22 @@
 //! | [`MeetsMovers`] | you, on a body | movers meet it, stand on it and are pushed by it |
 //!
 //! [`RapierBridgePlugin`] adds Rapier in steps of `FixedUpdate`, one step of Rapier a step of Bevy; to set Rapier up
-//! in another way, add its plugin before this one, in `FixedUpdate`. Neither a system of Rapier's runs nor is there a
+//! in another way, add its plugin before this one, in `FixedUpdate`, and leave its world empty until a step has begun:
+//! the bridge then gives it a query dispatcher that knows ground. It takes no physics hooks: they are yours. Neither a system of Rapier's runs nor is there a
 //! world of its before the first `RigidBody` or [`GroundTiles`] is there.
 
 mod bodies;
+mod cells;
+mod contacts;
 mod counters;
 mod diagonals;
+mod dispatch;
 mod field;
 mod heights;
 mod meet;
 mod push;
+mod surface;
+mod surfaces;
 mod tiles;
 
 pub use counters::BridgeCounters;
@@ -58,11 +64,16 @@ impl Plugin for RapierBridgePlugin {
             return;
         }
         app.add_plugins(CollisionPlugin);
-        if !app.is_plugin_added::<RapierPhysicsPlugin<NoUserData>>() {
+        // Rapier's plugin leaves this, whatever its type of hooks.
+        if !app
+            .world()
+            .contains_resource::<RapierContextInitialization>()
+        {
             add_rapier(app);
         }
         counters::build(app);
         app.init_resource::<tiles::Tiles>()
+            .init_resource::<surfaces::Surfaces>()
             .configure_sets(
                 FixedUpdate,
                 (
@@ -79,6 +90,7 @@ impl Plugin for RapierBridgePlugin {
                 (
                     (
                         make_world.run_if(needs_world),
+                        surfaces::teach.run_if(any_with_component::<RapierContextSimulation>),
                         meet::shape.run_if(any_with_component::<MeetsMovers>),
                         push::stand_in.run_if(
                             any_with_component::<Pusher>
@@ -90,12 +102,19 @@ impl Plugin for RapierBridgePlugin {
                     push::push
                         .in_set(RapierBridgeSystems::Push)
                         .run_if(any_with_component::<Pusher>),
-                    (tiles::change, tiles::lift, tiles::keep, counters::publish)
+                    (
+                        surfaces::keep,
+                        tiles::change,
+                        tiles::lift,
+                        tiles::keep,
+                        counters::publish,
+                    )
                         .chain()
                         .in_set(RapierBridgeSystems::Tiles)
                         .run_if(
                             any_with_component::<GroundTiles>
-                                .or_else(any_with_component::<tiles::TileOf>),
+                                .or_else(any_with_component::<tiles::TileOf>)
+                                .or_else(surfaces::any),
                         ),
                 ),
             );
@@ -154,8 +173,8 @@ fn needs_world(
 fn make_world(mut commands: Commands, fixed: Res<Time<Fixed>>) {
     let mut simulation = RapierContextSimulation::default();
     simulation.integration_parameters.dt = fixed.timestep().as_secs_f32();
-    // Contacts of one shape that have nearly the same normal are else merged, those of two tiles are not: a ball
-    // would roll over a border otherwise than over an edge.
+    // Contacts whose normals are within 5° of each other are else merged, and get the normal of the first: a ball in a
+    // hollow would be pushed along one that is off by so much.
     simulation.integration_parameters.contact_clustering = false;
     commands.insert_resource(TimestepMode::Fixed {
         dt: fixed.timestep().as_secs_f32(),

@@ -1,4 +1,5 @@
-//! Tiles where bodies are awake.
+//! Tiles where bodies are awake: samples of the ground, which its surface looks into, and a collider each, for casts,
+//! sensors and continuous collision detection.
 //!
 //! Rapier wakes bodies whose ground is removed. A tile below a body that sleeps is therefore first taken out of the
 //! contacts and islands, by a call that knows no bodies to wake, and then removed: the body sleeps on over nothing, and
@@ -7,16 +8,18 @@
 use super::bodies::{Bodies, BodyBox};
 use super::counters::BridgeCounters;
 use super::heights::GroundTiles;
+use super::surfaces::{Components, Material, Surfaces};
 use bevy::ecs::prelude::*;
 use bevy::math::{DVec2, IRect, IVec2};
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::transform::components::Transform;
 use bevy_rapier3d::parry::shape::SharedShape;
 use bevy_rapier3d::prelude::{
-    Collider, CollisionGroups, DefaultRapierContext, Friction, RapierColliderHandle,
-    RapierContextColliders, RapierContextSimulation, RapierRigidBodySet, Restitution, SolverGroups,
+    Collider, DefaultRapierContext, RapierColliderHandle, RapierContextColliders,
+    RapierContextSimulation, RapierRigidBodySet,
 };
 use bevy_rapier3d::rapier::prelude::RigidBodySet;
+use std::sync::Arc;
 
 /// Steps that a tile stays which nobody needs: a body that rolls to and fro over a border makes none anew.
 const LINGER: u32 = 30;
@@ -34,7 +37,7 @@ pub(super) struct TileOf {
 /// One tile.
 struct Tile {
     entity: Entity,
-    samples: Vec<f32>,
+    samples: Arc<[f32]>,
     /// What its shape holds.
     bytes: u64,
     /// Steps for which nobody needed it.
@@ -50,14 +53,6 @@ pub(super) struct Tiles {
     /// Bodies that rise with the ground, and by how much.
     lifts: Vec<(Entity, f32)>,
 }
-
-/// What tiles take from their ground's entity.
-type Surface = (
-    Option<&'static Friction>,
-    Option<&'static Restitution>,
-    Option<&'static CollisionGroups>,
-    Option<&'static SolverGroups>,
-);
 
 /// The tiles below a box; `true` if there were too many.
 fn below(ground: &GroundTiles, body: &BodyBox) -> Option<(IRect, bool)> {
@@ -79,7 +74,8 @@ fn each(rect: IRect) -> impl Iterator<Item = IVec2> {
 pub(super) fn keep(
     mut tiles: ResMut<Tiles>,
     mut counters: ResMut<BridgeCounters>,
-    grounds: Query<(Entity, &GroundTiles, Surface)>,
+    surfaces: Res<Surfaces>,
+    grounds: Query<(Entity, &GroundTiles, Components)>,
     bodies: Bodies,
     mut worlds: Query<
         (
@@ -125,29 +121,32 @@ pub(super) fn keep(
     // In an order that hashing does not change: Rapier's results depend on it.
     made.sort_unstable_by_key(|(entity, tile)| (*entity, tile.x, tile.y));
     for (entity, tile) in made {
-        let Ok((_, ground, surface)) = grounds.get(entity) else {
+        let Ok((_, ground, components)) = grounds.get(entity) else {
             continue;
         };
         let samples = ground.samples(tile);
+        if let Some(surface) = surfaces.get(entity) {
+            surface.insert(tile, samples.clone());
+        }
         let shape = ground.shape(tile, samples.clone());
-        let bytes = size_of_val(samples.as_slice()) as u64 + shape.bytes();
+        let bytes = shape.bytes();
         let mut spawned = commands.spawn((
             TileOf { ground: entity },
             Collider::from(SharedShape::new(shape)),
             Transform::from_translation(ground.place(tile)),
         ));
-        let (friction, restitution, groups, solver_groups) = surface;
-        if let Some(friction) = friction {
-            spawned.insert(*friction);
+        let material = Material::of(components);
+        if let Some(friction) = material.friction {
+            spawned.insert(friction);
         }
-        if let Some(restitution) = restitution {
-            spawned.insert(*restitution);
+        if let Some(restitution) = material.restitution {
+            spawned.insert(restitution);
         }
-        if let Some(groups) = groups {
-            spawned.insert(*groups);
+        if let Some(groups) = material.groups {
+            spawned.insert(groups);
         }
-        if let Some(groups) = solver_groups {
-            spawned.insert(*groups);
+        if let Some(groups) = material.solver_groups {
+            spawned.insert(groups);
         }
         let made = Tile {
             entity: spawned.id(),
@@ -173,7 +172,10 @@ pub(super) fn keep(
     });
     gone.sort_unstable_by_key(|(_, (entity, tile), _)| (*entity, tile.x, tile.y));
     let mut nobody = RigidBodySet::new();
-    for (silent, _, entity) in gone {
+    for (silent, (ground, tile), entity) in gone {
+        if let Some(surface) = surfaces.get(ground) {
+            surface.remove(tile);
+        }
         if silent && let Ok(handle) = handles.get(entity) {
             let simulation = &mut *simulation;
             // With the islands, whose contacts are numbered as those of the narrow phase are.
@@ -197,6 +199,7 @@ pub(super) fn keep(
 pub(super) fn change(
     mut tiles: ResMut<Tiles>,
     mut counters: ResMut<BridgeCounters>,
+    surfaces: Res<Surfaces>,
     grounds: Query<(Entity, Ref<GroundTiles>)>,
     bodies: Bodies,
     mut worlds: Query<
@@ -238,6 +241,11 @@ pub(super) fn change(
             }
             true
         });
+        if let Some(surface) = surfaces.get(entity) {
+            let own = tiles.of.iter().filter(|((of, _), _)| *of == entity);
+            let samples = own.map(|((_, tile), known)| (*tile, known.samples.clone()));
+            surface.set(GroundTiles::clone(&ground), samples.collect());
+        }
         let Ok((mut simulation, colliders, mut set)) = worlds.single_mut() else {
             continue;
         };

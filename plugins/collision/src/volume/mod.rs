@@ -6,6 +6,7 @@
 
 mod ellipsoid;
 mod fit;
+mod fit_ellipsoid;
 mod meet;
 mod ray;
 mod shape;

@@ -1,0 +1,178 @@
+//! Movers where nothing is kind: closed rooms full of triangles, numbers that are none, and the same moves by any number
+//! of threads.
+
+use super::*;
+
+/// Never through a surface: thousands of wishes in a closed room full of triangles.
+#[test]
+fn hostile_rooms_hold_their_movers() {
+    let mut random = Random::new(53);
+    for room in 0..12 {
+        let shift = if room % 3 == 2 {
+            DVec3::new(1e5, 1e5, -1e5)
+        } else {
+            DVec3::ZERO
+        };
+        let walls = tree(TriangleMesh::cuboid(shift, Vec3::splat(4.0)).unwrap());
+        let clutter: Vec<_> = soup(&mut random, 40, 3.5, if room % 2 == 0 { 1.5 } else { 0.2 })
+            .into_iter()
+            .map(|corners| corners.map(|c| c + shift))
+            .collect();
+        let clutter = tree(TriangleMesh::from_triangles(&clutter).unwrap());
+        let bodies = [Body::fixed(&walls), Body::fixed(&clutter)];
+        let mut walker = Walker::at([0.0; 3]);
+        walker.settings.step_height = if room % 4 == 0 { 0.35 } else { 0.0 };
+        walker.mover.radii = DVec3::new(
+            size(&mut random, 0.1, 0.5),
+            size(&mut random, 0.1, 0.9),
+            0.3,
+        );
+        walker.mover.center = shift + place(&mut random, 3.0);
+        // Moved out of what it was put into, it is somewhere in the room.
+        walker.go(&bodies, DVec3::ZERO);
+        let mut deepest = 0.0_f64;
+        for step in 0..1500 {
+            let wish = direction(&mut random) * size(&mut random, 1e-4, 10.0);
+            let before = walker.mover.center;
+            let c = walker.go(&bodies, wish);
+            assert!(c.is_finite());
+            let out = (c - shift).abs().max_element();
+            assert!(out < 4.0, "{room} {step}: {before} {wish} {c}");
+            if !walker.outcome.crushed {
+                deepest = deepest
+                    .max(walker.depth(&bodies[0]))
+                    .max(walker.depth(&bodies[1]));
+            }
+        }
+        assert!(deepest <= 1e-4, "{room}: {deepest:e}");
+    }
+}
+
+#[test]
+fn bad_movers_are_refused_and_the_others_go_on() {
+    let ground = tree(floor(10, 1.0, |_, _| 0.0));
+    let bodies = [
+        Body::standing(&ground, Pose::at(DVec3::splat(f64::NAN))),
+        Body::fixed(&ground),
+    ];
+    let nan = DVec3::splat(f64::NAN);
+    let mut movers = [
+        Mover::new(nan, FIGURE),
+        Mover::new(DVec3::Y, DVec3::ZERO),
+        Mover::new(DVec3::Y, FIGURE),
+        Mover::new(DVec3::Y, FIGURE),
+        // Within the ground, and outside of the world.
+        Mover::new(DVec3::new(0.0, 0.2, 0.0), FIGURE),
+        Mover::new(DVec3::splat(1e12), FIGURE),
+    ];
+    let wishes = [
+        DVec3::X,
+        DVec3::X,
+        nan,
+        DVec3::new(0.0, -1e6, 0.0),
+        DVec3::ZERO,
+        DVec3::NEG_Y,
+    ];
+    let mut outcomes = vec![MoveOutcome::default(); 6];
+    advance_all(
+        &World::new(&bodies),
+        &mut movers,
+        &wishes,
+        &MoveSettings::default(),
+        &mut outcomes,
+    );
+    assert!(matches!(outcomes[0].error, Some(MoveError::Mover { .. })));
+    assert!(matches!(outcomes[1].error, Some(MoveError::Mover { .. })));
+    assert!(matches!(outcomes[2].error, Some(MoveError::Wish(_))));
+    assert_eq!(movers[2].center, DVec3::Y);
+    // An hour of falling ends on the ground.
+    assert!(
+        outcomes[3].grounded && (movers[3].center.y - 0.9).abs() < 1e-5,
+        "{:?}",
+        movers[3]
+    );
+    assert!((movers[4].center.y - 0.9).abs() < 1e-5, "{:?}", movers[4]);
+    assert_eq!(outcomes[5].error, None);
+    let settings = MoveSettings {
+        up: DVec3::ZERO,
+        ..MoveSettings::default()
+    };
+    advance_all(
+        &World::new(&bodies),
+        &mut movers[3..4],
+        &wishes[4..],
+        &settings,
+        &mut outcomes,
+    );
+    assert!(matches!(outcomes[0].error, Some(MoveError::Settings(_))));
+    // Nothing at all.
+    advance_all(
+        &World::default(),
+        &mut movers[3..4],
+        &wishes[4..],
+        &MoveSettings::default(),
+        &mut outcomes,
+    );
+    assert_eq!((outcomes[0].error, outcomes[0].grounded), (None, false));
+}
+
+fn hash_of_moves(threads: usize) -> u64 {
+    ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(threads).build());
+    let mut random = Random::new(54);
+    let ground = TriangleTree::new(
+        floor(60, 0.5, |x, z| {
+            0.3 * ((x * 0.7).fract() - (z * 0.3).fract()).abs()
+        }),
+        TreeSettings {
+            kind: TreeKind::Octree,
+            ..TreeSettings::default()
+        },
+    );
+    let bodies = [Body::fixed(&ground)];
+    let mut movers: Vec<Mover> = (0..1000)
+        .map(|_| {
+            Mover::new(
+                place(&mut random, 12.0) * DVec3::new(1.0, 0.0, 1.0) + DVec3::Y * 2.0,
+                FIGURE,
+            )
+        })
+        .collect();
+    let mut outcomes = vec![MoveOutcome::default(); movers.len()];
+    let wishes: Vec<DVec3> = movers
+        .iter()
+        .map(|_| place(&mut random, 0.1) - DVec3::Y * 0.05)
+        .collect();
+    let mut hash = Hash64::default();
+    for _ in 0..30 {
+        advance_all(
+            &World::new(&bodies),
+            &mut movers,
+            &wishes,
+            &MoveSettings::default(),
+            &mut outcomes,
+        );
+    }
+    for (mover, outcome) in movers.iter().zip(&outcomes) {
+        mover
+            .center
+            .to_array()
+            .iter()
+            .for_each(|x| hash.add(x.to_bits()));
+        hash.add(u64::from(outcome.grounded) + 2 * u64::from(outcome.iterations));
+    }
+    let grounded = outcomes.iter().filter(|outcome| outcome.grounded).count();
+    assert!(grounded > 500, "{grounded}");
+    hash.finish()
+}
+
+const HASH: u64 = 3_738_107_886_644_932_815;
+
+#[test]
+fn one_thread_moves_the_same() {
+    assert_eq!(hash_of_moves(1), HASH);
+}
+
+#[test]
+fn two_threads_move_the_same() {
+    assert_eq!(hash_of_moves(2), HASH);
+}

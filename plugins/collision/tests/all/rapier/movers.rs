@@ -1,0 +1,95 @@
+//! Movers and Rapier's bodies push each other.
+
+use super::*;
+use bevy::math::DVec3;
+use dolomite_collision::rapier::{MeetsMovers, Pusher};
+use dolomite_collision::{
+    CharacterBody, Collider, MoveState, MoveWish, TreeSettings, TriangleMesh, TriangleTree,
+};
+
+fn floor() -> Arc<TriangleTree> {
+    let corner = |x: f64, z: f64| DVec3::new(x, 0.0, z) * 100.0;
+    let (a, b, c, d) = (
+        corner(-1.0, -1.0),
+        corner(-1.0, 1.0),
+        corner(1.0, 1.0),
+        corner(1.0, -1.0),
+    );
+    let mesh =
+        TriangleMesh::from_triangles(&[[a, b, c], [a, c, d]]).expect("both triangles have an area");
+    Arc::new(TriangleTree::new(mesh, TreeSettings::default()))
+}
+
+/// A mover on a floor, and the same floor for Rapier.
+fn with_mover(force: Option<f32>) -> (App, Entity) {
+    let mut app = app();
+    app.world_mut().spawn(ground_tiles(flat, 8));
+    app.world_mut().spawn(Collider(floor()));
+    let figure = (
+        CharacterBody::default(),
+        Transform::from_xyz(0.0, 0.901, 0.0),
+    );
+    let mover = app.world_mut().spawn(figure).id();
+    if let Some(force) = force {
+        app.world_mut().entity_mut(mover).insert(Pusher { force });
+    }
+    (app, mover)
+}
+
+fn walk(app: &mut App, mover: Entity, speed: f32, count: usize) {
+    for _ in 0..count {
+        let wish = Vec3::new(speed, -1.0, 0.0) / 64.0;
+        app.world_mut()
+            .get_mut::<MoveWish>(mover)
+            .expect("the mover has a wish")
+            .0 = wish;
+        steps(app, 1);
+    }
+}
+
+#[test]
+fn a_mover_pushes_a_stone_as_hard_as_it_may() {
+    let pushed = |force: Option<f32>| {
+        let (mut app, mover) = with_mover(force);
+        let stone = ball(&mut app, 0.5, Vec3::new(2.0, 0.5, 0.0), Vec3::ZERO);
+        app.world_mut().entity_mut(stone).insert(MeetsMovers);
+        walk(&mut app, mover, 2.0, 128);
+        (place(&app, stone).x, place(&app, mover).x)
+    };
+    let (still, stopped) = pushed(None);
+    assert!((still - 2.0).abs() < 1e-3, "nobody pushes: {still}");
+    assert!(stopped < 1.3, "the stone is in the way: {stopped}");
+    let (rolled, walked) = pushed(Some(400.0));
+    assert!(rolled > 3.0, "{rolled}");
+    assert!(walked > 2.0 && walked < rolled, "{walked} behind {rolled}");
+    let (weak, _) = pushed(Some(1.0));
+    assert!(weak < rolled - 0.3, "{weak} of {rolled}");
+}
+
+#[test]
+fn a_stone_pushes_a_mover_and_does_not_pass_through() {
+    let (mut app, mover) = with_mover(Some(400.0));
+    let stone = ball(
+        &mut app,
+        0.5,
+        Vec3::new(-3.0, 0.5, 0.0),
+        Vec3::new(5.0, 0.0, 0.0),
+    );
+    app.world_mut().entity_mut(stone).insert(MeetsMovers);
+    for _ in 0..128 {
+        walk(&mut app, mover, 0.0, 1);
+        let (stone, mover) = (place(&app, stone), place(&app, mover));
+        assert!(stone.x < mover.x, "{stone} {mover}");
+    }
+    assert!(
+        app.world()
+            .get::<MoveState>(mover)
+            .expect("it is there: the body is on the ground")
+            .grounded()
+    );
+    // The stand-in goes with its mover.
+    app.world_mut().entity_mut(mover).despawn();
+    steps(&mut app, 2);
+    let mut kinds = app.world_mut().query::<&RigidBody>();
+    assert_eq!(kinds.iter(app.world()).count(), 1, "the stone alone");
+}
