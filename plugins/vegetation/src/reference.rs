@@ -8,7 +8,7 @@
 //! Shapes, widths and colours are those that are drawn on the GPU, by the same functions; no wind blows, the ground is
 //! level, and the smooth noise of colours is its mean. Colours are those before light.
 
-use bevy::math::{Vec2, Vec3};
+use bevy::math::{Vec2, Vec3, Vec4};
 
 use crate::blade::{BladeShape, LEAST_SEEN, Own, widened};
 use crate::colour::{blade_colour, shade_at};
@@ -134,7 +134,7 @@ pub fn draw(
             (k / field.cells) as f32 * growth.lattice.pitch() + part(root.at & 0xFFFF),
         );
         let curve = shape.curve(shape.lean);
-        let corners: Vec<(Vec3, Vec3)> = (0..=2 * manner.segments)
+        let corners: Vec<(Vec3, Vec4)> = (0..=2 * manner.segments)
             .map(|k| {
                 let vertex = shape.vertex(curve, manner.segments, k);
                 let along = vertex.along;
@@ -150,7 +150,7 @@ pub fn draw(
                 );
                 let noise = Vec2::splat(0.5);
                 let colour = blade_colour(&blade.look, own, noise, manner.calm, along);
-                (shadow, colour * shade_at(along))
+                (shadow, colour.extend(along))
             })
             .collect();
         for triangle in corners.windows(3) {
@@ -178,7 +178,7 @@ pub fn draw(
 }
 
 /// One triangle, row by row, around the torus.
-fn fill(depths: &mut [f32], colours: &mut [Vec3], samples: usize, corners: [(Vec3, Vec3); 3]) {
+fn fill(depths: &mut [f32], colours: &mut [Vec3], samples: usize, corners: [(Vec3, Vec4); 3]) {
     let [a, b, c] = corners.map(|(place, _)| place);
     let area = (b - a).truncate().perp_dot((c - a).truncate());
     if area == 0.0 || !area.is_finite() {
@@ -209,7 +209,9 @@ fn fill(depths: &mut [f32], colours: &mut [Vec3], samples: usize, corners: [(Vec
                 + (column as i64).rem_euclid(samples as i64) as usize;
             if depth > depths[k] {
                 depths[k] = depth;
-                colours[k] = u * corners[0].1 + v * corners[1].1 + w * corners[2].1;
+                // As it is drawn: colours at the corners, the shade by how far along a sample is.
+                let seen = u * corners[0].1 + v * corners[1].1 + w * corners[2].1;
+                colours[k] = seen.truncate() * shade_at(seen.w);
             }
             column += 1.0;
         }
@@ -251,7 +253,7 @@ mod tests {
             let samples = 128;
             let mut depths = vec![0.0; samples * samples];
             let mut colours = vec![Vec3::ZERO; samples * samples];
-            let corner = |x: f32, y: f32| (Vec3::new(x + shift, y - shift, 1.0), Vec3::ONE);
+            let corner = |x: f32, y: f32| (Vec3::new(x + shift, y - shift, 1.0), Vec4::ONE);
             let triangle = [corner(0.0, 0.0), corner(100.0, 0.0), corner(0.0, 100.0)];
             fill(&mut depths, &mut colours, samples, triangle);
             let covered = depths.iter().filter(|d| **d > 0.0).count();

@@ -15,7 +15,7 @@ use bevy::render::render_resource::{PipelineCache, PipelineDescriptor, TextureFo
 use bevy::shader::ShaderDefVal;
 use dolomite::ground::{GroundMaterial, TerrainView};
 use dolomite::terrain::{GroundRect, Layer, Source, Terrain, TerrainData};
-use dolomite::vegetation::{Kinds, Vegetation, VegetationView};
+use dolomite::vegetation::{Kinds, Shape, Vegetation, VegetationView};
 
 use super::variants::Variant;
 
@@ -30,7 +30,14 @@ pub fn draw(app: &mut App) -> Vec<Variant> {
         base: 20.0,
         sea_level: None,
     });
-    let kinds = Kinds::small_set();
+    // Trees and rocks are drawn by Bevy.
+    let mut kinds = Kinds::small_set();
+    kinds
+        .kinds
+        .retain(|kind| !matches!(kind.shape, Shape::Mesh(_)));
+    for kind in &mut kinds.kinds {
+        kind.keeps_off.clear();
+    }
     let world = app.world_mut();
     world.spawn((
         terrain.expect("in range"),
