@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn every_file_is_valid_wgsl() {
         let needing = ALL.iter().filter(|file| needs_bevy(file)).count();
-        assert!(needing < 10, "{needing} files cannot be checked here");
+        assert!(needing < 13, "{needing} files cannot be checked here");
         for file in ALL.iter().filter(|file| !needs_bevy(file)) {
             let module = compose(file.path, &[]).unwrap_or_else(|error| panic!("{error}"));
             let valid = Validator::new(ValidationFlags::all(), CAPABILITIES).validate(&module);

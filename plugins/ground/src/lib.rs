@@ -53,7 +53,8 @@ mod shown;
 
 pub use cover::{PatchDetail, TerrainCover, TerrainCoverSystems, TerrainView};
 pub use material::{
-    Band, GroundLayer, GroundMaterial, GroundShading, MaterialBands, Measure, Sea, Surface,
+    Band, Canopy, CanopyLayer, GroundCanopy, GroundLayer, GroundMaterial, GroundShading,
+    MaterialBands, Measure, Sea, Surface,
 };
 pub use plugin::GroundPlugin;
 #[cfg(feature = "render")]

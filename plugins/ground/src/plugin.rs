@@ -7,7 +7,7 @@ use crate::cover::{PatchBounds, PatchDetail, TerrainCoverSystems, TerrainView, u
 use crate::detail::budget::{Budget, DetailBudgetPlugin};
 use crate::detail::{DrawnProbes, MakingBudget, TerrainLod};
 use crate::idle_budget;
-use crate::material::{GroundMaterial, GroundShading, MaterialBands, Sea};
+use crate::material::{GroundCanopy, GroundMaterial, GroundShading, MaterialBands, Sea};
 use crate::sets::GroundSystems;
 use crate::shown::{ShownTerrains, follow_terrains};
 use dolomite_terrain::TerrainPlugin;
@@ -47,6 +47,7 @@ impl Plugin for GroundPlugin {
             .register_type::<GroundShading>()
             .register_type::<MaterialBands>()
             .register_type::<Sea>()
+            .register_type::<GroundCanopy>()
             .register_type::<DrawnProbes>()
             .register_type::<MakingBudget>();
         app.init_resource::<PatchBounds>()

@@ -1,6 +1,7 @@
 //! A meadow in the wind: `cargo run --release -p dolomite_vegetation --example meadow`. `-- --shot FILE.png` takes a
 //! picture without a window, of `--size 960,540`; `--eye X,HEIGHT,Z,AZIMUTH,ELEVATION` says from where, `--sun
-//! AZIMUTH,ELEVATION` in what light, `--density 0` what it is without grass, `--kinds FILE` what grows.
+//! AZIMUTH,ELEVATION` in what light, `--density 0` what it is without grass, `--kinds FILE` what grows, `--base -9` what grows
+//! on the bed of a bay, from below its water.
 
 #[path = "support/picture.rs"]
 mod picture;
@@ -27,7 +28,12 @@ fn main() {
 }
 
 /// Hills, what grows on them, light, and the eye.
-pub fn setup(mut commands: Commands) -> Result {
+pub fn setup(
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) -> Result {
+    let [base] = picture::numbers("--base").unwrap_or([60.0]);
     let hills = Fractal {
         sum: Sum::Fbm,
         seed: 11,
@@ -42,7 +48,7 @@ pub fn setup(mut commands: Commands) -> Result {
             source: Source::Fractal(hills),
             mask: None,
         }],
-        base: 60.0,
+        base,
         sea_level: None,
     })?;
     let [x, above, z, azimuth, elevation] =
@@ -53,7 +59,7 @@ pub fn setup(mut commands: Commands) -> Result {
     let [density] = picture::numbers("--density").unwrap_or([1.0]);
     let kinds = match picture::option("--kinds") {
         Some(path) => Kinds::parse(&std::fs::read_to_string(&path)?, path.as_ref())?,
-        None => Kinds::parse(include_str!("meadow.ron"), "meadow.ron".as_ref())?,
+        None => Kinds::small_set(),
     };
     commands.spawn((
         terrain,
@@ -73,15 +79,36 @@ pub fn setup(mut commands: Commands) -> Result {
         elevation.to_radians(),
         0.0,
     );
-    commands.spawn((
+    let mut camera = commands.spawn((
         Camera3d::default(),
         Msaa::Off,
         Hdr,
         Tonemapping::AgX,
         TerrainView,
         VegetationView,
-        Sky::default(),
         Transform::from_xyz(x, ground + above, z).with_rotation(turn),
+    ));
+    if base > 0.0 {
+        camera.insert(Sky::default());
+        return Ok(());
+    }
+    // Under water: light that is scattered on the way, and a surface that is bright from below.
+    camera.insert(DistanceFog {
+        color: Color::linear_rgb(0.02, 0.11, 0.12),
+        falloff: FogFalloff::from_visibility(45.0),
+        ..default()
+    });
+    commands.insert_resource(ClearColor(Color::linear_rgb(0.02, 0.11, 0.12)));
+    let surface = StandardMaterial {
+        base_color: Color::linear_rgba(0.25, 0.5, 0.5, 0.7),
+        unlit: true,
+        alpha_mode: AlphaMode::Blend,
+        cull_mode: None,
+        ..default()
+    };
+    commands.spawn((
+        Mesh3d(meshes.add(Plane3d::default().mesh().size(600.0, 600.0))),
+        MeshMaterial3d(materials.add(surface)),
     ));
     Ok(())
 }

@@ -238,6 +238,7 @@ mod tests {
                 lean: turn(std::f32::consts::TAU * random(4)) * (0.7 * random(5)),
                 droop: 0.5 * random(6),
                 across: Vec2::X,
+                give: 0.0,
             };
             let lean = pressed(shape.lean, root, shape.length, &[PERSON]);
             before = before.max(depth(&shape, root, shape.lean));

@@ -7,8 +7,10 @@
 
 use bevy::math::{Vec2, Vec3, ops};
 
+use dolomite_terrain::noise::hash::pcg;
+
 use crate::kind::Blade;
-use crate::place::{Clump, Root, salted, unit};
+use crate::place::{Clump, Root, unit};
 
 /// Greatest lean: a blade that lies flat still has 1/12 of its length in height.
 pub const MOST_LEAN: f32 = 0.9965;
@@ -16,8 +18,59 @@ pub const MOST_LEAN: f32 = 0.9965;
 /// Segments of the strips of the three levels of detail: 15, 7 and 3 vertices.
 pub const SEGMENTS: [u32; 3] = [7, 3, 1];
 
+/// Seen from its edge a blade is still so wide, to each side, as a share of its width: it is folded.
+pub const LEAST_SEEN: f32 = 0.17;
+
 /// Normals at the two borders are turned by this much, radians: a flat strip is lit like a fold.
 const ROUND: f32 = 0.5;
+
+/// What is random about a plant that is drawn: what its record holds of the hashes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Own {
+    /// The highest 16 bits of its root's hash.
+    pub hash: u32,
+    /// The highest 5 bits of its clump's hash; of its own where it grows in none.
+    pub clump: u32,
+}
+
+impl Own {
+    /// Of a candidate.
+    #[must_use]
+    pub fn new(root: Root, clump: Option<Clump>) -> Self {
+        Self {
+            hash: root.hash >> 16,
+            clump: clump.map_or(root.hash, |clump| clump.hash) >> 27,
+        }
+    }
+
+    /// Number `salt` of the plant's own, 0 up to 1.
+    #[inline]
+    #[must_use]
+    pub fn number(self, salt: u32) -> f32 {
+        number(self.hash, salt)
+    }
+
+    /// Number `salt` of all that stand in its clump, 0 up to 1.
+    #[inline]
+    #[must_use]
+    pub fn of_clump(self, salt: u32) -> f32 {
+        number(self.clump, salt)
+    }
+}
+
+/// A random number of a hash, 0 up to 1.
+#[inline]
+#[must_use]
+pub fn number(hash: u32, salt: u32) -> f32 {
+    unit(word(hash, salt))
+}
+
+/// A random word of a hash.
+#[inline]
+#[must_use]
+pub(crate) fn word(hash: u32, salt: u32) -> u32 {
+    pcg(hash.wrapping_mul(747_796_405).wrapping_add(salt))
+}
 
 /// A blade at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +85,8 @@ pub struct BladeShape {
     pub droop: f32,
     /// Unit vector across the blade at its root: x, z.
     pub across: Vec2,
+    /// How far the tip moves in a wind of 1 m/s, as a share of the length.
+    pub give: f32,
 }
 
 /// A point of a strip.
@@ -65,29 +120,26 @@ pub fn pushed(lean: Vec2, by: Vec2) -> Vec2 {
 }
 
 impl BladeShape {
-    /// Of a candidate. Blades of a clump are as long and turned alike, as far as the clump is uneven.
+    /// Blades of a clump are as long and turned alike, as far as the clump is uneven, 0 to 1. `normal` is that of the
+    /// ground.
     #[must_use]
-    pub fn new(blade: &Blade, root: Root, clump: Option<Clump>, uneven: f32) -> Self {
-        let own = |salt| unit(salted(root.hash, salt));
-        let shared = |salt| clump.map_or(0.5, |clump| unit(salted(clump.hash, salt)));
+    pub fn new(blade: &Blade, own: Own, uneven: f32, normal: Vec3) -> Self {
         let (short, long) = blade.length;
-        let size = own(4) + (shared(4) - own(4)) * 0.5 * uneven;
-        // A third of a turn about the clump's direction, all directions without one.
-        let spread = if clump.is_some() {
-            1.0 - 0.6 * uneven
-        } else {
-            1.0
-        };
-        let angle = std::f32::consts::TAU * (shared(5) + (own(5) - 0.5) * spread);
+        let size = own.number(4) + (own.of_clump(4) - own.number(4)) * 0.5 * uneven;
+        let length = short + (long - short) * size;
+        let spread = 1.0 - 0.6 * uneven;
+        let angle = std::f32::consts::TAU * (own.of_clump(5) + (own.number(5) - 0.5) * spread);
         let (sin, cos) = ops::sin_cos(angle);
-        let ahead = Vec2::new(cos, sin);
-        let lean = ops::sin(blade.lean * own(6).sqrt());
+        let lean = ops::sin(blade.lean) * own.number(6).sqrt();
         Self {
-            length: short + (long - short) * size,
-            width: blade.width * (0.75 + 0.5 * own(7)),
-            lean: ahead * lean,
-            droop: blade.droop * (0.6 + 0.4 * own(8)),
+            length,
+            width: blade.width * (0.75 + 0.5 * own.number(7)),
+            // Up the slope's normal a little.
+            lean: Vec2::new(cos, sin) * lean + 0.35 * Vec2::new(normal.x, normal.z),
+            droop: blade.droop * (0.6 + 0.4 * own.number(8)),
             across: Vec2::new(-sin, cos),
+            // Tall ones give way more.
+            give: blade.look.sway * (0.6 + 0.4 * length / long.max(1e-3)),
         }
     }
 
@@ -179,13 +231,12 @@ mod tests {
     use crate::place::Lattice;
 
     fn shapes() -> impl Iterator<Item = BladeShape> {
-        let text = include_str!("../assets/kinds.ron");
-        let kinds = crate::kind::Kinds::parse(text, "my.ron".as_ref()).expect("read");
-        let crate::kind::Shape::Blade(blade) = kinds.kinds[0].shape.clone() else {
-            panic!("grass has blades");
-        };
+        let blade = crate::kind::defaults::grass().0;
         let lattice = Lattice::of_density(3, 64.0);
-        (0..500).map(move |k| BladeShape::new(&blade, lattice.root([k, 7]), None, 0.0))
+        (0..500).map(move |k| {
+            let own = Own::new(lattice.root([k, 7]), None);
+            BladeShape::new(&blade, own, 0.0, Vec3::Y)
+        })
     }
 
     /// The length of the curve is that of the blade whatever pushes it: within what the estimate allows.

@@ -5,8 +5,9 @@
 
 use bevy::math::{Vec2, Vec3, ops};
 
+use crate::blade::{number, word};
 use crate::kind::Chain;
-use crate::place::{Root, salted, unit};
+use crate::place::unit;
 use crate::wind::WindField;
 
 /// How much of a tilt is left after a segment: floats pull each one upright.
@@ -23,18 +24,18 @@ pub struct ChainShape {
     pub twist: f32,
     /// Width of the ribbon, metres.
     pub width: f32,
-    /// Hash of the root.
+    /// What is random about it: [`crate::blade::Own::hash`].
     pub hash: u32,
     /// Depth of the water at the root, metres.
     pub depth: f32,
 }
 
 impl ChainShape {
-    /// Of a candidate in water of some depth, metres. It has as many whole segments as reach its height.
+    /// Of a plant in water of some depth, metres. It has as many whole segments as reach its height.
     #[must_use]
-    pub fn new(chain: &Chain, root: Root, depth: f32) -> Self {
+    pub fn new(chain: &Chain, hash: u32, depth: f32) -> Self {
         let (low, high) = chain.rise;
-        let rise = low + (high - low) * unit(salted(root.hash, 4));
+        let rise = low + (high - low) * number(hash, 4);
         let wanted = (depth * rise).max(0.0);
         let count = (wanted / chain.segment).clamp(2.0, chain.segments.max(2) as f32);
         let segments = count as u32;
@@ -43,33 +44,49 @@ impl ChainShape {
             // Shallow water holds two short ones.
             segment: chain.segment.min(wanted / segments as f32),
             twist: chain.twist,
-            width: chain.width * (0.7 + 0.6 * unit(salted(root.hash, 7))),
-            hash: root.hash,
+            width: chain.width * (0.7 + 0.6 * number(hash, 7)),
+            hash,
             depth,
         }
     }
 
-    /// Node `number`, 0 the root, relative to the root; `at` is the root relative to the field's anchor.
+    /// Node `number` at rest, 0 the root, relative to the root, and the unit vector of the segment that ends there.
+    #[must_use]
+    pub fn at_rest(&self, number: u32) -> (Vec3, Vec3) {
+        let (mut place, mut along) = (Vec3::ZERO, Vec3::Y);
+        let mut tilt = Vec2::ZERO;
+        for k in 0..number.min(self.segments) {
+            let word = word(self.hash, 16 + k);
+            let turn = Vec2::new(unit(word), unit(word << 12)) - 0.5;
+            tilt = tilt * UPRIGHT + turn * (self.twist * (1.0 / (2.0 - UPRIGHT)));
+            let (sin_x, cos_x) = ops::sin_cos(tilt.x);
+            let (sin_z, cos_z) = ops::sin_cos(tilt.y);
+            along = Vec3::new(sin_x * cos_z, cos_x * cos_z, sin_z);
+            place += self.segment * along;
+        }
+        (place, along)
+    }
+
+    /// Node `number`; `at` is the root relative to the field's anchor.
     ///
     /// Water moves the nodes: each by the water's own movement at its depth, the more the farther it is along the
     /// chain; the root stays.
     #[must_use]
     pub fn node(&self, number: u32, at: Vec2, field: &WindField) -> Vec3 {
-        let mut place = Vec3::ZERO;
-        let mut tilt = Vec2::ZERO;
-        for k in 0..number.min(self.segments) {
-            let word = salted(self.hash, 16 + k);
-            let turn = Vec2::new(unit(word), unit(word << 12)) - 0.5;
-            tilt = tilt * UPRIGHT + turn * (self.twist * (2.0 / (2.0 - UPRIGHT)) * 0.5);
-            let (sin_x, cos_x) = ops::sin_cos(tilt.x);
-            let (sin_z, cos_z) = ops::sin_cos(tilt.y);
-            place += self.segment * Vec3::new(sin_x * cos_z, cos_x * cos_z, sin_z);
-        }
-        let along = number.min(self.segments) as f32 / self.segments as f32;
-        let below = (self.depth - place.y).max(0.0);
-        let moved = field.in_water(at + Vec2::new(place.x, place.z), below);
+        let (rest, _) = self.at_rest(number);
+        let way = number.min(self.segments) as f32 / self.segments as f32;
+        let below = self.depth - rest.y;
+        let moved = field.in_water(at + Vec2::new(rest.x, rest.z), below);
         // Held at its foot: with the square of the way, so that the lowest segment hardly turns.
-        place + moved * (along * along)
+        rest + moved * (way * way)
+    }
+
+    /// Unit vector across the ribbon at a node: it turns on the way up.
+    #[must_use]
+    pub fn across(&self, node: u32) -> Vec3 {
+        let turn = node as f32 * 0.5 * (number(self.hash, 8) - 0.5);
+        let (sin, cos) = ops::sin_cos(std::f32::consts::TAU * number(self.hash, 5) + turn);
+        Vec3::new(cos, 0.0, sin)
     }
 
     /// The width of the ribbon at a node: narrow at the root and at the end.
@@ -84,13 +101,11 @@ impl ChainShape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::place::Lattice;
     use crate::wind::Wind;
     use dolomite_terrain::GroundPoint;
 
     fn chain() -> Chain {
-        let text = include_str!("../assets/kinds.ron");
-        let kinds = crate::kind::Kinds::parse(text, "my.ron".as_ref()).expect("read");
+        let kinds = crate::kind::Kinds::small_set();
         let crate::kind::Shape::Chain(chain) = kinds.find("kelp").expect("there").1.shape.clone()
         else {
             panic!("kelp is a chain");
@@ -109,10 +124,9 @@ mod tests {
             GroundPoint::default(),
             0.0,
         );
-        let lattice = Lattice::of_density(1, 1.0);
         for depth in [2.0, 5.0, 20.0, 80.0] {
             for k in 0..100 {
-                let shape = ChainShape::new(&chain(), lattice.root([k, 3]), depth);
+                let shape = ChainShape::new(&chain(), word(k, 3), depth);
                 let nodes: Vec<Vec3> = (0..=shape.segments)
                     .map(|k| shape.node(k, Vec2::ZERO, &still))
                     .collect();
@@ -136,8 +150,7 @@ mod tests {
     /// The root stays, the end goes with the water.
     #[test]
     fn chains_follow_the_swell() {
-        let lattice = Lattice::of_density(1, 1.0);
-        let shape = ChainShape::new(&chain(), lattice.root([8, 3]), 6.0);
+        let shape = ChainShape::new(&chain(), 8, 6.0);
         let (mut least, mut most) = (Vec3::MAX, Vec3::MIN);
         for k in 0..200 {
             let field =

@@ -258,8 +258,7 @@ mod tests {
     }
 
     fn kinds() -> Kinds {
-        let text = include_str!("../assets/kinds.ron");
-        Kinds::parse(text, "my.ron".as_ref()).expect("read")
+        Kinds::small_set()
     }
 
     /// Whatever the camera: what stands in both of two views is the same to the bit, and all of it within its bands.

@@ -1,5 +1,5 @@
 //! What grows, as data: a RON file of kinds. A field that is left out has its default, one that is unknown is
-//! refused. `assets/kinds.ron` of this crate names them all.
+//! refused. `assets/kinds.ron` of this crate names them all; [`Kinds::small_set`] is what it says.
 //!
 //! Lengths are metres, angles radians, slopes rise over run, colours linear and between 0 and 1.
 
@@ -210,5 +210,22 @@ impl Kinds {
             .iter()
             .enumerate()
             .find(|(_, kind)| kind.name == name)
+    }
+}
+
+/// What several tests need.
+#[cfg(test)]
+pub(crate) mod defaults {
+    use super::{Blade, Kinds, Shape};
+    use crate::density::Growth;
+
+    /// The grass of the small set.
+    pub fn grass() -> (Blade, Growth) {
+        let kinds = Kinds::small_set();
+        let (_, kind) = kinds.find("grass").expect("there");
+        let Shape::Blade(blade) = kind.shape else {
+            panic!("grass has blades");
+        };
+        (blade, Growth::new(kind, 1))
     }
 }

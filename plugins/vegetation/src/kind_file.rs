@@ -6,7 +6,16 @@ use crate::band::Band;
 use crate::kind::{Blade, Kind, Kinds, Look, MOST_DENSITY, MOST_KINDS, Shape};
 use crate::kind_error::{KindError, line_of};
 
+/// The text of [`Kinds::small_set`].
+const SMALL_SET: &str = include_str!("../assets/kinds.ron");
+
 impl Kinds {
+    /// A small set to begin with: grass, two flowers, kelp, a tree and a rock, whose file explains every field.
+    #[must_use]
+    pub fn small_set() -> Self {
+        Self::parse(SMALL_SET, Path::new("kinds.ron")).expect("a test reads it")
+    }
+
     /// Reads a file of kinds.
     ///
     /// # Errors
@@ -206,15 +215,13 @@ fn check(of: &Kinds) -> Result<(), KindError> {
 mod tests {
     use super::*;
 
-    const EXAMPLE: &str = include_str!("../assets/kinds.ron");
-
     fn parsed(text: &str) -> Result<Kinds, KindError> {
         Kinds::parse(text, Path::new("my.ron"))
     }
 
     #[test]
-    fn example_names_every_shape() {
-        let kinds = parsed(EXAMPLE).expect("an example is read");
+    fn small_set_names_every_shape() {
+        let kinds = parsed(SMALL_SET).expect("it is read");
         for shape in ["Blade", "Flower", "Chain", "Mesh"] {
             let is_one = |kind: &Kind| format!("{:?}", kind.shape).starts_with(shape);
             assert!(kinds.kinds.iter().any(is_one), "{shape}");
@@ -224,26 +231,26 @@ mod tests {
     /// Each mistake is named with its line and with what to write instead.
     #[test]
     fn mistakes_are_named() {
-        let density = EXAMPLE
+        let density = SMALL_SET
             .lines()
-            .position(|line| line.contains("density: 60.0"));
+            .position(|line| line.contains("density: 250.0"));
         let density = density.expect("of grass") + 1;
         for (from, to, expected) in [
             (
-                "density: 60.0",
+                "density: 250.0",
                 "density: NaN",
                 format!("my.ron, line {density}: kind `grass`: density is NaN; it has to be 0 to 4096"),
             ),
             (
-                "density: 60.0",
+                "density: 250.0",
                 "density: 1e6",
                 format!("my.ron, line {density}: kind `grass`: density is 1000000; it has to be 0 to 4096"),
             ),
             (
-                "from: 4.0, to: 620.0",
-                "from: 4.0, to: -620.0",
+                "from: 1.0, to: 620.0",
+                "from: 1.0, to: -620.0",
                 format!(
-                    "my.ron, line {}: kind `grass`: height.to is -620; it has to be more than `from`, which is 4",
+                    "my.ron, line {}: kind `grass`: height.to is -620; it has to be more than `from`, which is 1",
                     density + 2
                 ),
             ),
@@ -253,15 +260,15 @@ mod tests {
                 "keeps_off.kind is `daisy`; it has to be the name of a kind in this list whose shape is a Mesh".into(),
             ),
             ("\"daisy\"", "\"grass\"", "name is `grass`; it has to be a name".into()),
-            ("[\"plants/slab.glb\"]", "[]", "files is empty; it has to be at least one glTF file".into()),
+            ("[\"plants/boulder.glb\"]", "[]", "files is empty; it has to be at least one glTF file".into()),
             ("petals: 9", "petals: 99", "petals is 99; it has to be 3 to 12".into()),
-            ("length: (0.22, 0.55)", "length: (0.55, 0.22)", "length is 0.22; it has to be 0.55 to 10".into()),
-            ("root: (0.030", "root: (3.0", "look.root is 3; it has to be 0 to 1".into()),
-            ("reach: 260.0", "reach: inf", "reach is inf; it has to be 1 to 20000".into()),
-            ("reach: 260.0", "raech: 260.0", "my.ron, line".into()),
+            ("length: (0.20, 0.48)", "length: (0.48, 0.20)", "length is 0.2; it has to be 0.48 to 10".into()),
+            ("root: (0.055", "root: (3.0", "look.root is 3; it has to be 0 to 1".into()),
+            ("reach: 130.0", "reach: inf", "reach is inf; it has to be 1 to 20000".into()),
+            ("reach: 130.0", "raech: 260.0", "my.ron, line".into()),
         ] {
-            let text = EXAMPLE.replacen(from, to, 1);
-            assert_ne!(text, EXAMPLE, "{from}");
+            let text = SMALL_SET.replacen(from, to, 1);
+            assert_ne!(text, SMALL_SET, "{from}");
             let said = parsed(&text).expect_err(to).to_string();
             assert!(said.contains(&expected), "{said}\nin place of\n{expected}");
         }
@@ -269,7 +276,7 @@ mod tests {
 
     #[test]
     fn lists_have_an_end() {
-        let kind = parsed(EXAMPLE).expect("read").kinds[0].clone();
+        let kind = parsed(SMALL_SET).expect("read").kinds[0].clone();
         let kinds = (0..=MOST_KINDS).map(|k| Kind {
             name: k.to_string(),
             keeps_off: Vec::new(),

@@ -22,8 +22,9 @@
 //! | [`place`] | candidates on a lattice: place, rank, hash, clump; integers |
 //! | [`kind`], [`kind_file`], [`band`] | what grows, as data |
 //! | [`density`] | how densely a kind grows at a place |
-//! | [`fade`] | how many stand at a distance, and how wide |
-//! | [`blade`], [`chain`] | the geometry of a blade, and of kelp |
+//! | [`law`] | how many are drawn at a distance, and how wide |
+//! | [`blade`], [`blossom`], [`chain`] | the geometry of a blade, of the head of a flower, and of kelp |
+//! | [`colour`] | colours before light |
 //! | [`wind`], [`bend`] | what moves it |
 //! | [`mod@reference`], [`shade`] | what a field of blades looks like from afar: by brute force, and as a table |
 //! | [`instances`] | trees and rocks around a point |
@@ -34,14 +35,16 @@
 pub mod band;
 pub mod bend;
 pub mod blade;
+pub mod blossom;
 pub mod chain;
+pub mod colour;
 mod components;
 pub mod density;
-pub mod fade;
 pub mod instances;
 pub mod kind;
 mod kind_error;
 pub mod kind_file;
+pub mod law;
 pub mod place;
 mod plugin;
 pub mod reference;
@@ -53,13 +56,14 @@ pub mod wind;
 
 pub use band::Band;
 pub use bend::{Press, Presses, PressesGrass};
-pub use blade::{BladeShape, BladeVertex};
+pub use blade::{BladeShape, BladeVertex, Own};
+pub use chain::ChainShape;
 pub use components::{Vegetation, VegetationState, VegetationView};
 pub use density::Growth;
-pub use fade::Fade;
 pub use instances::Instance;
 pub use kind::{Kind, Kinds, Shape};
 pub use kind_error::KindError;
+pub use law::Law;
 pub use place::{Clump, Lattice, Root};
 pub use plugin::VegetationPlugin;
 pub use sets::VegetationSystems;

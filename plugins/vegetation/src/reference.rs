@@ -4,13 +4,17 @@
 //! along the rays, on the ground, holds the ray's foot; the nearest to the eye is the highest. So blades are drawn as
 //! shadows into a square of samples that is a torus, with their height as depth: any elevation of the view is one
 //! picture, and no blade is missing for being beyond a border.
+//!
+//! Shapes, widths and colours are those that are drawn on the GPU, by the same functions; no wind blows, the ground is
+//! level, and the smooth noise of colours is its mean. Colours are those before light.
 
-use bevy::math::{Vec2, Vec3, ops};
+use bevy::math::{Vec2, Vec3, Vec4};
 
-use crate::blade::BladeShape;
-use crate::density::Growth;
-use crate::kind::{Blade, Look};
-use crate::place::{Root, salted, threshold, unit};
+use crate::blade::{BladeShape, LEAST_SEEN, Own, widened};
+use crate::colour::{blade_colour, shade_at};
+use crate::density::{Growth, NO_CLUMPS};
+use crate::kind::Blade;
+use crate::place::threshold;
 
 /// A square of ground and how finely it is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,30 +59,36 @@ pub fn mean(field: Field, count: i32, draw: impl Fn(Field) -> Seen) -> Seen {
     }
 }
 
-/// The colour of a blade at a place along it, before light: its kind's, drier for some, and darker towards the root,
-/// where little of the sky is seen. `depth` is the cover's optical depth straight down.
-#[inline]
-#[must_use]
-pub fn colour_at(look: &Look, root: Root, along: f32, depth: f32) -> Vec3 {
-    let dry = unit(salted(root.hash, 9)) < look.dry_share;
-    let tip = Vec3::from(if dry { look.dry } else { look.tip });
-    let own = Vec3::from(look.root).lerp(tip, along);
-    // Light from straight above through what is above this place: half of the depth is in the upper third.
-    own * ops::exp(-1.5 * depth * (1.0 - along) * (1.0 - along))
+/// As what a field is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Manner {
+    /// Segments of a strip, as in [`crate::blade::SEGMENTS`].
+    pub segments: u32,
+    /// How much of what differs from blade to blade is drawn as its mean, 0 to 1: [`crate::colour::calm_at`].
+    pub calm: f32,
 }
 
-/// Optical depth of a kind straight down: the area of its blades over that of the ground.
+impl Manner {
+    /// The nearest level of detail.
+    pub const FINEST: Self = Self {
+        segments: 7,
+        calm: 0.0,
+    };
+}
+
+/// A field that holds `metres` of ground a side, or as little more as a power of two of cells is; at `first`.
 #[must_use]
-pub fn depth_of(blade: &Blade, density: f32) -> f32 {
-    let length = 0.5 * (blade.length.0 + blade.length.1);
-    // Two thirds of the width is its mean; 2/π of it is seen of blades that are turned in any direction, and a third
-    // of their length from above.
-    density * length * blade.width * (2.0 / 3.0) * std::f32::consts::FRAC_2_PI / 3.0
+pub fn field_of(growth: &Growth, metres: f32, samples: usize, first: [i32; 2]) -> Field {
+    let cells = (metres / growth.lattice.pitch()).max(1.0) as u32;
+    Field {
+        cells: cells.next_power_of_two().cast_signed(),
+        samples,
+        first,
+    }
 }
 
 /// Draws a field of one kind under an elevation of the view, whose sine is `sine`, above 0. `width_of` says for a rank,
-/// as a share of those that stand, how wide a blade is as a multiple of its own; 0: it is not drawn. `segments` as in
-/// [`crate::blade::SEGMENTS`].
+/// as a share of those that stand, how wide a blade is as a multiple of its own; 0: it is not drawn.
 #[must_use]
 pub fn draw(
     field: Field,
@@ -86,15 +96,22 @@ pub fn draw(
     growth: &Growth,
     sine: f32,
     width_of: impl Fn(f32) -> f32,
-    segments: u32,
+    manner: Manner,
 ) -> Seen {
     let side = field.cells as f32 * growth.lattice.pitch();
     let scale = field.samples as f32 / side;
-    let slope = (1.0 - sine * sine).max(0.0).sqrt() / sine;
+    let cosine = (1.0 - sine * sine).max(0.0).sqrt();
+    let slope = cosine / sine;
+    // Rays go down towards +x.
+    let to_eye = Vec3::new(-cosine, sine, 0.0);
+    let uneven = if growth.clump_size == NO_CLUMPS {
+        0.0
+    } else {
+        growth.uneven
+    };
     let mut depths = vec![0.0_f32; field.samples * field.samples];
     let mut colours = vec![Vec3::ZERO; field.samples * field.samples];
     let limit = threshold(growth.full);
-    let depth = depth_of(blade, growth.full * growth.lattice.density());
     for k in 0..field.cells * field.cells {
         let cell = [
             field.first[0] + k % field.cells,
@@ -108,7 +125,8 @@ pub fn draw(
         if wide <= 0.0 {
             continue;
         }
-        let mut shape = BladeShape::new(blade, root, None, 0.0);
+        let own = Own::new(root, growth.clump(root));
+        let mut shape = BladeShape::new(blade, own, uneven, Vec3::Y);
         shape.width *= wide;
         let part = |k: u32| k as f32 / 65_536.0 * growth.lattice.pitch();
         let place = Vec2::new(
@@ -116,17 +134,23 @@ pub fn draw(
             (k / field.cells) as f32 * growth.lattice.pitch() + part(root.at & 0xFFFF),
         );
         let curve = shape.curve(shape.lean);
-        let corners: Vec<(Vec3, Vec3)> = (0..=2 * segments)
+        let corners: Vec<(Vec3, Vec4)> = (0..=2 * manner.segments)
             .map(|k| {
-                let vertex = shape.vertex(curve, segments, k);
-                let at = vertex.place;
+                let vertex = shape.vertex(curve, manner.segments, k);
+                let along = vertex.along;
+                let (on_curve, tangent) = curve.at(along);
+                let least = LEAST_SEEN * shape.width_at(along, manner.segments);
+                let off = vertex.place - on_curve;
+                let at = vertex.place + widened(off, tangent.normalize(), to_eye, least);
                 // On the ground along the rays, x away from the eye; the height is the depth.
                 let shadow = Vec3::new(
                     (place.x + at.x + at.y * slope) * scale,
                     (place.y + at.z) * scale,
                     at.y.max(1e-6),
                 );
-                (shadow, colour_at(&blade.look, root, vertex.along, depth))
+                let noise = Vec2::splat(0.5);
+                let colour = blade_colour(&blade.look, own, noise, manner.calm, along);
+                (shadow, colour.extend(along))
             })
             .collect();
         for triangle in corners.windows(3) {
@@ -154,7 +178,7 @@ pub fn draw(
 }
 
 /// One triangle, row by row, around the torus.
-fn fill(depths: &mut [f32], colours: &mut [Vec3], samples: usize, corners: [(Vec3, Vec3); 3]) {
+fn fill(depths: &mut [f32], colours: &mut [Vec3], samples: usize, corners: [(Vec3, Vec4); 3]) {
     let [a, b, c] = corners.map(|(place, _)| place);
     let area = (b - a).truncate().perp_dot((c - a).truncate());
     if area == 0.0 || !area.is_finite() {
@@ -185,7 +209,9 @@ fn fill(depths: &mut [f32], colours: &mut [Vec3], samples: usize, corners: [(Vec
                 + (column as i64).rem_euclid(samples as i64) as usize;
             if depth > depths[k] {
                 depths[k] = depth;
-                colours[k] = u * corners[0].1 + v * corners[1].1 + w * corners[2].1;
+                // As it is drawn: colours at the corners, the shade by how far along a sample is.
+                let seen = u * corners[0].1 + v * corners[1].1 + w * corners[2].1;
+                colours[k] = seen.truncate() * shade_at(seen.w);
             }
             column += 1.0;
         }
@@ -197,15 +223,10 @@ fn fill(depths: &mut [f32], colours: &mut [Vec3], samples: usize, corners: [(Vec
 mod tests {
     use super::*;
 
-    /// Straight down on upright blades there is next to nothing; from the side nearly everything is covered.
+    /// Straight down on blades the ground is seen; from the side nearly everything is covered.
     #[test]
     fn cover_grows_towards_the_horizon() {
-        let text = include_str!("../assets/kinds.ron");
-        let kinds = crate::kind::Kinds::parse(text, "my.ron".as_ref()).expect("read");
-        let crate::kind::Shape::Blade(blade) = kinds.kinds[0].shape.clone() else {
-            panic!("grass has blades");
-        };
-        let growth = Growth::new(&kinds.kinds[0], 1);
+        let (blade, growth) = crate::kind::defaults::grass();
         let field = Field {
             cells: 32,
             samples: 512,
@@ -213,15 +234,16 @@ mod tests {
         };
         let covers: Vec<f64> = [1.0, 0.5, 0.2, 0.05, 0.02]
             .iter()
-            .map(|sine| draw(field, &blade, &growth, *sine, |_| 1.0, 7).cover)
+            .map(|sine| draw(field, &blade, &growth, *sine, |_| 1.0, Manner::FINEST).cover)
             .collect();
         assert!(
             covers.windows(2).all(|pair| pair[0] < pair[1]),
             "{covers:?}"
         );
-        assert!(covers[0] < 0.15 && covers[4] > 0.9, "{covers:?}");
+        assert!(covers[0] < 0.5 && covers[4] > 0.9, "{covers:?}");
         // A width of 0 draws nothing.
-        assert_eq!(draw(field, &blade, &growth, 0.5, |_| 0.0, 7).cover, 0.0);
+        let nothing = draw(field, &blade, &growth, 0.5, |_| 0.0, Manner::FINEST);
+        assert_eq!(nothing.cover, 0.0);
     }
 
     /// One triangle of half of the square covers half of it, wherever the torus is cut.
@@ -231,7 +253,7 @@ mod tests {
             let samples = 128;
             let mut depths = vec![0.0; samples * samples];
             let mut colours = vec![Vec3::ZERO; samples * samples];
-            let corner = |x: f32, y: f32| (Vec3::new(x + shift, y - shift, 1.0), Vec3::ONE);
+            let corner = |x: f32, y: f32| (Vec3::new(x + shift, y - shift, 1.0), Vec4::ONE);
             let triangle = [corner(0.0, 0.0), corner(100.0, 0.0), corner(0.0, 100.0)];
             fill(&mut depths, &mut colours, samples, triangle);
             let covered = depths.iter().filter(|d| **d > 0.0).count();

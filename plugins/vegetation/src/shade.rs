@@ -8,15 +8,22 @@
 use bevy::math::ops;
 use bytemuck::{Pod, Zeroable};
 
-use crate::density::Growth;
+use crate::density::{Growth, NO_CLUMPS};
 use crate::kind::Blade;
-use crate::reference::{Field, draw, mean};
+use crate::reference::{Manner, draw, field_of, mean};
 
 /// Entries: sines of 1/256 to 1, by powers of √2.
 pub const ENTRIES: usize = 17;
 
 /// Fields that the table is the mean of.
 const FIELDS: i32 = 12;
+
+/// Side of a field, metres, and its samples along a side: a blade is a sample wide or so.
+const SIDE: f32 = 8.0;
+const SAMPLES: usize = 512;
+
+/// From this cover on fields differ by less than what is asked for, and one of them is as good as many.
+const WHOLE: f64 = 0.999;
 
 /// Sine of the first entry. Below it the cover is whole.
 const FIRST: f32 = 1.0 / 256.0;
@@ -42,19 +49,24 @@ impl FarField {
     /// Fits the table to a picture of the kind's blades. Seconds; once a kind, for a task.
     #[must_use]
     pub fn fit(blade: &Blade, growth: &Growth) -> Self {
-        let field = Field {
-            cells: 64,
-            samples: 512,
-            first: [1 << 20, 1 << 20],
+        // A clump is one of many: their mean is a field without any.
+        let growth = &Growth {
+            clump_size: NO_CLUMPS,
+            ..*growth
         };
+        let field = field_of(growth, SIDE, SAMPLES, [1 << 20, 1 << 20]);
         let mut entries = [[0.0; 4]; ENTRIES];
-        for (k, entry) in entries.iter_mut().enumerate() {
+        let mut fields = FIELDS;
+        for (k, entry) in entries.iter_mut().enumerate().rev() {
             let sine = FIRST * ops::exp2(0.5 * k as f32);
-            let seen = mean(field, FIELDS, |field| {
-                draw(field, blade, growth, sine.min(1.0), |_| 1.0, 7)
+            let seen = mean(field, fields, |field| {
+                draw(field, blade, growth, sine.min(1.0), |_| 1.0, Manner::FINEST)
             });
             // Where all samples are covered the depth is at least that of half a sample.
-            let all = f64::from(FIELDS) * 512.0 * 512.0;
+            let all = f64::from(fields) * (SAMPLES * SAMPLES) as f64;
+            if seen.cover > WHOLE {
+                fields = 1;
+            }
             let bare = (1.0 - seen.cover).max(0.5 / all);
             let depth = -ops::ln(bare as f32) * sine;
             let [r, g, b] = seen.colour.map(|part| part as f32);
@@ -82,27 +94,21 @@ impl FarField {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kind::{Kinds, Shape};
 
     /// Between its entries, on other ground than it was fitted to, the table says what the picture does: cover within
     /// 1 % and colour within 1/255.
     #[test]
     fn table_is_that_of_the_picture() {
-        let text = include_str!("../assets/kinds.ron");
-        let kinds = Kinds::parse(text, "my.ron".as_ref()).expect("read");
-        let Shape::Blade(blade) = kinds.kinds[0].shape.clone() else {
-            panic!("grass has blades");
+        let (blade, growth) = crate::kind::defaults::grass();
+        let growth = Growth {
+            clump_size: NO_CLUMPS,
+            ..growth
         };
-        let growth = Growth::new(&kinds.kinds[0], 1);
         let far = FarField::fit(&blade, &growth);
-        let field = Field {
-            cells: 64,
-            samples: 512,
-            first: [-5000, 777],
-        };
+        let field = field_of(&growth, SIDE, SAMPLES, [-5000, 777]);
         for sine in [0.93, 0.6, 0.3, 0.15, 0.07, 0.03] {
             let seen = mean(field, FIELDS, |field| {
-                draw(field, &blade, &growth, sine, |_| 1.0, 7)
+                draw(field, &blade, &growth, sine, |_| 1.0, Manner::FINEST)
             });
             let ours = far.at(sine, 1.0);
             let cover = (f64::from(ours.share) - seen.cover).abs();

@@ -13,8 +13,6 @@ use bevy::prelude::*;
 use bytemuck::{Pod, Zeroable};
 use dolomite_terrain::GroundPoint;
 
-use crate::place::unit;
-
 /// Waves of the gusts: wavelength in metres, angle to the wind in radians, weight. Weights sum to 1; wavelengths have
 /// no common multiple below a kilometre.
 const GUSTS: [[f64; 3]; 4] = [
@@ -151,19 +149,18 @@ impl WindField {
         1.0 + self.share * (2.0 * steep - 1.0)
     }
 
-    /// What a blade feels, m/s along x and z: the wind, and a flutter of its own by its hash.
+    /// What a blade feels, m/s along x and z: the wind, and a flutter of its own, by a number of its own (0 up to 1), at one
+    /// of two rates.
     #[inline]
     #[must_use]
-    pub fn on_blade(&self, at: Vec2, hash: u32) -> Vec2 {
+    pub fn on_blade(&self, at: Vec2, own: f32, fast: bool) -> Vec2 {
         let strength = self.strength(at);
         let mean = Vec2::from(self.mean);
-        let own = std::f32::consts::TAU * unit(hash);
-        let fast = hash & 1 == 1;
         let phase = if fast {
             self.flutter_fast
         } else {
             self.flutter
-        } + own;
+        } + std::f32::consts::TAU * own;
         // Along the wind and across it, a quarter of a turn apart.
         let flutter = FLUTTER * strength;
         mean * (strength + flutter * ops::sin(phase)) + mean.perp() * (flutter * ops::cos(phase))
@@ -206,7 +203,7 @@ mod tests {
                 let place = Vec2::new(3.0 + k as f32, 20.0 - k as f32);
                 let moved = place - Vec2::new(96.0, -64.0);
                 // An f32 sum of products of up to 80 radians: an ulp of 80 is 7.6e-6, over four waves.
-                let same = one.on_blade(place, 77) - other.on_blade(moved, 77);
+                let same = one.on_blade(place, 0.77, true) - other.on_blade(moved, 0.77, true);
                 assert!(same.length() < 4.0 * 4.0 * 7.6e-6 * 4.0, "{same}");
                 let same = one.in_water(place, 3.0) - other.in_water(moved, 3.0);
                 assert!(same.length() < 1e-4, "{same}");
@@ -254,7 +251,7 @@ mod tests {
             swell: -1.0,
         };
         let field = WindField::new(&wind, at(f64::NAN, f64::INFINITY), f64::NAN);
-        assert!(field.on_blade(Vec2::ONE, 1).is_finite());
+        assert!(field.on_blade(Vec2::ONE, 0.5, false).is_finite());
         assert_eq!(field.in_water(Vec2::ONE, 1.0), Vec3::ZERO);
     }
 }

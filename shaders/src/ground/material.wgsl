@@ -6,6 +6,7 @@
 #import dolomite::geometry::draw_types::{Shaded, Surface}
 #import dolomite::ground::types::{GroundView, DEPTH_RANGE}
 #import dolomite::ground::bindings::{look, relief, relief_sampler}
+#import dolomite::ground::canopy::canopy_at
 #import dolomite::ground::layers::place_of
 #import dolomite::ground::site::{Site, FAR_COPIES, FAR_TILES}
 #import dolomite::ground::texturing::{noise_pair, value_noise}
@@ -98,6 +99,16 @@ fn ground_surface(view: GroundView, surface: Surface, anchor_height: f32) -> Sha
     out.occlusion = blend.occlusion * relief_occlusion;
     out.reflectance = 0.4;
     out.normal = normalize(base_normal + blend.bump * 0.9 - vec3(swell.x, 0.0, swell.y) * base_normal.y);
+
+    if look.canopy[0].slope.w > 0.0 {
+        // As calm as plants are drawn where they end.
+        let canopy = canopy_at(ground, slope, camera_distance, dot(away, base_normal));
+        out.base_color = mix(out.base_color, canopy.colour, canopy.share);
+        out.roughness = mix(out.roughness, 0.95, canopy.share);
+        out.occlusion = mix(out.occlusion, 0.8, canopy.share);
+        out.reflectance = mix(out.reflectance, 0.08, canopy.share);
+        out.normal = normalize(mix(out.normal, base_normal, 0.9 * canopy.share));
+    }
 
 #ifndef GROUND_WITHOUT_SEA
     // Wet sand just above the water line, and the water itself.

@@ -26,6 +26,16 @@ struct GroundLayer {
     pad: u32,
 }
 
+// What grows, seen from afar.
+struct CanopyLayer {
+    // Heights of the world between which it grows, steepness of the edges; distance from which on the ground shows it.
+    height: vec4<f32>,
+    // The same of slopes; distance from which on all of it is the ground's: 0 where there is no such layer.
+    slope: vec4<f32>,
+    // Depth and colour at the sines 2^(k/2 - 8).
+    entries: array<vec4<f32>, 17>,
+}
+
 struct GroundLook {
     // Metres; -1e30 without a sea.
     sea_level: f32,
@@ -45,6 +55,7 @@ struct GroundLook {
     order: array<vec4<u32>, 32>,
     layers: array<GroundLayer, 32>,
     bands: array<GroundBand, 64>,
+    canopy: array<CanopyLayer, 4>,
 }
 
 const NO_TEXTURE: u32 = 0xffffffffu;

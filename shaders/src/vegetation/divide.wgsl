@@ -64,7 +64,7 @@ fn put(first: u32, t: Triangle, layer: u32, ring: u32, tile: vec2<i32>) {
         return;
     }
     let place = atomicAdd(&counts[PIECES], 1u);
-    if place < params.rooms.w {
+    if place < params.piece_room {
         pieces[place] = vec2(first, layer | (ring << 3u) | (u32(tile.x) << 6u) | (u32(tile.y) << 19u));
     }
 }

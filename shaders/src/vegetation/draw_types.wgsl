@@ -19,6 +19,11 @@ struct Look {
     sway: vec4<f32>,
     // As Layer.reach.
     reach: vec4<f32>,
+    // A flower's: colour of its petals, and radius. A chain's: length of a segment, how many at most, greatest angle
+    // between two; of its size the first two are the least and greatest share of the depth.
+    head: vec4<f32>,
+    // A flower's: colour of its middle, and number of petals.
+    middle: vec4<f32>,
 }
 
 struct BladeView {
@@ -32,7 +37,9 @@ struct BladeView {
     press_count: u32,
     // World position of the anchor, metres.
     anchor: vec2<i32>,
-    pad: vec2<u32>,
+    // Height of the water above the anchor, metres.
+    water: f32,
+    pad: u32,
     // This frame and the last.
     wind: WindField,
     previous_wind: WindField,

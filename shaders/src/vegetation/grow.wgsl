@@ -3,7 +3,7 @@
 #import dolomite::vegetation::bindings::{corner_normal, corner_position, counts, params, pieces}
 #import dolomite::vegetation::density::{clump_share, ramp}
 #import dolomite::vegetation::edges::{holds, to_metres, weights}
-#import dolomite::vegetation::law::{entered, kept_share, left_share}
+#import dolomite::vegetation::law::{drawn_share, entered}
 #import dolomite::vegetation::place::{clump_of, first_root, local_place, threshold}
 #import dolomite::vegetation::seen::is_outside
 #import dolomite::vegetation::triangle::{Triangle, least_of, most_of, triangle_at}
@@ -56,9 +56,10 @@ fn grow_root(t: Triangle, layer: u32, level: u32, square: vec2<i32>) -> bool {
     let rank = f32(root.rank) * 5.9604644775390625e-8;
     let middle = vec3(at.x, height, at.y);
     let distance = length(middle - params.eye);
-    let reach = params.layers[layer].reach;
-    let drawn = density * kept_share(reach, distance) * left_share(reach, distance) * bitcast<f32>(atomicLoad(&counts[CUT]));
-    if !(rank < drawn) {
+    let share = drawn_share(params.layers[layer].reach, distance);
+    // Where the pool is too small, of those that would be drawn.
+    let cut = density * bitcast<f32>(atomicLoad(&counts[CUT]));
+    if !(rank < cut * min(share, 1.0)) {
         return true;
     }
     let tallest = params.layers[layer].tallest;
@@ -66,13 +67,14 @@ fn grow_root(t: Triangle, layer: u32, level: u32, square: vec2<i32>) -> bool {
         return true;
     }
     let pixels = tallest * params.pixels_per_radian / max(distance, 1e-3);
-    let lod = select(0u, 1u, pixels < params.lods.x) + select(0u, 1u, pixels < params.lods.y);
-    let slot = atomicAdd(&counts[RECORDS + lod], 1u);
-    if slot < params.rooms[lod] {
-        let share = weights(t.a, t.b, t.c, place);
-        let normal = share.x * corner_normal(t.corners.x) + share.y * corner_normal(t.corners.y) + share.z * corner_normal(t.corners.z);
-        let come = entered(rank / drawn);
-        records[params.bases[lod] + slot] = pack_record(place, height, normalize(normal), root.hash >> 16u, layer, clump >> 27u, come);
+    let coarser = vec2<u32>(vec2(pixels) < params.layers[layer].lods);
+    let list = params.layers[layer].list + coarser.x + coarser.y;
+    let slot = atomicAdd(&counts[RECORDS + list], 1u);
+    if slot < params.rooms[list >> 2u][list & 3u] {
+        let parts = weights(t.a, t.b, t.c, place);
+        let normal = parts.x * corner_normal(t.corners.x) + parts.y * corner_normal(t.corners.y) + parts.z * corner_normal(t.corners.z);
+        let come = entered(rank / (cut * share));
+        records[params.bases[list >> 2u][list & 3u] + slot] = pack_record(place, height, normalize(normal), root.hash >> 16u, layer, clump >> 27u, come);
     }
     return true;
 }
@@ -89,7 +91,7 @@ fn grow(
     }
     workgroupBarrier();
     let number = (group.y * groups.x + group.x) * (GROUP / THREADS) + thread / THREADS;
-    let count = min(atomicLoad(&counts[PIECES]), params.rooms.w);
+    let count = min(atomicLoad(&counts[PIECES]), params.piece_room);
     if number < count {
         let piece = pieces[number];
         let layer = piece.y & 7u;

@@ -2,12 +2,16 @@
 
 #import dolomite::geometry::head::{INDEXED, OTHERS}
 #import dolomite::vegetation::bindings::{counts, params, head}
-#import dolomite::vegetation::types::{CUT, DIVIDES, DRAWS, GROWS, GROWS_AGAIN, LOOKED, MOST_LODS, PIECES, RECORDS, SHADOWS, STANDING, WANTED, WANTED_PIECES}
+#import dolomite::vegetation::types::{CUT, DIVIDES, DRAWS, GROWS, GROWS_AGAIN, LISTS, LOOKED, PIECES, RECORDS, SHADOWS, SHADOW_LISTS, STANDING, WANTED, WANTED_PIECES}
 
 @group(1) @binding(0) var<storage, read_write> arguments: array<u32>;
 
 // Workgroups in a row of a dispatch.
 const ROW: u32 = 32768u;
+
+fn room_of(list: u32) -> u32 {
+    return params.rooms[list >> 2u][list & 3u];
+}
 
 fn set_groups(at: u32, groups: u32) {
     arguments[at] = min(groups, ROW);
@@ -30,7 +34,7 @@ fn plan() {
 fn ready() {
     let wanted = atomicLoad(&counts[PIECES]);
     atomicStore(&counts[WANTED_PIECES], wanted);
-    set_groups(GROWS, (min(wanted, params.rooms.w) + 3u) / 4u);
+    set_groups(GROWS, (min(wanted, params.piece_room) + 3u) / 4u);
 }
 
 // Behind it: where the pool is too small, the share that fits, by rank, and all grows once more. Ranks are spread
@@ -39,11 +43,11 @@ fn ready() {
 fn thin() {
     var cut = 1.0;
     var wanted = 0u;
-    for (var lod = 0u; lod < MOST_LODS; lod++) {
-        let count = atomicLoad(&counts[RECORDS + lod]);
-        let room = f32(params.rooms[lod]);
+    for (var list = 0u; list < LISTS; list++) {
+        let count = atomicLoad(&counts[RECORDS + list]);
+        let room = f32(room_of(list));
         wanted += count;
-        if count > params.rooms[lod] {
+        if count > room_of(list) {
             cut = min(cut, max(room - 3.0 * sqrt(room), 0.0) / f32(count));
         }
     }
@@ -51,9 +55,9 @@ fn thin() {
     atomicStore(&counts[CUT], bitcast<u32>(cut));
     var groups = 0u;
     if cut < 1.0 {
-        groups = (min(atomicLoad(&counts[PIECES]), params.rooms.w) + 3u) / 4u;
-        for (var lod = 0u; lod < MOST_LODS; lod++) {
-            atomicStore(&counts[RECORDS + lod], 0u);
+        groups = (min(atomicLoad(&counts[PIECES]), params.piece_room) + 3u) / 4u;
+        for (var list = 0u; list < LISTS; list++) {
+            atomicStore(&counts[RECORDS + list], 0u);
         }
         atomicStore(&counts[LOOKED], 0u);
         atomicStore(&counts[STANDING], 0u);
@@ -61,18 +65,21 @@ fn thin() {
     set_groups(GROWS_AGAIN, groups);
 }
 
-// Arguments of the draws: vertices of a blade, records.
+fn set_draw(at: u32, vertices: u32, instances: u32) {
+    arguments[at] = vertices;
+    arguments[at + 1u] = instances;
+    arguments[at + 2u] = 0u;
+    arguments[at + 3u] = 0u;
+}
+
+// Arguments of the draws: vertices of a plant, records. Shadow maps take three vertices of each blade.
 @compute @workgroup_size(1)
 fn finish() {
-    for (var lod = 0u; lod < MOST_LODS; lod++) {
-        arguments[DRAWS + 4u * lod] = (16u >> lod) - 1u;
-        arguments[DRAWS + 4u * lod + 1u] = min(atomicLoad(&counts[RECORDS + lod]), params.rooms[lod]);
-        arguments[DRAWS + 4u * lod + 2u] = 0u;
-        arguments[DRAWS + 4u * lod + 3u] = 0u;
-        // Of the same records into shadow maps: three vertices each.
-        arguments[SHADOWS + 4u * lod] = 3u;
-        arguments[SHADOWS + 4u * lod + 1u] = arguments[DRAWS + 4u * lod + 1u];
-        arguments[SHADOWS + 4u * lod + 2u] = 0u;
-        arguments[SHADOWS + 4u * lod + 3u] = 0u;
+    for (var list = 0u; list < LISTS; list++) {
+        let count = min(atomicLoad(&counts[RECORDS + list]), room_of(list));
+        set_draw(DRAWS + 4u * list, params.vertices[list >> 2u][list & 3u], count);
+        if list < SHADOW_LISTS {
+            set_draw(SHADOWS + 4u * list, 3u, count);
+        }
     }
 }

@@ -6,7 +6,8 @@
 
 const MOST_LAYERS: u32 = 8u;
 const MOST_RINGS: u32 = 8u;
-const MOST_LODS: u32 = 3u;
+// Lists of records: blades of three levels of detail, flowers of two, chains of three.
+const LISTS: u32 = 8u;
 
 // Squares of cells about the eye, of one level of ranks.
 struct Ring {
@@ -49,9 +50,13 @@ struct Layer {
     // Height of the anchor above the sea, metres.
     above: f32,
     ring_count: u32,
-    more: u32,
-    // From the first distance on fewer are drawn, as 1/d, from the second on as 1/d^2; between the others they end.
+    // The list of its finest level of detail.
+    list: u32,
+    // As the functions of law.wgsl have it.
     reach: vec4<f32>,
+    // Heights in pixels of the tallest below which the next level of detail is taken, and the one after that.
+    lods: vec2<f32>,
+    more: vec2<u32>,
     rings: array<Ring, 8>,
 }
 
@@ -67,12 +72,15 @@ struct GrowParams {
     layer_count: u32,
     // CULL.
     flags: u32,
-    // Room for records of each level of detail; for pieces.
-    rooms: vec4<u32>,
-    // Where the records of each level begin.
-    bases: vec4<u32>,
-    // Height in pixels below which the next level of detail is taken.
-    lods: vec4<f32>,
+    // Of each list: room for records, where its records begin, vertices of what is drawn of one.
+    rooms: array<vec4<u32>, 2>,
+    bases: array<vec4<u32>, 2>,
+    vertices: array<vec4<u32>, 2>,
+    // Room for pieces.
+    piece_room: u32,
+    pad_a: u32,
+    pad_b: u32,
+    pad_c: u32,
     layers: array<Layer, 8>,
 }
 
@@ -80,23 +88,25 @@ const CULL: u32 = 1u;
 
 // Words of the counts.
 const PIECES: u32 = 0u;
-// Of each level of detail.
+// Of each list.
 const RECORDS: u32 = 1u;
 // Candidates that were looked at; those that stand, whether they are seen or not.
-const LOOKED: u32 = 4u;
-const STANDING: u32 = 5u;
+const LOOKED: u32 = 9u;
+const STANDING: u32 = 10u;
 // Bits of the f32 that the ranks' shares are cut at.
-const CUT: u32 = 6u;
+const CUT: u32 = 11u;
 // Records that were wanted, pieces that were.
-const WANTED: u32 = 7u;
-const WANTED_PIECES: u32 = 8u;
+const WANTED: u32 = 12u;
+const WANTED_PIECES: u32 = 13u;
 
-// Words of the arguments: dispatches of what divides, of what grows, of what grows once more; draws of four words.
+// Words of the arguments: dispatches of what divides, of what grows, of what grows once more; draws of four words, one
+// each list; those of the first lists into shadow maps.
 const DIVIDES: u32 = 0u;
 const GROWS: u32 = 4u;
 const GROWS_AGAIN: u32 = 8u;
 const DRAWS: u32 = 12u;
-const SHADOWS: u32 = 24u;
+const SHADOWS: u32 = 44u;
+const SHADOW_LISTS: u32 = 2u;
 
 // A root that stands and may be seen: 16 bytes.
 struct Record {

@@ -37,3 +37,17 @@ fn wind_on_blade(field: WindField, at: vec2<f32>, own: f32, is_fast: bool) -> ve
     let across = vec2(-field.mean.y, field.mean.x);
     return field.mean * (strength + flutter * sin(phase)) + across * (flutter * cos(phase));
 }
+
+// How far water is from its place at rest, metres, at a depth below the surface.
+fn water_moved(field: WindField, at: vec2<f32>, depth: f32) -> vec3<f32> {
+    var moved = vec3(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        let wave = field.swell[k];
+        let long = length(wave.xy);
+        let angle = dot(wave.xy, at) + wave.z;
+        let radius = wave.w * exp(-long * max(depth, 0.0));
+        let along = wave.xy * (-radius * sin(angle) / max(long, 1e-9));
+        moved += vec3(along.x, radius * cos(angle), along.y);
+    }
+    return moved;
+}

@@ -1,10 +1,13 @@
-//! Cover and colour by distance, and how fast widths change.
+//! Cover and colour by distance, and how fast widths change: by the law, the shapes and the colours that are drawn.
 
+use bevy::math::ops;
+use dolomite_vegetation::blade::SEGMENTS;
+use dolomite_vegetation::colour::calm_at;
 use dolomite_vegetation::density::NO_CLUMPS;
 use dolomite_vegetation::kind::Blade;
-use dolomite_vegetation::reference::{Field, Seen, draw, mean};
+use dolomite_vegetation::reference::{Manner, Seen, draw, field_of, mean};
 use dolomite_vegetation::shade::FarField;
-use dolomite_vegetation::{Fade, Growth};
+use dolomite_vegetation::{Growth, Law};
 use serde_json::{Value, json};
 
 use super::rows::row;
@@ -13,17 +16,11 @@ use crate::csv::Row;
 /// Side of the measured ground, metres.
 pub const SIDE: f32 = 8.0;
 
-/// Squares of that side that a ring is the mean of.
-pub const FIELDS: i32 = 8;
-
-/// Up to here blades are drawn, beyond is the ground's own shade, metres.
-pub const HAND_OVER: f64 = 120.0;
-
-/// All blades have their own width up to here: one of 11 mm is then a pixel wide at 935 pixels a radian.
-const NEAR: f32 = 9.4;
-
 /// Pixels a radian: 1080 lines over 60 degrees.
-const PIXELS: f64 = 935.0;
+pub const PIXELS: f32 = 935.0;
+
+/// Height of a blade in pixels below which it has 7 vertices, and 3: as it is drawn.
+const LOD_PIXELS: [f32; 2] = [48.0, 14.0];
 
 /// The least sine of an elevation that is measured.
 const LEAST: f64 = 0.005;
@@ -38,12 +35,24 @@ pub struct Ring {
     eye: f64,
     distance: f64,
     all: Seen,
+    blades: Seen,
     ours: Seen,
 }
 
 impl Ring {
+    /// Whether no blade has begun to end there.
+    pub fn is_near(&self, law: Law) -> bool {
+        slant(self.eye, self.distance) <= f64::from(law.fade)
+    }
+
+    /// With the far-field term where blades end.
     pub fn cover_error(&self) -> f64 {
         (self.ours.cover - self.all.cover).abs()
+    }
+
+    /// Of the blades alone.
+    pub fn blades_error(&self) -> f64 {
+        (self.blades.cover - self.all.cover).abs()
     }
 
     /// Of the colour that covers, weighed by the cover: what a pixel differs by over black soil.
@@ -54,15 +63,16 @@ impl Ring {
     }
 
     pub fn row(&self) -> Row {
-        let method = if self.distance <= HAND_OVER {
-            "blades by rank"
-        } else {
-            "far field"
-        };
-        let mut row = row("rings", method, "distance", self.distance, "cover");
+        let mut row = row(
+            "rings",
+            "law and far field",
+            "distance",
+            self.distance,
+            "cover",
+        );
         row.parameter = format!(
-            "eye={} cover={:.5} all={:.5}",
-            self.eye, self.ours.cover, self.all.cover
+            "eye={} cover={:.5} blades={:.5} all={:.5}",
+            self.eye, self.ours.cover, self.blades.cover, self.all.cover
         );
         row.error_unit = "share".into();
         row
@@ -73,48 +83,63 @@ impl Ring {
             "eye_m": self.eye,
             "distance_m": self.distance,
             "cover_all": self.all.cover,
+            "cover_blades": self.blades.cover,
             "cover": self.ours.cover,
             "colour_255": 255.0 * self.colour_error(),
         })
     }
 }
 
-pub fn rings(blade: &Blade, growth: Growth, seed: u32) -> Vec<Ring> {
+/// Blades over ground that shows the far field: what a ray meets first.
+fn over(blades: Seen, ground: Seen) -> Seen {
+    let below = (1.0 - blades.cover) * ground.cover;
+    let cover = blades.cover + below;
+    let of = |k: usize| blades.cover * blades.colour[k] + below * ground.colour[k];
+    Seen {
+        cover,
+        colour: [0, 1, 2].map(|k| if cover > 0.0 { of(k) / cover } else { 0.0 }),
+    }
+}
+
+/// Every ring is the mean of so many squares.
+pub fn rings(blade: &Blade, (growth, law): (Growth, Law), seed: u32, fields: i32) -> Vec<Ring> {
     let growth = Growth {
         clump_size: NO_CLUMPS,
         ..growth
     };
     let far = FarField::fit(blade, &growth);
-    let fade = Fade::new(NEAR, 1e9);
-    let field = Field {
-        cells: (SIDE / growth.lattice.pitch()) as i32,
-        samples: 512,
-        first: [(seed as i32 & 0xFFF) * 64, -7 * 64],
-    };
+    let first = [(seed as i32 & 0xFFF) * 256, -7 * 256];
+    let field = field_of(&growth, SIDE, 512, first);
     let mut rings = Vec::new();
     for eye in EYES {
         for distance in RINGS {
-            let sine = (eye / slant(eye, distance)).max(LEAST) as f32;
-            let all = mean(field, FIELDS, |field| {
-                draw(field, blade, &growth, sine, |_| 1.0, 7)
+            let away = slant(eye, distance);
+            let sine = (eye / away).max(LEAST) as f32;
+            let all = mean(field, fields, |field| {
+                draw(field, blade, &growth, sine, |_| 1.0, Manner::FINEST)
             });
-            let ours = if distance <= HAND_OVER {
-                let shown = fade.at(slant(eye, distance) as f32);
-                mean(field, FIELDS, |field| {
-                    draw(field, blade, &growth, sine, |rank| shown.width_of(rank), 3)
-                })
-            } else {
-                let cover = far.at(sine, 1.0);
-                Seen {
-                    cover: f64::from(cover.share),
-                    colour: cover.colour.map(f64::from),
-                }
+            let away = away as f32;
+            let pixels = blade.length.1 * PIXELS / away;
+            let lod = LOD_PIXELS.iter().filter(|least| pixels < **least).count();
+            let manner = Manner {
+                segments: SEGMENTS[lod],
+                calm: calm_at(law.first, away),
+            };
+            let width = |rank| law.width_of(rank, away);
+            let blades = mean(field, fields, |field| {
+                draw(field, blade, &growth, sine, width, manner)
+            });
+            let cover = far.at(sine, 1.0 - law.cover(away));
+            let ground = Seen {
+                cover: f64::from(cover.share),
+                colour: cover.colour.map(f64::from),
             };
             rings.push(Ring {
                 eye,
                 distance,
                 all,
-                ours,
+                blades,
+                ours: over(blades, ground),
             });
         }
     }
@@ -127,18 +152,20 @@ pub struct Popping {
     pub entering: f64,
 }
 
-/// By how much the width of a blade of 11 mm changes on the screen in a frame of 1/60 s, beyond what its distance
-/// alone does.
-pub fn popping() -> Popping {
-    let fade = Fade::new(NEAR, 1e9);
+/// By how much the width of a blade changes on the screen in a frame of 1/60 s, beyond what its distance alone does.
+pub fn popping(blade: &Blade, law: Law) -> Popping {
+    let own = f64::from(blade.width) * f64::from(PIXELS);
+    let reach = f64::from(law.reach);
     let pixels = |rank: f32, distance: f64, from: f64| {
-        f64::from(fade.at(distance as f32).width_of(rank)) * 0.011 * PIXELS / from
+        f64::from(law.width_of(rank, distance as f32)) * own / from
     };
+    // Ranks by ratio: those that stay to the end are few.
+    let ranks = || (0..200).map(|k| ops::powf(0.97, k as f32));
     let fastest = |step: f64| {
         let mut most: f64 = 0.0;
-        for rank in (0..200).map(|k| (k as f32 + 0.5) / 200.0) {
+        for rank in ranks() {
             let mut distance = 1.0;
-            while distance < HAND_OVER {
+            while distance < reach {
                 // On the screen at the same distance: what is left is the level of detail's own.
                 let change =
                     pixels(rank, distance + step, distance) - pixels(rank, distance, distance);
@@ -151,14 +178,12 @@ pub fn popping() -> Popping {
     // The width at which a blade is first seen: that of the last frame in which it was not.
     let entering = |step: f64| {
         let mut most: f64 = 0.0;
-        for rank in (1..200).map(|k| k as f32 / 200.0) {
-            let mut distance = HAND_OVER;
+        for rank in ranks() {
+            let mut distance = reach;
             while distance > 1.0 && pixels(rank, distance, distance) == 0.0 {
                 distance -= step;
             }
-            if distance < HAND_OVER {
-                most = most.max(pixels(rank, distance, distance));
-            }
+            most = most.max(pixels(rank, distance, distance));
         }
         most
     };
@@ -172,4 +197,50 @@ pub fn popping() -> Popping {
 /// How far away the ring is through the air.
 fn slant(eye: f64, distance: f64) -> f64 {
     (eye * eye + distance * distance).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A law that draws half of what it should is seen by the measure.
+    #[test]
+    fn what_is_missing_is_found() {
+        let (blade, growth, law) = super::super::grass(1);
+        let half = Growth {
+            full: 0.25 * growth.full,
+            clump_size: NO_CLUMPS,
+            ..growth
+        };
+        let field = field_of(&growth, 4.0, 256, [0, 0]);
+        let seen = |width: f32| {
+            mean(field, 2, |field| {
+                draw(field, &blade, &half, 0.6, |_| width, Manner::FINEST)
+            })
+        };
+        let [all, less] = [1.0, 0.5].map(seen);
+        let ring = Ring {
+            eye: 1.7,
+            distance: 5.0,
+            all,
+            blades: less,
+            ours: over(less, Seen::default()),
+        };
+        assert!(ring.cover_error() > 0.05 && ring.blades_error() == ring.cover_error());
+        assert!(law.reach > 0.0);
+        let whole = over(less, all);
+        assert!((whole.cover - (1.0 - (1.0 - all.cover) * (1.0 - less.cover))).abs() < 1e-12);
+    }
+
+    /// Widths that appear at once are seen by the measure: a reach without a fade.
+    #[test]
+    fn jumps_are_found() {
+        let (blade, _, law) = super::super::grass(1);
+        let sudden = Law {
+            fade: law.reach - 0.01,
+            ..law
+        };
+        assert!(popping(&blade, sudden).walking > 0.5);
+        assert!(popping(&blade, law).walking < 0.1);
+    }
 }

@@ -8,7 +8,7 @@ use crate::csv::Row;
 use crate::study::{Asked, Options, Report, Study};
 use dolomite_testkit::metrics::Hash64;
 use dolomite_vegetation::kind::{Blade, Shape};
-use dolomite_vegetation::{Growth, Kinds};
+use dolomite_vegetation::{Growth, Kinds, Law};
 use serde_json::json;
 
 /// As the command line knows it.
@@ -20,7 +20,7 @@ pub const STUDY: Study = Study {
 };
 
 /// What its measured table says.
-const ASKED: [Asked; 11] = [
+const ASKED: [Asked; 13] = [
     asked("Roots moved by 10⁴ cameras", "0", "/roots/moved", ""),
     asked("Roots outside of their bands", "0", "/density/outside", ""),
     asked(
@@ -37,13 +37,25 @@ const ASKED: [Asked; 11] = [
     ),
     asked("The same by random rank", "", "/share/random_percent", "%"),
     asked(
-        "Cover by ring, 5 to 1000 m, largest difference to all blades",
+        "Cover by ring, 5 to 1000 m, law and far-field term, largest difference to all blades",
         "≤ 1 %",
         "/rings/cover_percent",
         "%",
     ),
     asked(
-        "Mean colour by ring, largest difference",
+        "The same of blades alone, in rings where none has ended",
+        "≤ 1 %",
+        "/rings/near_percent",
+        "%",
+    ),
+    asked(
+        "The same of blades alone, in all rings",
+        "",
+        "/rings/blades_percent",
+        "%",
+    ),
+    asked(
+        "Mean colour by ring before light, law and far-field term, largest difference",
         "≤ 1",
         "/rings/colour_255",
         "1/255",
@@ -78,21 +90,22 @@ const fn asked(
     }
 }
 
-/// The kinds that come with the crate, as its tests use them.
-const KINDS: &str = include_str!("../../../../plugins/vegetation/assets/kinds.ron");
-
-/// The grass among them.
-fn grass(seed: u32) -> (Blade, Growth) {
-    let kinds = Kinds::parse(KINDS, "kinds.ron".as_ref()).expect("it comes with the crate");
+/// The grass of the crate's small set, and its law in a picture of 1080 lines.
+fn grass(seed: u32) -> (Blade, Growth, Law) {
+    let kinds = Kinds::small_set();
     let (_, kind) = kinds.find("grass").expect("one of them");
     let Shape::Blade(blade) = kind.shape else {
         unreachable!("grass has blades")
     };
-    (blade, Growth::new(kind, seed))
+    let law = Law::new(blade.width, look::PIXELS, kind.reach);
+    (blade, Growth::new(kind, seed), law)
 }
 
+/// Squares that each ring is the mean of, in a run of the usual number of cameras and in a smaller one.
+const FIELDS: [i32; 2] = [8, 1];
+
 fn run(options: &Options) -> Report {
-    let (blade, growth) = grass(options.seed);
+    let (blade, growth, law) = grass(options.seed);
     let cameras = options.count.unwrap_or(10_000);
     eprintln!("vegetation: roots");
     let moved = roots::moved(growth.lattice, options.seed, cameras);
@@ -101,13 +114,16 @@ fn run(options: &Options) -> Report {
     let share = roots::shares(growth.lattice);
     let speed = roots::speed(growth, options.repeats);
     eprintln!("vegetation: cover and colour by ring");
-    let rings = look::rings(&blade, growth, options.seed);
-    let popping = look::popping();
+    let fields = FIELDS[usize::from(cameras < 10_000)];
+    let rings = look::rings(&blade, (growth, law), options.seed, fields);
+    let popping = look::popping(&blade, law);
     let mut rows: Vec<Row> = rings.iter().map(look::Ring::row).collect();
     rows.extend(share.iter().map(roots::Share::row));
     let mut hash = Hash64::default();
     hash.add(moved.hash);
     let largest = |of: fn(&look::Ring) -> f64| rings.iter().map(of).fold(0.0, f64::max);
+    let near = rings.iter().filter(|ring| ring.is_near(law));
+    let near = near.map(look::Ring::blades_error).fold(0.0, f64::max);
     let lost = |of: fn(&roots::Share) -> f64| share.iter().map(of).fold(0.0, f64::max);
     Report {
         study: STUDY.name,
@@ -116,13 +132,13 @@ fn run(options: &Options) -> Report {
         notes: vec![
             format!(
                 "rings: a flat meadow seen from 1.7 m, 8 m and 60 m above it; parallel rays at the elevation of each ring; all \
-                 blades at 512² samples for {} m of ground a side, the mean of {} such squares; {} m and nearer blades by rank and width, beyond \
-                 the far field's table, which is fitted on other ground",
-                look::SIDE,
-                look::FIELDS,
-                look::HAND_OVER
+                 blades at 512² samples for {} m of ground a side, the mean of {} such squares; against them blades by the law that \
+                 is drawn, with its levels of detail and its calm colours, and where they end, from {} m to {} m, the far field's \
+                 table for what is missing, which is fitted on other ground",
+                look::SIDE, fields, law.fade, law.reach
             ),
             "rings under an elevation of 0.29° (sine 0.005) are measured at that one: all of the ground is covered".into(),
+            "law, shapes and colours are the functions in Rust that tests hold those in WGSL to; no wind, level ground, no light".into(),
             "what is drawn by the GPU, floating roots, draws and dispatches are not part of this study yet; neither are \
              the geometry shader's blades and instances placed on the CPU"
                 .into(),
@@ -146,6 +162,8 @@ fn run(options: &Options) -> Report {
             },
             "rings": {
                 "cover_percent": 100.0 * largest(look::Ring::cover_error),
+                "near_percent": 100.0 * near,
+                "blades_percent": 100.0 * largest(look::Ring::blades_error),
                 "colour_255": 255.0 * largest(look::Ring::colour_error),
                 "each": rings.iter().map(look::Ring::summary).collect::<Vec<_>>(),
             },

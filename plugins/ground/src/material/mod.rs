@@ -7,13 +7,16 @@
 //! | [`MaterialBands`] | six numbers that stand for the usual five layers |
 //! | [`GroundShading`] | how much is done for a pixel |
 //! | [`Sea`] | how the water looks |
+//! | [`GroundCanopy`] | what grows, from afar |
 
 mod bands;
+mod canopy;
 mod layer;
 mod sea;
 mod shading;
 
 pub use bands::MaterialBands;
+pub use canopy::{Canopy, CanopyLayer, GroundCanopy};
 pub use layer::{Band, GroundLayer, GroundMaterial, Measure, Surface};
 pub use sea::Sea;
 pub use shading::GroundShading;

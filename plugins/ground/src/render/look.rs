@@ -5,7 +5,10 @@ use bevy::render::render_resource::ShaderType;
 use dolomite_terrain::GpuTerrainUniform;
 
 use super::TerrainRelief;
-use crate::material::{Band, GroundLayer, GroundMaterial, GroundShading, Measure, Sea, Surface};
+use crate::material::{
+    Band, CanopyLayer, GroundCanopy, GroundLayer, GroundMaterial, GroundShading, Measure, Sea,
+    Surface,
+};
 use crate::range::within;
 
 /// See `GroundBand` in `shaders/src/ground/types.wgsl`.
@@ -28,6 +31,15 @@ pub struct LookLayer {
     pub pad: u32,
 }
 
+/// See `CanopyLayer` in `shaders/src/ground/types.wgsl`.
+#[derive(ShaderType, Clone, Copy, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "each field is documented once, in types.wgsl")]
+pub struct LookCanopy {
+    pub height: Vec4,
+    pub slope: Vec4,
+    pub entries: [Vec4; CanopyLayer::ENTRIES],
+}
+
 /// How the ground looks; see `shaders/src/ground/types.wgsl` for units and meanings.
 #[derive(ShaderType, Clone, Copy, Debug, PartialEq)]
 #[expect(missing_docs, reason = "each field is documented once, in types.wgsl")]
@@ -42,6 +54,7 @@ pub struct GroundLook {
     pub order: [UVec4; GroundMaterial::MOST_LAYERS],
     pub layers: [LookLayer; GroundMaterial::MOST_LAYERS],
     pub bands: [LookBand; GroundMaterial::MOST_BANDS],
+    pub canopy: [LookCanopy; GroundCanopy::MOST_LAYERS],
 }
 
 impl Default for GroundLook {
@@ -57,6 +70,7 @@ impl Default for GroundLook {
             order: [UVec4::ZERO; GroundMaterial::MOST_LAYERS],
             layers: [LookLayer::default(); GroundMaterial::MOST_LAYERS],
             bands: [LookBand::default(); GroundMaterial::MOST_BANDS],
+            canopy: [LookCanopy::default(); GroundCanopy::MOST_LAYERS],
         }
     }
 }
@@ -122,6 +136,23 @@ impl GroundLook {
     #[must_use]
     pub fn shaded(mut self, shading: GroundShading) -> Self {
         self.deep.w = shading.narrowing();
+        self
+    }
+
+    /// The same, below what grows.
+    #[must_use]
+    pub fn below(mut self, canopy: Option<&GroundCanopy>) -> Self {
+        let layers = canopy.map_or(&[][..], |canopy| &canopy.layers);
+        // A layer that is none ends the list in the shader.
+        let layers = layers.iter().filter(|layer| layer.fade[1] > 0.0);
+        for (slot, layer) in self.canopy.iter_mut().zip(layers) {
+            let with = |[a, b, c]: [f32; 3], d: f32| Vec4::new(a, b, c, d);
+            *slot = LookCanopy {
+                height: with(layer.height, layer.fade[0]),
+                slope: with(layer.slope, layer.fade[1]),
+                entries: layer.entries.map(Vec4::from),
+            };
+        }
         self
     }
 

@@ -30,7 +30,7 @@ pub use drawn::{DrawnGround, GroundProgress};
 #[doc(hidden)]
 pub use kind::{GroundKind, HeightUniform};
 #[doc(hidden)]
-pub use look::{GroundLook, LookBand, LookLayer, LookLimit};
+pub use look::{GroundLook, LookBand, LookCanopy, LookLayer, LookLimit};
 pub use relief::TerrainRelief;
 pub use texture::GroundTextures;
 

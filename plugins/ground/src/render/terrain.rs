@@ -15,7 +15,7 @@ use super::relief::{TerrainRelief, drawn};
 use super::texture::{GroundTextures, ReadyArrays, textured};
 use super::told::is_news;
 use crate::cover::{PatchDetail, TerrainView};
-use crate::material::{GroundMaterial, GroundShading, Sea};
+use crate::material::{GroundCanopy, GroundMaterial, GroundShading, Sea};
 use crate::shown::ShownTerrains;
 
 type GroundQuery<'a> = (
@@ -25,6 +25,7 @@ type GroundQuery<'a> = (
     Ref<'a, GroundShading>,
     Option<Ref<'a, Sea>>,
     Option<Ref<'a, TerrainRelief>>,
+    Option<Ref<'a, GroundCanopy>>,
     Option<&'a RenderLayers>,
 );
 
@@ -35,8 +36,8 @@ pub(super) struct Due {
     of: Option<Entity>,
     terrain: bool,
     look: bool,
-    /// Whether there was a relief map, and a sea.
-    had: [bool; 2],
+    /// Whether there was a relief map, a sea, and something that grows.
+    had: [bool; 3],
 }
 
 /// Whether the device can bind the height maps of a terrain; says once where it cannot. Such a terrain is not drawn.
@@ -79,7 +80,7 @@ pub(super) fn follow<const SLOT: usize>(
     let entity = shown.slot(SLOT).filter(|_| !views.is_empty());
     let found = entity.and_then(|entity| terrains.get(entity).ok());
     let found = found.filter(|(terrain, ..)| fits(device.as_deref(), terrain, &mut too_large));
-    let Some((terrain, material, textures, shading, sea, relief, layers)) = found else {
+    let Some((terrain, material, textures, shading, sea, relief, canopy, layers)) = found else {
         if kind.terrain.is_some() {
             *kind = GroundKind::default();
         }
@@ -89,17 +90,20 @@ pub(super) fn follow<const SLOT: usize>(
     let other = due.of != entity;
     due.of = entity;
     let sea = sea.filter(|_| terrain.sea_level().is_some());
-    let [had_relief, had_sea] = std::mem::replace(&mut due.had, [relief.is_some(), sea.is_some()]);
+    let has = [relief.is_some(), sea.is_some(), canopy.is_some()];
+    let [had_relief, had_sea, had_canopy] = std::mem::replace(&mut due.had, has);
     let changed = |had: bool, now: Option<bool>| had != now.is_some() || now == Some(true);
     let relief_changed = changed(had_relief, relief.as_ref().map(Ref::is_changed));
     let sea_changed = changed(had_sea, sea.as_ref().map(Ref::is_changed));
+    let canopy_changed = changed(had_canopy, canopy.as_ref().map(Ref::is_changed));
     due.terrain |= other || terrain.is_changed() || had_sea != sea.is_some();
     due.look |= due.terrain
         || material.is_changed()
         || textures.is_changed()
         || shading.is_changed()
         || relief_changed
-        || sea_changed;
+        || sea_changed
+        || canopy_changed;
     let is_shown = ready.has(&material, &textures);
     if kind.shown != is_shown {
         kind.shown = is_shown;
@@ -135,7 +139,7 @@ pub(super) fn follow<const SLOT: usize>(
         kind.relief = relief.as_ref().map(|relief| relief.image.clone());
         let sea = terrain.sea_level().zip(sea.as_deref().copied());
         let (look, limits) = GroundLook::new(&material, sea, relief.as_deref());
-        kind.look = look.shaded(*shading);
+        kind.look = look.shaded(*shading).below(canopy.as_deref());
         kind.full = *shading == GroundShading::Full;
         for limit in limits {
             if is_news(&mut told, &limit) {

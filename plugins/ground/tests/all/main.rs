@@ -6,6 +6,8 @@ mod app;
 #[cfg(feature = "render")]
 mod blocks;
 #[cfg(feature = "render")]
+mod canopy;
+#[cfg(feature = "render")]
 mod chosen;
 mod cover;
 mod plugin;

@@ -57,7 +57,7 @@ fn a_changed_struct_is_seen() {
 #[test]
 fn the_grounds_look_lies_as_in_rust() {
     use bevy::render::render_resource::ShaderType;
-    use dolomite_ground::render::{GroundLook, LookBand, LookLayer};
+    use dolomite_ground::render::{GroundLook, LookBand, LookCanopy, LookLayer};
     // `#[derive(ShaderType)]` lays the Rust struct out by WGSL's own rules: order and size are left.
     let module = composed("ground/material.wgsl");
     let (size, members) = wgsl_struct(&module, "GroundLook");
@@ -77,6 +77,7 @@ fn the_grounds_look_lies_as_in_rust() {
         "order",
         "layers",
         "bands",
+        "canopy",
     ];
     assert_eq!(names, ours);
     let at = |name: &str| members.iter().find(|(theirs, _)| theirs == name);
@@ -86,6 +87,8 @@ fn the_grounds_look_lies_as_in_rust() {
     assert_eq!(u64::from(size), LookBand::min_size().get());
     let (size, _) = wgsl_struct(&module, "GroundLayer");
     assert_eq!(u64::from(size), LookLayer::min_size().get());
+    let (size, _) = wgsl_struct(&module, "CanopyLayer");
+    assert_eq!(u64::from(size), LookCanopy::min_size().get());
 }
 
 #[test]

@@ -10,6 +10,7 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_dis
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
+use dolomite_ground::GroundCanopy;
 use dolomite_sky::Sun;
 use dolomite_vegetation::render::VegetationStats;
 
@@ -67,6 +68,7 @@ pub fn app() -> App {
               cameras: Query<Entity, With<Camera3d>>,
               mut target: Local<Option<Handle<Image>>>,
               stats: Res<VegetationStats>,
+              canopies: Query<&GroundCanopy>,
               mut frame: Local<u32>,
               mut rests: Local<(u64, u32)>| {
             let target = target.get_or_insert_with(|| {
@@ -86,7 +88,7 @@ pub fn app() -> App {
             }
             *frame += 1;
             let count = stats.get();
-            if count.draws == 0 || count.dispatches != rests.0 {
+            if count.draws == 0 || count.dispatches != rests.0 || canopies.is_empty() {
                 *rests = (count.dispatches, *frame);
             }
             if *frame - rests.1 == FRAMES || *frame == MOST_FRAMES {

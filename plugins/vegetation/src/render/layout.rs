@@ -7,20 +7,17 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::bend::{MOST_PRESSES, Press};
 use crate::density::Growth;
+use crate::law::Law;
 use crate::wind::WindField;
 
 /// Kinds that are drawn at a time.
 pub const MOST_LAYERS: usize = 8;
 /// Rings about the eye, one a level of ranks.
 pub const MOST_RINGS: usize = 8;
-/// Levels of detail of blades.
-pub const LODS: usize = 3;
-/// Vertices of a blade, by level of detail.
-pub const BLADE_VERTICES: [u32; LODS] = [15, 7, 3];
+/// Lists of records: of each shape one a level of detail.
+pub const LISTS: usize = 8;
 /// Steps a metre.
 pub const STEPS: f64 = 4096.0;
-/// Farthest that a kind is drawn, metres: places in records have 24 bits.
-pub const MOST_REACH: f32 = 2000.0;
 /// Bytes of a record.
 pub const RECORD_BYTES: u64 = 16;
 /// Bytes of a piece of work.
@@ -51,8 +48,10 @@ pub struct LayerParams {
     pub tallest: f32,
     pub above: f32,
     pub ring_count: u32,
-    pub more: u32,
-    pub reach: [f32; 4],
+    pub list: u32,
+    pub reach: Law,
+    pub lods: [f32; 2],
+    pub more: [u32; 2],
     pub rings: [Ring; MOST_RINGS],
 }
 
@@ -67,9 +66,11 @@ pub struct GrowParams {
     pub anchor: [i32; 2],
     pub layer_count: u32,
     pub flags: u32,
-    pub rooms: [u32; 4],
-    pub bases: [u32; 4],
-    pub lods: [f32; 4],
+    pub rooms: [u32; LISTS],
+    pub bases: [u32; LISTS],
+    pub vertices: [u32; LISTS],
+    pub piece_room: u32,
+    pub pad: [u32; 3],
     pub layers: [LayerParams; MOST_LAYERS],
 }
 
@@ -82,8 +83,8 @@ pub const CULL: u32 = 1;
 pub struct GrowCounts {
     /// Pieces of work.
     pub pieces: u32,
-    /// Records of each level of detail; more than there is room for are not kept.
-    pub records: [u32; LODS],
+    /// Records of each list; more than there is room for are not kept.
+    pub records: [u32; LISTS],
     /// Candidates that were looked at.
     pub looked: u32,
     /// Those that stand, whether they are drawn or not.
@@ -94,8 +95,8 @@ pub struct GrowCounts {
     pub wanted: u32,
     /// Pieces that were wanted.
     pub wanted_pieces: u32,
-    /// To fill 48 bytes.
-    pub rest: [u32; 3],
+    /// To fill 64 bytes.
+    pub rest: [u32; 2],
 }
 
 /// Byte of the dispatch that divides, in the buffer of arguments.
@@ -107,13 +108,13 @@ pub const GROW_AGAIN_ARGUMENTS: u64 = 8 * 4;
 /// Byte of the first draw; 16 bytes each.
 pub const DRAW_ARGUMENTS: u64 = 12 * 4;
 /// Byte of the first draw into shadow maps.
-pub const SHADOW_ARGUMENTS: u64 = DRAW_ARGUMENTS + 16 * LODS as u64;
+pub const SHADOW_ARGUMENTS: u64 = DRAW_ARGUMENTS + 16 * LISTS as u64;
 /// Bytes of all arguments.
-pub const ARGUMENT_BYTES: u64 = SHADOW_ARGUMENTS + 16 * LODS as u64;
+pub const ARGUMENT_BYTES: u64 = SHADOW_ARGUMENTS + 16 * SHADOW_LISTS as u64;
 /// Shadow views that blades are drawn into: the nearest cascades of a sun.
 pub const SHADOW_VIEWS: usize = 2;
-/// Levels of detail that cast shadows: the nearest.
-pub const SHADOW_LODS: usize = 2;
+/// Lists that cast shadows: of the nearest blades.
+pub const SHADOW_LISTS: usize = 2;
 /// Distance of the slots of the uniform of shadow views, bytes: a multiple of every device's alignment.
 pub const SHADOW_SLOT: u64 = 256;
 
@@ -130,7 +131,9 @@ pub struct LookParams {
     pub dry: [f32; 4],
     pub size: [f32; 4],
     pub sway: [f32; 4],
-    pub reach: [f32; 4],
+    pub reach: Law,
+    pub head: [f32; 4],
+    pub middle: [f32; 4],
 }
 
 /// As `BladeView` in WGSL.
@@ -148,7 +151,8 @@ pub struct BladeView {
     pub sun: [f32; 3],
     pub press_count: u32,
     pub anchor: [i32; 2],
-    pub pad: [u32; 2],
+    pub water: f32,
+    pub pad: u32,
     pub wind: WindField,
     pub previous_wind: WindField,
     pub looks: [LookParams; MOST_LAYERS],
@@ -156,5 +160,5 @@ pub struct BladeView {
 }
 
 const _: () = assert!(size_of::<Ring>() == 48);
-const _: () = assert!(size_of::<LayerParams>() == 96 + 48 * MOST_RINGS);
-const _: () = assert!(size_of::<GrowCounts>() == 48);
+const _: () = assert!(size_of::<LayerParams>() == 112 + 48 * MOST_RINGS);
+const _: () = assert!(size_of::<GrowCounts>() == 64);

@@ -374,8 +374,7 @@ mod tests {
             .init_asset::<Mesh>()
             .init_asset::<StandardMaterial>();
         build(&mut app);
-        let text = include_str!("../../assets/kinds.ron");
-        let kinds = Arc::new(Kinds::parse(text, "my.ron".as_ref()).expect("read"));
+        let kinds = Arc::new(Kinds::small_set());
         let vegetation = Vegetation {
             kinds: Arc::clone(&kinds),
             reach: 0.3,

@@ -1,4 +1,4 @@
-//! What grows, in the picture: blades of grass, flowers' stems.
+//! What grows, in the picture: blades of grass, flowers, kelp.
 //!
 //! **Roots stand on the triangles that are drawn.** After a view's ground has been chosen, `divide` goes through its
 //! triangles — those that the camera sees, and those that are kept for shadows — and makes pieces of work: a triangle
@@ -10,25 +10,33 @@
 //! Ground that is in neither list grows nothing: what lies beyond the borders of the picture or behind nearer ground,
 //! in views without shadows (in those with shadows it is kept).
 //!
-//! **Squares become larger with distance** (`law`): about the eye lie rings, and in each only candidates of ranks that
+//! **Squares become larger with distance** (`rings`): about the eye lie rings, and in each only candidates of ranks that
 //! may be drawn there are looked at, one a square of 2^level cells a side. The work is that of what is drawn, whatever
 //! the area.
 //!
 //! **At rest nothing is dispatched.** Records are made anew when the view, the ground or a setting has changed. Wind
 //! moves vertices in the draws, and previous places of motion vectors are those of the wind of the last frame.
 //!
+//! **Shapes** have lists of records of their own (`lists`), one a level of detail, and an indirect draw each. What no kind
+//! uses has no pipeline.
+//!
+//! **Where blades end** the ground shows their far field (`far`), fitted to them by a task.
+//!
 //! Nothing exists until there are a `Vegetation` with kinds that are drawn, and a camera with a `VegetationView`.
 
 pub mod edges;
 mod extract;
-pub mod law;
+mod far;
+mod layers;
 pub mod layout;
+pub mod lists;
 pub mod meshes;
 mod pass;
 mod pipeline;
 mod prepare;
 mod published;
 pub mod record;
+pub mod rings;
 mod state;
 mod stats;
 
@@ -41,7 +49,6 @@ use dolomite_geometry::GeometryPlugin;
 use dolomite_geometry::render::{GeometrySystems, build_render};
 
 pub use extract::VegetationCulling;
-pub use pipeline::{SHADOW_DEFS, draw_defs};
 pub use prepare::VegetationGrounds;
 pub use state::VegetationPool;
 pub use stats::{VegetationCount, VegetationStats};
@@ -53,6 +60,7 @@ pub(crate) fn build(app: &mut App) {
         .init_resource::<VegetationStats>()
         .add_plugins(GeometryPlugin);
     meshes::build(app);
+    far::build(app);
     published::build(app);
 }
 

@@ -89,7 +89,7 @@ type DrawnView<'a> = (
     &'a ViewDepthTexture,
 );
 
-/// The blades of a view into its G-buffer.
+/// What grows in a view into its G-buffer.
 pub fn draw(
     view: ViewQuery<DrawnView, (With<ExtractedVegetationView>, With<ExtractedGeometryCamera>)>,
     vegetation: Res<VegetationViews>,
@@ -149,7 +149,7 @@ pub fn draw(
         let draws = groups.draws.each_ref().map(|group| &**group);
         record_draws(
             pass.wgpu_pass(),
-            pipelines.map(|pipeline| &**pipeline),
+            pipelines.map(|pipeline| pipeline.map(|pipeline| &**pipeline)),
             draws,
             &state.buffers.arguments,
         );

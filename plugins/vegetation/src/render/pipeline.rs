@@ -7,7 +7,6 @@ use bevy::core_pipeline::deferred::{DEFERRED_LIGHTING_PASS_ID_FORMAT, DEFERRED_P
 use bevy::core_pipeline::prepass::{
     MOTION_VECTOR_PREPASS_FORMAT, NORMAL_PREPASS_FORMAT, ViewPrepassTextures,
 };
-use bevy::mesh::PrimitiveTopology;
 use bevy::prelude::*;
 use bevy::render::render_resource::binding_types::{
     storage_buffer_read_only_sized, storage_buffer_sized, uniform_buffer_sized,
@@ -21,14 +20,15 @@ use bevy::render::render_resource::{
 use bevy::shader::{Shader, ShaderDefVal};
 use dolomite_geometry::render::{ModuleShaders, pipeline_fault, shader_asset};
 
-use super::layout::{BLADE_VERTICES, BladeView, GrowParams, LODS};
+use super::layout::{BladeView, GrowParams, LISTS};
+use super::lists::{BLADES, LIST, SHADOW_DEFS, draw_defs};
 use super::record::{PASSES, Second};
 
 /// The shaders, as assets.
 #[derive(Resource, Clone)]
 pub struct VegetationShaders {
     passes: Vec<Handle<Shader>>,
-    draw: Handle<Shader>,
+    draws: [Handle<Shader>; LISTS],
     _modules: ModuleShaders,
 }
 
@@ -41,7 +41,7 @@ impl VegetationShaders {
             |file: &str| assets.add(shader_asset(dolomite_shaders::find(file).source, file));
         Some(Self {
             passes: PASSES.iter().map(|(file, ..)| add(file)).collect(),
-            draw: add("vegetation/draw.wgsl"),
+            draws: LIST.map(|list| add(list.file)),
             _modules: modules,
         })
     }
@@ -65,24 +65,6 @@ impl DrawKey {
     }
 }
 
-/// Definitions with which a level of detail is drawn.
-#[must_use]
-pub fn draw_defs(lod: usize, normals: bool, motion: bool) -> Vec<&'static str> {
-    let level = ["", "BLADE_OF_7", "BLADE_OF_3"][lod];
-    let defs = [
-        (lod > 0, level),
-        (normals, "NORMAL_PREPASS"),
-        (motion, "MOTION_VECTORS"),
-    ];
-    defs.into_iter()
-        .filter(|(is, _)| *is)
-        .map(|(_, def)| def)
-        .collect()
-}
-
-/// Definitions with which shadows are drawn.
-pub const SHADOW_DEFS: [&str; 2] = ["SHADOW", "BLADE_OF_3"];
-
 /// Layouts and pipelines.
 pub struct VegetationPipelines {
     /// Group 0 of the passes.
@@ -97,8 +79,8 @@ pub struct VegetationPipelines {
     pub shadow_view: BindGroupLayoutDescriptor,
     passes: Vec<CachedComputePipelineId>,
     shadow: Option<CachedRenderPipelineId>,
-    draws: Vec<(DrawKey, [CachedRenderPipelineId; LODS])>,
-    shader: Handle<Shader>,
+    draws: Vec<(DrawKey, [Option<CachedRenderPipelineId>; LISTS])>,
+    shaders: [Handle<Shader>; LISTS],
 }
 
 impl VegetationPipelines {
@@ -168,17 +150,23 @@ impl VegetationPipelines {
             shadow: None,
             passes,
             draws: Vec::new(),
-            shader: shaders.draw.clone(),
+            shaders: shaders.draws.clone(),
         }
     }
 
-    /// Queues the draws of such views, the first time.
-    pub fn want_draws(&mut self, key: DrawKey, cache: &PipelineCache) {
-        if self.draws.iter().any(|(known, _)| *known == key) {
-            return;
+    /// Queues the draws of the lists that are used in such views, the first time.
+    pub fn want_draws(&mut self, key: DrawKey, used: [bool; LISTS], cache: &PipelineCache) {
+        let known = self.draws.iter().position(|(known, _)| *known == key);
+        let mut ids = known.map_or([None; LISTS], |place| self.draws[place].1);
+        for list in 0..LISTS {
+            if used[list] && ids[list].is_none() {
+                ids[list] = Some(cache.queue_render_pipeline(self.descriptor(list, key)));
+            }
         }
-        let ids = std::array::from_fn(|lod| cache.queue_render_pipeline(self.descriptor(lod, key)));
-        self.draws.push((key, ids));
+        match known {
+            Some(place) => self.draws[place].1 = ids,
+            None => self.draws.push((key, ids)),
+        }
     }
 
     /// Queues the draws into shadow maps, the first time.
@@ -186,7 +174,7 @@ impl VegetationPipelines {
         if self.shadow.is_some() {
             return;
         }
-        let nearest = self.descriptor(LODS - 1, DrawKey::default());
+        let nearest = self.descriptor(BLADES, DrawKey::default());
         let defs = SHADOW_DEFS.map(ShaderDefVal::from).to_vec();
         self.shadow = Some(cache.queue_render_pipeline(RenderPipelineDescriptor {
             label: Some("vegetation_shadows".into()),
@@ -205,7 +193,7 @@ impl VegetationPipelines {
         cache.get_render_pipeline(self.shadow?)
     }
 
-    fn descriptor(&self, lod: usize, key: DrawKey) -> RenderPipelineDescriptor {
+    fn descriptor(&self, list: usize, key: DrawKey) -> RenderPipelineDescriptor {
         let target = |format: TextureFormat| {
             Some(ColorTargetState {
                 format,
@@ -213,21 +201,21 @@ impl VegetationPipelines {
                 write_mask: ColorWrites::ALL,
             })
         };
-        let defs: Vec<ShaderDefVal> = draw_defs(lod, key.normals, key.motion)
+        let defs: Vec<ShaderDefVal> = draw_defs(list, key.normals, key.motion)
             .into_iter()
             .map(ShaderDefVal::from)
             .collect();
         RenderPipelineDescriptor {
-            label: Some(format!("vegetation_blades {}", BLADE_VERTICES[lod]).into()),
+            label: Some(LIST[list].label.into()),
             layout: vec![self.draw.clone()],
             vertex: VertexState {
-                shader: self.shader.clone(),
+                shader: self.shaders[list].clone(),
                 shader_defs: defs.clone(),
                 entry_point: Some("vertex".into()),
                 buffers: Vec::new(),
             },
             fragment: Some(FragmentState {
-                shader: self.shader.clone(),
+                shader: self.shaders[list].clone(),
                 shader_defs: defs,
                 entry_point: Some("fragment".into()),
                 targets: vec![
@@ -240,8 +228,8 @@ impl VegetationPipelines {
                 ],
             }),
             primitive: PrimitiveState {
-                // One strip an instance, without indices.
-                topology: PrimitiveTopology::TriangleStrip,
+                // Without indices: a strip ends with its instance.
+                topology: LIST[list].topology,
                 cull_mode: None,
                 ..default()
             },
@@ -265,20 +253,26 @@ impl VegetationPipelines {
         ready.collect::<Option<Vec<_>>>()?.try_into().ok()
     }
 
-    /// The draws of such a view, once all are there.
+    /// The draws of such a view, once all that were wanted are there.
     pub fn draws<'a>(
         &self,
         key: DrawKey,
         cache: &'a PipelineCache,
-    ) -> Option<[&'a RenderPipeline; LODS]> {
+    ) -> Option<[Option<&'a RenderPipeline>; LISTS]> {
         let (_, ids) = self.draws.iter().find(|(known, _)| *known == key)?;
-        let ready = ids.iter().map(|id| cache.get_render_pipeline(*id));
-        ready.collect::<Option<Vec<_>>>()?.try_into().ok()
+        let mut ready = [None; LISTS];
+        for (slot, id) in ready.iter_mut().zip(ids) {
+            if let Some(id) = id {
+                *slot = Some(cache.get_render_pipeline(*id)?);
+            }
+        }
+        Some(ready)
     }
 
     /// Number of pipelines queued.
     pub fn count(&self) -> usize {
-        self.passes.len() + LODS * self.draws.len() + usize::from(self.shadow.is_some())
+        let draws = self.draws.iter().flat_map(|(_, ids)| ids).flatten().count();
+        self.passes.len() + draws + usize::from(self.shadow.is_some())
     }
 
     /// Why a pipeline could not be made, if one could not.
@@ -291,6 +285,7 @@ impl VegetationPipelines {
             .draws
             .iter()
             .flat_map(|(_, ids)| ids)
+            .flatten()
             .chain(&self.shadow);
         let draws = draws.map(|id| cache.get_render_pipeline_state(*id));
         passes.chain(draws).find_map(pipeline_fault)

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use bevy::core_pipeline::prepass::ViewPrepassTextures;
-use bevy::math::{DMat4, Vec3Swizzles as _, ops};
+use bevy::math::{DMat4, Vec3Swizzles as _};
 use bevy::pbr::ShadowView;
 use bevy::prelude::*;
 use bevy::render::camera::TemporalJitter;
@@ -19,21 +19,15 @@ use dolomite_ground::render::detail::detail_key;
 use dolomite_terrain::GroundPoint;
 
 use super::extract::{ExtractedVegetation, ExtractedVegetationView};
-use super::law::{reach_of, set_rings};
-use super::layout::{
-    BladeView, CULL, GrowParams, LayerParams, LookParams, MOST_LAYERS, MOST_RINGS, Ring,
-    SHADOW_SLOT, SHADOW_VIEWS,
-};
+use super::layers::{layer, layers, look};
+use super::layout::{BladeView, CULL, GrowParams, LISTS, SHADOW_SLOT, SHADOW_VIEWS};
+use super::lists::{BLADES, rooms_of, vertices_of};
 use super::pipeline::{DrawKey, VegetationPipelines, VegetationShaders};
 use super::state::{VegetationPool, ViewState};
 use super::stats::VegetationStats;
 use crate::bend::Press;
-use crate::density::Growth;
-use crate::kind::{Blade, Kind, Shape};
+use crate::kind::Kind;
 use crate::wind::{Wind, WindField};
-
-/// Height of a blade in pixels below which it has 7 vertices, and 3.
-const LOD_PIXELS: [f32; 2] = [48.0, 14.0];
 
 /// The producers on whose triangles things grow, in order. A resource of the render world.
 ///
@@ -60,44 +54,6 @@ pub struct VegetationViews {
     told: bool,
 }
 
-/// A kind that blades are drawn of.
-struct Drawn<'a> {
-    kind: &'a Kind,
-    blade: &'a Blade,
-}
-
-/// Those of a list that this renderer draws as blades; flowers by their stems.
-fn blades(kinds: &[Kind]) -> impl Iterator<Item = Drawn<'_>> {
-    let drawn = kinds.iter().filter_map(|kind| {
-        let blade = match &kind.shape {
-            Shape::Blade(blade) => blade,
-            Shape::Flower(flower) => &flower.stem,
-            Shape::Chain(_) | Shape::Mesh(_) => return None,
-        };
-        Some(Drawn { kind, blade })
-    });
-    drawn.take(MOST_LAYERS)
-}
-
-fn layer(of: &Drawn, grown: &ExtractedVegetation, frame: &ViewFrame) -> LayerParams {
-    let mut growth = Growth::new(of.kind, grown.seed);
-    growth.full *= grown.density.clamp(0.0, 1.0);
-    let reach = of.kind.reach * grown.reach.clamp(0.0, 4.0);
-    let mut layer = LayerParams {
-        growth,
-        tallest: of.blade.length.1,
-        above: (frame.anchor.y - f64::from(grown.sea)) as f32,
-        ring_count: 0,
-        more: 0,
-        reach: reach_of(of.blade.width, frame.pixels_per_radian, reach),
-        rings: [Ring::zeroed(); MOST_RINGS],
-    };
-    let anchor = [frame.anchor.x as i64, frame.anchor.z as i64];
-    let eye = frame.position - frame.anchor;
-    set_rings(&mut layer, anchor, [eye.x, eye.z]);
-    layer
-}
-
 /// What the passes of a view are told.
 fn params(
     grown: &ExtractedVegetation,
@@ -106,43 +62,20 @@ fn params(
     pool: VegetationPool,
 ) -> Box<GrowParams> {
     let mut params: Box<GrowParams> = Box::new(GrowParams::zeroed());
-    let (rooms, bases) = pool.parts();
+    params.vertices = vertices_of(layers(kinds));
+    (params.rooms, params.bases) = rooms_of(pool.records, params.vertices);
+    params.piece_room = pool.pieces;
     params.planes = frame.planes;
     params.eye = (frame.position - frame.anchor).as_vec3().to_array();
     params.pixels_per_radian = frame.pixels_per_radian;
     params.anchor = [frame.anchor.x, frame.anchor.z].map(|x| ((x as i64) << 12) as i32);
     params.flags = u32::from(grown.culled) * CULL;
-    params.rooms = [rooms[0], rooms[1], rooms[2], pool.pieces];
-    params.bases = [bases[0], bases[1], bases[2], 0];
-    params.lods = [LOD_PIXELS[0], LOD_PIXELS[1], 0.0, 0.0];
-    for (slot, of) in params.layers.iter_mut().zip(blades(kinds)) {
-        *slot = layer(&of, grown, frame);
+    let drawn = layers(kinds).filter_map(|kind| layer(kind, grown, frame));
+    for (slot, layer) in params.layers.iter_mut().zip(drawn) {
+        *slot = layer;
         params.layer_count += 1;
     }
     params
-}
-
-fn look(of: &Drawn, reach: [f32; 4]) -> LookParams {
-    let Drawn { kind, blade } = of;
-    let with = |[r, g, b]: [f32; 3], w| [r, g, b, w];
-    LookParams {
-        root: with(blade.look.root, ops::sin(blade.lean)),
-        tip: with(blade.look.tip, blade.droop),
-        dry: with(blade.look.dry, blade.look.dry_share),
-        size: [
-            blade.length.0,
-            blade.length.1,
-            blade.width,
-            blade.look.translucency,
-        ],
-        sway: [
-            blade.look.sway,
-            kind.clumps.as_ref().map_or(0.0, |clumps| clumps.uneven),
-            0.0,
-            0.0,
-        ],
-        reach,
-    }
 }
 
 /// What the draws of a view are told.
@@ -164,6 +97,7 @@ fn blade_view(
     view.sun = grown.sun.to_array();
     view.anchor = [state.anchor.x, state.anchor.z].map(|x| x as i64 as i32);
     view.pixels_per_radian = frame.pixels_per_radian;
+    view.water = (f64::from(grown.sea) - state.anchor.y) as f32;
     let still = Wind {
         speed: 0.0,
         swell: 0.0,
@@ -180,13 +114,9 @@ fn blade_view(
         let foot = [x + away.x, y - state.anchor.y as f32, z + away.y];
         *slot = Press { foot, ..*press };
     }
-    for ((slot, of), layer) in view
-        .looks
-        .iter_mut()
-        .zip(blades(kinds))
-        .zip(&state.params.layers)
-    {
-        *slot = look(&of, layer.reach);
+    let drawn = layers(kinds).zip(&state.params.layers);
+    for (slot, (kind, layer)) in view.looks.iter_mut().zip(drawn) {
+        *slot = look(kind, layer.reach);
     }
     view
 }
@@ -221,7 +151,7 @@ pub fn prepare(
     } = &mut *vegetation;
     let kinds = grown.kinds.as_ref().map(|kinds| kinds.kinds.as_slice());
     let grows = grown.density > 0.0 && grown.reach > 0.0;
-    let kinds = kinds.filter(|kinds| grows && blades(kinds).next().is_some());
+    let kinds = kinds.filter(|kinds| grows && layers(kinds).next().is_some());
     let (Some(kinds), false) = (kinds, views.is_empty()) else {
         states.clear();
         count(&stats, states, pipelines.as_ref());
@@ -242,10 +172,13 @@ pub fn prepare(
             continue;
         };
         let pipelines = pipelines.get_or_insert_with(|| VegetationPipelines::new(&shaders, &cache));
-        pipelines.want_draws(draw, &cache);
+        let frame = &ground.frame;
+        let vertices = vertices_of(layers(kinds));
+        let used = vertices.map(|count| count > 0);
+        pipelines.want_draws(draw, used, &cache);
         let state = states
             .entry(key)
-            .or_insert_with(|| ViewState::new(&device, grown.pool));
+            .or_insert_with(|| ViewState::new(&device, grown.pool, vertices));
         let wanted = state.counters.newest.wanted_pieces;
         let pieces = state.pool.pieces.max(grown.pool.pieces);
         // A quarter more than was wanted, so that it seldom grows.
@@ -258,8 +191,7 @@ pub fn prepare(
             pieces,
             ..grown.pool
         };
-        state.fit(&device, pool);
-        let frame = &ground.frame;
+        state.fit(&device, pool, vertices);
         let now = params(&grown, kinds, frame, pool);
         if *now != *state.params {
             queue.write_buffer(&state.buffers.params, 0, bytes_of(&*now));
@@ -285,7 +217,7 @@ pub fn prepare(
             queue.write_buffer(&state.buffers.shadows, at, bytes_of(&clip.to_cols_array()));
             state.shadows.push(slot.light);
         }
-        if !state.shadows.is_empty() {
+        if !state.shadows.is_empty() && used[BLADES] {
             pipelines.want_shadows(&cache);
         }
     }
@@ -307,7 +239,7 @@ fn count(
         count.bytes = states.values().map(|state| state.buffers.bytes()).sum();
         count.pipelines = pipelines.map_or(0, VegetationPipelines::count) as u32;
         if states.is_empty() {
-            count.records = [0; 3];
+            count.records = [0; LISTS];
             count.wanted = 0;
         }
     });
@@ -326,7 +258,7 @@ pub fn collect(mut vegetation: ResMut<VegetationViews>, stats: Res<VegetationSta
         .views
         .values()
         .next()
-        .map(|state| state.pool.parts().0);
+        .map(|state| state.params.rooms);
     stats.change(|count| {
         count.records = newest.records;
         for (records, room) in count.records.iter_mut().zip(rooms.unwrap_or_default()) {

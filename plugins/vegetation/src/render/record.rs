@@ -1,8 +1,8 @@
 //! What is recorded, in wgpu's own types: Bevy's systems and the tests call this.
 
 use super::layout::{
-    DIVIDE_ARGUMENTS, DRAW_ARGUMENTS, GROW_AGAIN_ARGUMENTS, GROW_ARGUMENTS, LODS, SHADOW_ARGUMENTS,
-    SHADOW_LODS,
+    DIVIDE_ARGUMENTS, DRAW_ARGUMENTS, GROW_AGAIN_ARGUMENTS, GROW_ARGUMENTS, LISTS,
+    SHADOW_ARGUMENTS, SHADOW_LISTS,
 };
 
 /// Files, entries and second groups of the passes, in their order.
@@ -72,32 +72,33 @@ pub fn record_passes(
     one(pass, finish);
 }
 
-/// Records the draws, one a level of detail.
+/// Records the draws, one a list that has a pipeline.
 pub fn record_draws(
     pass: &mut wgpu::RenderPass<'_>,
-    pipelines: [&wgpu::RenderPipeline; LODS],
-    groups: [&wgpu::BindGroup; LODS],
+    pipelines: [Option<&wgpu::RenderPipeline>; LISTS],
+    groups: [&wgpu::BindGroup; LISTS],
     arguments: &wgpu::Buffer,
 ) {
-    for (lod, (pipeline, group)) in (0_u64..).zip(pipelines.iter().zip(groups)) {
+    for (list, (pipeline, group)) in (0_u64..).zip(pipelines.iter().zip(groups)) {
+        let Some(pipeline) = pipeline else { continue };
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, group, &[]);
-        pass.draw_indirect(arguments, DRAW_ARGUMENTS + 16 * lod);
+        pass.draw_indirect(arguments, DRAW_ARGUMENTS + 16 * list);
     }
 }
 
-/// Records the draws of the nearest levels of detail into a shadow map whose matrix lies at byte `slot`.
+/// Records the draws of the nearest blades into a shadow map whose matrix lies at byte `slot`.
 pub fn record_shadows(
     pass: &mut wgpu::RenderPass<'_>,
     pipeline: &wgpu::RenderPipeline,
-    groups: [&wgpu::BindGroup; LODS],
+    groups: [&wgpu::BindGroup; LISTS],
     (shadow, slot): (&wgpu::BindGroup, u32),
     arguments: &wgpu::Buffer,
 ) {
     pass.set_pipeline(pipeline);
     pass.set_bind_group(1, shadow, &[slot]);
-    for (lod, group) in (0_u64..).zip(groups).take(SHADOW_LODS) {
+    for (list, group) in (0_u64..).zip(groups).take(SHADOW_LISTS) {
         pass.set_bind_group(0, group, &[]);
-        pass.draw_indirect(arguments, SHADOW_ARGUMENTS + 16 * lod);
+        pass.draw_indirect(arguments, SHADOW_ARGUMENTS + 16 * list);
     }
 }

@@ -10,9 +10,10 @@ use bevy::render::renderer::RenderDevice;
 use dolomite_geometry::render::{Counters, GeometryView};
 
 use super::layout::{
-    ARGUMENT_BYTES, BladeView, GrowCounts, GrowParams, LODS, PIECE_BYTES, RECORD_ALIGN,
-    RECORD_BYTES, SHADOW_SLOT, SHADOW_VIEWS,
+    ARGUMENT_BYTES, BladeView, GrowCounts, GrowParams, LISTS, PIECE_BYTES, RECORD_BYTES,
+    SHADOW_SLOT, SHADOW_VIEWS,
 };
+use super::lists::rooms_of;
 use super::pipeline::VegetationPipelines;
 
 /// Room for what a view draws. A resource of the main world.
@@ -35,18 +36,6 @@ impl Default for VegetationPool {
     }
 }
 
-impl VegetationPool {
-    /// Room of each level of detail, and where its records begin: an eighth, a quarter, the rest.
-    #[must_use]
-    pub fn parts(self) -> ([u32; LODS], [u32; LODS]) {
-        let all = self.records.clamp(RECORD_ALIGN * LODS as u32, 1 << 23);
-        let aligned = |count: u32| (count / RECORD_ALIGN * RECORD_ALIGN).max(RECORD_ALIGN);
-        let [near, middle] = [aligned(all / 8), aligned(all / 4)];
-        let far = aligned(all - near - middle);
-        ([near, middle, far], [0, near, near + middle])
-    }
-}
-
 /// What grows on one ground in one view.
 pub struct ViewState {
     /// What the passes were told last.
@@ -65,6 +54,8 @@ pub struct ViewState {
     pub counters: Counters<GrowCounts>,
     /// Room.
     pub pool: VegetationPool,
+    /// Of each list, the vertices of a record: by which lists are used the room is divided.
+    vertices: [u32; LISTS],
     /// The buffers.
     pub buffers: ViewBuffers,
     /// Their groups.
@@ -89,12 +80,12 @@ pub struct ViewGroups {
     pub shared: BindGroup,
     pub arguments: BindGroup,
     pub records: BindGroup,
-    pub draws: [BindGroup; LODS],
+    pub draws: [BindGroup; LISTS],
     pub shadows: BindGroup,
 }
 
 impl ViewBuffers {
-    fn new(device: &RenderDevice, pool: VegetationPool) -> Self {
+    fn new(device: &RenderDevice, pool: VegetationPool, vertices: [u32; LISTS]) -> Self {
         let buffer = |label, size: u64, usage| {
             device.create_buffer(&BufferDescriptor {
                 label: Some(label),
@@ -105,7 +96,7 @@ impl ViewBuffers {
         };
         let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-        let (rooms, _) = pool.parts();
+        let (rooms, _) = rooms_of(pool.records, vertices);
         let records = rooms.iter().map(|room| u64::from(*room)).sum::<u64>();
         Self {
             params: buffer("vegetation_params", size_of::<GrowParams>() as u64, uniform),
@@ -147,7 +138,7 @@ impl ViewBuffers {
 
 impl ViewState {
     /// Of a view that has nothing yet.
-    pub fn new(device: &RenderDevice, pool: VegetationPool) -> Self {
+    pub fn new(device: &RenderDevice, pool: VegetationPool, vertices: [u32; LISTS]) -> Self {
         Self {
             params: Box::new(bytemuck::Zeroable::zeroed()),
             due: true,
@@ -157,17 +148,20 @@ impl ViewState {
             shadows: Vec::new(),
             counters: Counters::default(),
             pool,
-            buffers: ViewBuffers::new(device, pool),
+            vertices,
+            buffers: ViewBuffers::new(device, pool, vertices),
             groups: None,
             ground: None,
         }
     }
 
     /// Other rooms: all grows anew.
-    pub fn fit(&mut self, device: &RenderDevice, pool: VegetationPool) {
-        if self.pool != pool {
+    pub fn fit(&mut self, device: &RenderDevice, pool: VegetationPool, vertices: [u32; LISTS]) {
+        let rooms = |vertices| rooms_of(pool.records, vertices);
+        if self.pool != pool || rooms(self.vertices) != rooms(vertices) {
             self.pool = pool;
-            self.buffers = ViewBuffers::new(device, pool);
+            self.vertices = vertices;
+            self.buffers = ViewBuffers::new(device, pool, vertices);
             self.groups = None;
             self.due = true;
             self.grown = false;
@@ -202,13 +196,13 @@ impl ViewState {
             device.create_bind_group("vegetation", &layout, &entries)
         };
         let own = &self.buffers;
-        let (rooms, bases) = self.pool.parts();
+        let (rooms, bases) = rooms_of(self.pool.records, self.vertices);
         let draw = cache.get_bind_group_layout(&pipelines.draw);
-        let draws = std::array::from_fn(|lod| {
+        let draws = std::array::from_fn(|list| {
             let part = BufferBinding {
                 buffer: &own.records,
-                offset: u64::from(bases[lod]) * RECORD_BYTES,
-                size: (u64::from(rooms[lod]) * RECORD_BYTES).try_into().ok(),
+                offset: u64::from(bases[list]) * RECORD_BYTES,
+                size: (u64::from(rooms[list]) * RECORD_BYTES).try_into().ok(),
             };
             let entries = [
                 BindGroupEntry {

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use bevy::prelude::*;
 
-use super::layout::LODS;
+use super::layout::LISTS;
 
 /// What the views of an app draw, two or three frames ago; of the view of the most records.
 #[derive(Resource, Clone, Default)]
@@ -15,17 +15,17 @@ pub struct VegetationStats(Arc<Mutex<VegetationCount>>);
 pub struct VegetationCount {
     /// Dispatches since the app began.
     pub dispatches: u64,
-    /// Passes in which blades were drawn, since the app began.
+    /// Passes in which plants were drawn, since the app began.
     pub draws: u64,
-    /// Blades of each level of detail.
-    pub records: [u32; LODS],
+    /// Plants of each list: blades of three levels of detail, flowers of two, chains of three.
+    pub records: [u32; LISTS],
     /// Candidates that were looked at.
     pub looked: u32,
     /// Those that stand within the rings, whether they are drawn or not.
     pub standing: u32,
     /// Share of the ranks that is drawn: less than 1 where the pool is too small.
     pub cut: f32,
-    /// Blades that a pool without end would hold.
+    /// Plants that a pool without end would hold.
     pub wanted: u32,
     /// Triangles with tiles.
     pub pieces: u32,

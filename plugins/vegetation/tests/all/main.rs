@@ -15,4 +15,8 @@ mod roots;
 #[cfg(feature = "render")]
 mod shaders;
 #[cfg(feature = "render")]
+mod shapes;
+#[cfg(feature = "render")]
 mod support;
+#[cfg(feature = "render")]
+mod twins;

@@ -7,14 +7,15 @@ use bytemuck::{Zeroable, bytes_of, cast_slice};
 use dolomite_geometry::layout::GeometryHead;
 use dolomite_geometry::vertex::pack;
 use dolomite_testkit::gpu::{self, Gpu};
+use dolomite_vegetation::Law;
 use dolomite_vegetation::density::NO_CLUMPS;
 use dolomite_vegetation::place::Lattice;
 use dolomite_vegetation::render::edges::{height_at, holds, to_steps};
-use dolomite_vegetation::render::law::set_rings;
 use dolomite_vegetation::render::layout::{
-    ARGUMENT_BYTES, CULL, GrowCounts, GrowParams, PIECE_BYTES, RECORD_BYTES,
+    ARGUMENT_BYTES, CULL, GrowCounts, GrowParams, LISTS, PIECE_BYTES, RECORD_BYTES,
 };
 use dolomite_vegetation::render::record::{GrowBound, PASSES, Second, record_passes};
+use dolomite_vegetation::render::rings::set_rings;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BufferBindingType, BufferUsages, ShaderStages};
 
@@ -156,7 +157,7 @@ fn grow(gpu: &Gpu, ground: &Ground, params: &GrowParams) -> Grown {
         .iter()
         .map(|at| pack(*at, bevy::math::Vec3::Y, bevy::math::Vec2::ZERO, 0))
         .collect();
-    let rooms: u32 = params.rooms[..3].iter().sum();
+    let rooms: u32 = params.rooms.iter().sum();
     let buffers = [
         init(bytes_of(params), BufferUsages::UNIFORM),
         init(cast_slice(&vertices), BufferUsages::STORAGE),
@@ -164,7 +165,7 @@ fn grow(gpu: &Gpu, ground: &Ground, params: &GrowParams) -> Grown {
         init(bytes_of(&ground.head()), BufferUsages::STORAGE),
         empty(size_of::<GrowCounts>() as u64, BufferUsages::empty()),
         empty(
-            u64::from(params.rooms[3]) * PIECE_BYTES,
+            u64::from(params.piece_room) * PIECE_BYTES,
             BufferUsages::empty(),
         ),
     ];
@@ -206,6 +207,9 @@ fn grow(gpu: &Gpu, ground: &Ground, params: &GrowParams) -> Grown {
     }
 }
 
+/// Of blades; the other lists are not used.
+const VERTICES: [u32; LISTS] = [15, 7, 3, 0, 0, 0, 0, 0];
+
 /// All that stand are drawn, within `reach` of the anchor.
 fn params(reach: f32, rooms: [u32; 4]) -> Box<GrowParams> {
     let mut params: Box<GrowParams> = Box::new(GrowParams::zeroed());
@@ -213,8 +217,11 @@ fn params(reach: f32, rooms: [u32; 4]) -> Box<GrowParams> {
     params.pixels_per_radian = 300.0;
     params.anchor = ANCHOR.map(|x| (x << 12) as i32);
     params.layer_count = 1;
-    params.rooms = rooms;
-    params.bases = [0, rooms[0], rooms[0] + rooms[1], 0];
+    let [near, middle, far, pieces] = rooms;
+    params.rooms = [near, middle, far, 0, 0, 0, 0, 0];
+    params.bases = [0, near, near + middle, 0, 0, 0, 0, 0];
+    params.vertices = VERTICES;
+    params.piece_room = pieces;
     let layer = &mut params.layers[0];
     layer.growth.lattice = Lattice {
         seed: 77,
@@ -226,7 +233,13 @@ fn params(reach: f32, rooms: [u32; 4]) -> Box<GrowParams> {
     layer.growth.clump_size = NO_CLUMPS;
     layer.tallest = 0.5;
     // Farther than anything: neither distance thins.
-    layer.reach = [1e4, 1e4, reach, 1.01 * reach];
+    layer.lods = [48.0, 14.0];
+    layer.reach = Law {
+        first: 1e4,
+        second: 1e4,
+        fade: reach,
+        reach: 1.01 * reach,
+    };
     set_rings(layer, ANCHOR, [0.3, -0.6]);
     params
 }
@@ -257,14 +270,14 @@ fn each_root_of_a_mesh_is_in_one_triangle_and_on_it() {
     let params = params(60.0, [1 << 17, 1 << 17, 1 << 17, 1 << 16]);
     assert_eq!(params.layers[0].ring_count, 1);
     let grown = grow(&gpu, &ground, &params);
-    assert!(grown.counts.wanted_pieces <= params.rooms[3]);
+    assert!(grown.counts.wanted_pieces <= params.piece_room);
     let rooms = params.rooms;
     let mut found: HashMap<[i32; 2], Vec<f32>> = HashMap::new();
     for (lod, count) in grown.counts.records.iter().enumerate() {
         assert!(*count <= rooms[lod]);
         assert_eq!(
             grown.arguments[12 + 4 * lod..16 + 4 * lod],
-            [[15, 7, 3][lod], *count, 0, 0]
+            [VERTICES[lod], *count, 0, 0]
         );
         let first = params.bases[lod] as usize;
         for record in &grown.records[first..first + *count as usize] {
@@ -325,18 +338,24 @@ fn rings_look_at_each_root_that_may_be_drawn_and_at_few_others() {
     let mut random = Random(5);
     // Two triangles as large as all, and small ones beside them.
     let ground = Ground::new(&mut random, 1, 256.0);
-    let mut params = params(250.0, [1 << 18, 1 << 18, 1 << 18, 1 << 16]);
+    let mut params = params(250.0, [1 << 16, 1 << 16, 1 << 19, 1 << 16]);
     let layer = &mut params.layers[0];
     layer.growth.slope = [-1.0, 1e6, 1000.0];
-    layer.reach = [6.0, 40.0, 200.0, 250.0];
+    layer.reach = Law {
+        first: 6.0,
+        second: 40.0,
+        fade: 200.0,
+        reach: 250.0,
+    };
     set_rings(layer, ANCHOR, [0.3, -0.6]);
     assert!(params.layers[0].ring_count > 2);
     let grown = grow(&gpu, &ground, &params);
     assert!(
-        grown.counts.wanted_pieces <= params.rooms[3],
+        grown.counts.wanted_pieces <= params.piece_room,
         "{}",
         grown.counts.wanted_pieces
     );
+    assert_eq!(grown.counts.cut, 1.0, "all have room");
     // By the law, on every root.
     let layer = &params.layers[0];
     let lattice = layer.growth.lattice;
@@ -367,9 +386,10 @@ fn rings_look_at_each_root_that_may_be_drawn_and_at_few_others() {
                 let [dx, dy, dz] = [px - ex, height - f64::from(params.eye[1]), pz - ez];
                 let d = (dx * dx + dy * dy + dz * dz).sqrt();
                 let fade = ((d - 200.0) / 50.0).clamp(0.0, 1.0);
-                let kept = (6.0 / d).min(1.0)
-                    * (40.0 / d).min(1.0)
-                    * (1.0 - fade * fade * (3.0 - 2.0 * fade));
+                let left = 1.0 - fade * fade * (3.0 - 2.0 * fade);
+                // The whole of the band is drawn: a quarter of the ranks.
+                let kept = (6.0 / d).min(1.0) * (40.0 / d).min(1.0) / 0.75;
+                let kept = (kept * (0.25 + 0.75 * left)).min(1.0) * f64::from(u8::from(d < 250.0));
                 let rank = f64::from(root.rank) / f64::from(1 << 24);
                 // A root within a rounding of its threshold may be decided either way.
                 sum[0] += u64::from(rank < kept * (1.0 - 1e-5));
@@ -392,9 +412,10 @@ fn rings_look_at_each_root_that_may_be_drawn_and_at_few_others() {
         drawn >= sum[0] && drawn <= sum[1],
         "{drawn} not within {sum:?}"
     );
-    // Squares of the diagonal's tiles are looked at twice, those of a ring in proportion to its own area.
+    // Squares of the diagonal's tiles are looked at twice, those of a ring in proportion to its own area: some three for
+    // each that is drawn.
     assert!(
-        u64::from(grown.counts.looked) < sum[2] / 20,
+        u64::from(grown.counts.looked) < sum[2] / 16,
         "{}",
         grown.counts.looked
     );
@@ -454,6 +475,6 @@ fn nothing_is_recorded_of_what_is_outside() {
     assert!(all.counts.wanted > 20_000);
     assert_eq!(
         (none.counts.wanted, none.counts.pieces, none.counts.records),
-        (0, 0, [0; 3])
+        (0, 0, [0; LISTS])
     );
 }

@@ -67,7 +67,9 @@ fn structs_lie_as_in_rust() {
             tallest,
             above,
             ring_count,
+            list,
             reach,
+            lods,
             rings
         }
     );
@@ -83,7 +85,8 @@ fn structs_lie_as_in_rust() {
             flags,
             rooms,
             bases,
-            lods,
+            vertices,
+            piece_room,
             layers
         }
     );
@@ -128,7 +131,9 @@ fn what_draws_are_told_lies_as_in_rust() {
             dry,
             size,
             sway,
-            reach
+            reach,
+            head,
+            middle
         }
     );
     same_layout!(
@@ -162,6 +167,7 @@ fn what_draws_are_told_lies_as_in_rust() {
             sun,
             press_count,
             anchor,
+            water,
             wind,
             previous_wind,
             looks,
