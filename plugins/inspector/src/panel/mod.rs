@@ -5,13 +5,13 @@
 //!
 //! | file | concern |
 //! |---|---|
-//! | [`mod@shell`] | windows and tabs |
+//! | `shell` | windows and tabs |
 //! | [`state`] | what they remember, and what widgets ask for |
-//! | [`values`] | a value by reflection as widgets |
-//! | [`settings`], [`entities`], [`measures`], [`frame`] | a tab each |
-//! | [`plot`] | a history as a line |
-//! | [`console`] | the console |
-//! | [`clip`] | text for other programs |
+//! | `values` | a value by reflection as widgets |
+//! | `settings`, `entities`, `measures`, `frame` | a tab each |
+//! | `plot` | a history as a line |
+//! | `console` | the console |
+//! | `clip` | text for other programs |
 
 mod clip;
 mod console;

@@ -1,8 +1,8 @@
 //! Trees and rocks in the picture: entities with meshes of Bevy's around the camera, at most
 //! [`Vegetation::most_meshes`].
 //!
-//! Which stand where is found by a task, when the camera has gone [`STEP`] metres; then those that are new are spawned,
-//! [`A_FRAME`] a frame and nearest first, and those that are too far away are removed. Levels of detail are the meshes
+//! Which stand where is found by a task, when the camera has gone `STEP` metres; then those that are new are spawned,
+//! `A_FRAME` a frame and nearest first, and those that are too far away are removed. Levels of detail are the meshes
 //! of a glTF file, by distance.
 
 use std::collections::HashMap;

@@ -19,7 +19,7 @@ use super::pipeline::VegetationPipelines;
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VegetationPool {
     /// Records of 16 bytes. Where they are too few, blades are thinned by rank, evenly, and
-    /// [`VegetationStats::cut`](super::VegetationStats::cut) says how much.
+    /// [`VegetationCount::cut`](super::VegetationCount::cut) says how much.
     pub records: u32,
     /// Pieces of work of 8 bytes to begin with; more are made when they are needed, up to eight times as many.
     pub pieces: u32,
