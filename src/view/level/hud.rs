@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use dolomite::logic::parts::LogicTimer;
 use dolomite::logic::{DayClock, Health, Lamp, Weapon};
 
-use super::look::{DANGER, FIRE, GLASS, LETTERS, PALE, text};
+use super::look::{DANGER, FIRE, GLASS, Hud, LETTERS, PALE, text};
 use super::map;
 use crate::level::gate::Bars;
 use crate::level::lifts::Panel;
@@ -53,10 +53,6 @@ fn clear(mut commands: Commands, huds: Query<Entity, With<Hud>>) {
         commands.entity(hud).despawn();
     }
 }
-
-/// Everything that is shown while a level is played.
-#[derive(Component)]
-pub struct Hud;
 
 #[derive(Component, Clone, Copy, PartialEq, Eq)]
 enum Line {

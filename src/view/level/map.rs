@@ -8,8 +8,7 @@ use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use dolomite::logic::Lamp;
 use dolomite::logic::movement::WalkGrid;
 
-use super::hud::Hud;
-use super::look::{DANGER, FIRE, GLASS};
+use super::look::{DANGER, FIRE, GLASS, Hud};
 use crate::level::gate::Bars;
 use crate::level::parts::{Beacon, Fallen, Level, LevelState, Player, Soldier, ground_of};
 use crate::view::{Dress, DressSystems, UiCamera};
