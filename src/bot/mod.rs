@@ -3,17 +3,22 @@
 //! | file | concern |
 //! |---|---|
 //! | [`game`] | a level stepped by hand |
-//! | [`pilot`] | what the bot wants |
+//! | [`pilot`], [`town`], [`lifts`] | what the bot wants; in a city; on its lifts |
+//! | `seen` | what it sees |
 //! | [`record`] | recorded games |
 
 pub mod game;
+pub mod lifts;
 pub mod pilot;
 pub mod record;
+mod seen;
+pub mod town;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use bevy::math::Vec2;
 use dolomite::logic::Health;
 use serde::Serialize;
 use thiserror::Error;
@@ -45,7 +50,9 @@ pub enum BotError {
         source: std::io::Error,
     },
     /// No beacon can be put out of reach.
-    #[error("every border of the scene can be walked to: no beacon can be put out of reach")]
+    #[error(
+        "the level has no wall, and the border of its scene can be walked to: no beacon can be put out of reach"
+    )]
     AllReachable,
     /// A process that plays the recording again.
     #[error("the recording cannot be played again by {threads} threads: {reason}")]
@@ -70,6 +77,8 @@ pub struct Played {
     pub steps: u64,
     /// Beacons that burn.
     pub beacons: u32,
+    /// Soldiers who fell.
+    pub fallen: u32,
     /// Health at the end.
     pub health: f32,
     /// How often soldiers called one another.
@@ -108,7 +117,7 @@ pub struct Job<'a> {
     pub runs: u32,
     /// Threads of Bevy's pools, for the first games of a process.
     pub threads: Option<usize>,
-    /// Whether the last beacon is out in the sea.
+    /// Whether the last beacon is where nobody comes to.
     pub unreachable: bool,
     /// Seconds until it is lost, in place of the level's own.
     pub limit: Option<f32>,
@@ -134,13 +143,15 @@ impl Table {
                 file.seconds = limit;
             }
             if job.unreachable {
-                let corner = scene.terrain.extent().min + 64.0;
-                if depth(corner, &scene.terrain) <= WADING_DEPTH {
-                    return Err(BotError::AllReachable);
-                }
+                let away = out_of_reach(&level, &scene).ok_or(BotError::AllReachable)?;
                 if let Some(beacon) = file.beacons.last_mut() {
-                    beacon.at = corner.as_vec2().into();
+                    (beacon.at, beacon.lift) = (away.into(), None);
                 }
+                let mut built = (*level.built).clone();
+                if let Some(roof) = built.roofs.last_mut() {
+                    *roof = None;
+                }
+                level.built = Arc::new(built);
             }
             level.file = Arc::new(file);
         }
@@ -189,6 +200,17 @@ impl Table {
     }
 }
 
+/// A place that nobody comes to: behind the wall of a level that has one, or out in the sea.
+fn out_of_reach(level: &Level, scene: &LoadedScene) -> Option<Vec2> {
+    let area = &level.file.area;
+    if level.built.gate.is_some() {
+        let half = area.side / 2.0 + 2.0 * level.file.reach;
+        return Some(Vec2::from(area.middle) + Vec2::splat(half));
+    }
+    let corner = scene.terrain.extent().min + 64.0;
+    (depth(corner, &scene.terrain) > WADING_DEPTH).then(|| corner.as_vec2())
+}
+
 fn played(game: &Game, seed: u64) -> Played {
     let state = game.state();
     let world = game.app.world();
@@ -200,6 +222,7 @@ fn played(game: &Game, seed: u64) -> Played {
         reason,
         steps: state.steps,
         beacons: state.lit,
+        fallen: state.fallen,
         health: world.get::<Health>(player).map_or(0.0, |health| health.now),
         calls: state.calls,
         hash: format!("{:016x}", game.hash()),

@@ -3,27 +3,25 @@
 //! It goes to the nearest beacon that does not burn, at a run, on a way that keeps out of the sight of soldiers where
 //! there is one. Who is after it is led away and left behind, unless the beacon is near and it is well; it runs a little
 //! to and fro meanwhile, which bolts miss. When nobody knows of it any more and it is well again, it goes on.
+//!
+//! How it plays in a city, among lifts and houses, is [`town`](super::town)'s concern.
 
 use bevy::math::{Vec3Swizzles as _, ops};
 use bevy::prelude::*;
 use dolomite::logic::movement::{PathScratch, WalkGrid, find_path};
 use dolomite::logic::random::Random;
-use dolomite::logic::senses::Sight;
-use dolomite::logic::{Health, Lamp, PickUp};
 
+use super::seen::{Sees, look};
 use crate::input::PlayerInput;
 use crate::level::Level;
-use crate::level::parts::{Bandage, Beacon, Cast, Soldier, ground_of};
-use crate::play::camera::FreeCamera;
-use crate::play::figure::Figure;
 
 /// It flees below the first part of its health, and comes back above the second.
-const FLEES: f32 = 0.5;
-const RETURNS: f32 = 0.9;
+pub(super) const FLEES: f32 = 0.5;
+pub(super) const RETURNS: f32 = 0.9;
 
 /// It presses on to a beacon that is nearer than this, metres, with at least this part of its health.
-const NEAR: f32 = 25.0;
-const PRESSES: f32 = 0.62;
+pub(super) const NEAR: f32 = 25.0;
+pub(super) const PRESSES: f32 = 0.62;
 
 /// It leads away who is after it and nearer than the first, metres, until they are farther than the second.
 const LEADS: f32 = 45.0;
@@ -42,38 +40,49 @@ const KEEPS_OUT: f32 = 0.75;
 const TURNS: (u32, u32) = (16, 34);
 
 /// A turn of its way is passed at this distance, metres.
-const PASSED: f32 = 3.0;
+pub(super) const PASSED: f32 = 3.0;
 
 /// Steps after which it thinks of its way again.
 const THINKS: u64 = 90;
 
 /// How far it turns the view in a step at most, radians.
-const LOOKS: f32 = 0.12;
+pub(super) const LOOKS: f32 = 0.12;
 
 /// The bot's mind.
 pub struct Pilot {
-    random: Random,
+    pub(super) random: Random,
     scratch: PathScratch,
     way: Vec<Vec2>,
     goal: Vec2,
-    flees: bool,
+    pub(super) flees: bool,
     leads: bool,
     /// Which side it runs to, and for how many steps still.
-    side: f32,
+    pub(super) side: f32,
     turn: u32,
-    step: u64,
+    pub(super) step: u64,
+    pub(super) town: InTown,
 }
 
-/// What it sees.
-struct Sees {
-    place: Vec2,
-    yaw: f32,
-    health: f32,
-    hunters: Vec<Vec2>,
-    others: Vec<Vec2>,
-    sight: f32,
-    beacon: Option<Vec2>,
-    bandage: Option<Vec2>,
+/// What it keeps in mind in a city.
+#[derive(Default)]
+pub struct InTown {
+    /// Where it runs to, and since which step.
+    pub(super) hide: Option<(Vec2, u64)>,
+    /// Steps that it has waited on this roof.
+    pub(super) waited: u32,
+    /// Where it was some steps ago.
+    pub(super) was: Vec2,
+    /// Steps for which it goes aside.
+    pub(super) aside: u32,
+}
+
+/// What it does in a step.
+#[derive(Default)]
+pub(super) struct Does {
+    pub(super) wanted: Vec2,
+    pub(super) act: bool,
+    /// Where it looks, in place of ahead.
+    pub(super) face: Option<Vec2>,
 }
 
 impl Pilot {
@@ -89,6 +98,7 @@ impl Pilot {
             side: 1.0,
             turn: 0,
             step: 0,
+            town: InTown::default(),
         }
     }
 
@@ -104,6 +114,9 @@ impl Pilot {
             self.turn = TURNS.0 + self.random.below(TURNS.1 - TURNS.0);
         }
         self.turn -= 1;
+        if !level.built.hides.is_empty() {
+            return self.decide_in_town(&sees, &level, world);
+        }
         let distances = sees.hunters.iter().map(|at| at.distance(sees.place));
         let hunted = distances.fold(f32::INFINITY, f32::min);
         let far =
@@ -127,7 +140,8 @@ impl Pilot {
         {
             act = !self.flees && far(Some(goal)) < level.file.reach - 0.2;
             if !(act && far(Some(goal)) < 1.2) {
-                wanted = self.toward(goal, &sees, &level);
+                let reach = sees.sight * KEEPS_OUT;
+                wanted = self.toward(goal, &sees, &level, (reach, PASSED));
             }
         }
         if act && hunted < SHOT {
@@ -157,7 +171,15 @@ impl Pilot {
         (away.normalize_or(Vec2::X) - out * (far * far)).normalize_or(Vec2::X)
     }
 
-    fn toward(&mut self, goal: Vec2, sees: &Sees, level: &Level) -> Vec2 {
+    /// Along a way to a goal, which keeps as far as `reach` from soldiers where it can; turns are passed at a distance
+    /// of `passed`. Metres.
+    pub(super) fn toward(
+        &mut self,
+        goal: Vec2,
+        sees: &Sees,
+        level: &Level,
+        (reach, passed): (f32, f32),
+    ) -> Vec2 {
         let grid = &level.grid;
         if self.goal != goal || self.step.is_multiple_of(THINKS) {
             self.goal = goal;
@@ -165,7 +187,6 @@ impl Pilot {
             let way = open(sees.place).zip(open(goal)).and_then(|(from, to)| {
                 // Around whoever could see it, and straight where there is no way around.
                 let mut hidden = WalkGrid::clone(grid);
-                let reach = sees.sight * KEEPS_OUT;
                 for soldier in &sees.others {
                     // Where it is, and where it goes to, nobody is kept out of.
                     let room = soldier.distance(from).min(soldier.distance(to)) * 0.7;
@@ -179,7 +200,7 @@ impl Pilot {
             self.way = way.unwrap_or_default().into_iter().skip(1).rev().collect();
         }
         while let Some(turn) = self.way.last()
-            && turn.distance(sees.place) < PASSED
+            && turn.distance(sees.place) < passed
         {
             self.way.pop();
         }
@@ -188,15 +209,19 @@ impl Pilot {
     }
 }
 
+/// From where the view looks to a direction (x, z), radians, −π to π.
+pub(super) fn turn_to(direction: Vec2, yaw: f32) -> f32 {
+    let turn = ops::atan2(-direction.x, -direction.y) - yaw;
+    (turn + std::f32::consts::PI).rem_euclid(std::f32::consts::TAU) - std::f32::consts::PI
+}
+
 /// Keys for a way (x, z) of length 0 to 1: the view turns there, and the figure runs as the view is now.
-fn command(wanted: Vec2, yaw: f32, act: bool) -> PlayerInput {
+pub(super) fn command(wanted: Vec2, yaw: f32, act: bool) -> PlayerInput {
     if wanted == Vec2::ZERO {
         return PlayerInput { act, ..default() };
     }
     let (sin, cos) = ops::sin_cos(yaw);
-    let turn = ops::atan2(-wanted.x, -wanted.y) - yaw;
-    let turn =
-        (turn + std::f32::consts::PI).rem_euclid(std::f32::consts::TAU) - std::f32::consts::PI;
+    let turn = turn_to(wanted, yaw);
     PlayerInput {
         walk: Vec2::new(
             wanted.dot(Vec2::new(cos, -sin)),
@@ -207,51 +232,4 @@ fn command(wanted: Vec2, yaw: f32, act: bool) -> PlayerInput {
         act,
         ..default()
     }
-}
-
-fn look(world: &mut World) -> Option<Sees> {
-    let cast = *world.get_resource::<Cast>()?;
-    let health = world.get::<Health>(cast.player)?.part();
-    let figure = world.query::<&Figure>().iter(world).next()?.now;
-    let place = figure.place.as_vec2();
-    let yaw = world.query::<&FreeCamera>().iter(world).next()?.pose.yaw;
-    let mut soldiers = world.query::<(&Soldier, &Transform, &Sight)>();
-    let (mut hunters, mut others) = (Vec::new(), Vec::new());
-    for (soldier, at, _) in soldiers.iter(world) {
-        let list = if soldier.alarmed {
-            &mut hunters
-        } else {
-            &mut others
-        };
-        list.push(ground_of(at));
-    }
-    let sights = soldiers.iter(world).map(|(.., sight)| sight.range);
-    let sight = sights.fold(0.0, f32::max);
-    let nearest = |best: Option<Vec2>, at: Vec2| match best {
-        Some(best) if best.distance(place) <= at.distance(place) => Some(best),
-        _ => Some(at),
-    };
-    let mut beacons = world.query_filtered::<(&Lamp, &Transform), With<Beacon>>();
-    let beacon = beacons
-        .iter(world)
-        .filter(|(lamp, _)| !lamp.lit)
-        .map(|(_, at)| ground_of(at))
-        .fold(None, nearest);
-    let mut bandages = world.query_filtered::<(&PickUp, &Transform), With<Bandage>>();
-    let bandage = bandages
-        .iter(world)
-        .filter(|(one, _)| one.there)
-        .map(|(_, at)| ground_of(at))
-        .filter(|at| at.distance(place) < 200.0)
-        .fold(None, nearest);
-    Some(Sees {
-        place,
-        yaw,
-        health,
-        hunters,
-        others,
-        sight,
-        beacon,
-        bandage,
-    })
 }

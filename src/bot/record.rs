@@ -11,7 +11,7 @@ use crate::level::sealed::{self, Kind, SealedError};
 pub const RECORD: Kind = Kind {
     letters: b"PLAY",
     name: "recorded game",
-    version: 1,
+    version: 2,
 };
 
 /// Bytes of a step: walk and look, four floats, and a byte of switches.
@@ -61,7 +61,13 @@ impl Record {
             for number in [input.walk.x, input.walk.y, input.look.x, input.look.y] {
                 bytes.extend(number.to_le_bytes());
             }
-            let bits = [input.fast, input.jump, input.act, input.switch_torch];
+            let bits = [
+                input.fast,
+                input.jump,
+                input.act,
+                input.switch_torch,
+                input.fire,
+            ];
             bytes.push((0..).zip(bits).map(|(at, bit)| u8::from(bit) << at).sum());
         }
         bytes
@@ -95,6 +101,7 @@ impl Record {
                 jump: bit(1),
                 act: bit(2),
                 switch_torch: bit(3),
+                fire: bit(4),
                 ..default()
             });
         }
@@ -127,6 +134,7 @@ mod tests {
                     act: i % 3 == 0,
                     jump: i % 5 == 0,
                     switch_torch: i % 7 == 0,
+                    fire: i % 4 == 0,
                     ..default()
                 })
                 .collect(),

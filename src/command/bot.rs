@@ -16,7 +16,7 @@ const THREADS: [usize; 2] = [1, 2];
 /// Let a bot play a level to its end, by input alone, without a window.
 #[derive(Args)]
 pub struct Bot {
-    /// The level: `mountain`.
+    /// The level: `mountain`, `city`.
     #[arg(long, default_value = "mountain")]
     level: String,
     /// The first seed.
@@ -134,12 +134,13 @@ impl Bot {
 
 fn tell(game: &Played) {
     println!(
-        "seed {}: {:?} after {} steps ({:.1} min), {} beacons, health {:.0}, {} calls, hash {}",
+        "seed {}: {:?} after {} steps ({:.1} min), {} beacons, {} fallen, health {:.0}, {} calls, hash {}",
         game.seed,
         game.reason,
         game.steps,
         bot::minutes(game.steps),
         game.beacons,
+        game.fallen,
         game.health,
         game.calls,
         game.hash

@@ -22,11 +22,11 @@ use super::values::{Camera, Degrees2};
 /// What is shown; the same for every command.
 #[derive(Args)]
 pub struct SceneArgs {
-    /// `mountain`, `jacksboro`, `night`, `classic` (to compare methods; needs the shared data), a scene file
+    /// `mountain`, `jacksboro`, `night`, `city`, `classic` (to compare methods; needs the shared data), a scene file
     /// (.ron), or a height map (.png, .tif, .asc, .hgt, .raw, .r16, .r32, .f32).
     #[arg(long, default_value = "mountain")]
     pub scene: String,
-    /// Play a level in its scene: `mountain`.
+    /// Play a level in its scene: `mountain`, `city`.
     #[arg(long, value_name = "LEVEL", conflicts_with = "scene")]
     pub level: Option<String>,
     /// Seed of a level: where its soldiers begin.

@@ -54,6 +54,7 @@ const PIXELS_PER_STEP: f32 = 40.0;
 
 fn read_keyboard_and_mouse(
     keys: Res<ButtonInput<KeyCode>>,
+    buttons: Option<Res<ButtonInput<MouseButton>>>,
     motion: Res<AccumulatedMouseMotion>,
     scroll: Res<AccumulatedMouseScroll>,
     settings: Res<Settings>,
@@ -76,6 +77,7 @@ fn read_keyboard_and_mouse(
         i32::from(any(plus)) - i32::from(any(minus))
     };
     let looking = cursor.is_some_and(|cursor| cursor.grab_mode != CursorGrabMode::None);
+    let shoots = buttons.is_some_and(|buttons| buttons.pressed(MouseButton::Left));
     let turn = settings.mouse_sensitivity.to_radians();
     let pitch_sign = if settings.invert_y { 1.0 } else { -1.0 };
     *input = PlayerInput {
@@ -105,6 +107,8 @@ fn read_keyboard_and_mouse(
         jump: keys.just_pressed(KeyCode::KeyJ),
         wave: keys.just_pressed(KeyCode::KeyH),
         act: keys.pressed(KeyCode::KeyE),
+        // A click frees no cursor that looks around.
+        fire: keys.pressed(KeyCode::KeyX) || looking && shoots,
         menu: keys.just_pressed(KeyCode::Escape),
         navigate: IVec2::new(
             step(
@@ -174,6 +178,7 @@ fn read_gamepads(
             pressed(GamepadButton::DPadUp, GamepadButton::DPadDown),
         );
         input.act |= pad.pressed(GamepadButton::South);
+        input.fire |= pad.pressed(GamepadButton::West);
         input.confirm |= pad.just_pressed(GamepadButton::South);
         input.menu |= pad.just_pressed(GamepadButton::Start);
         input.jump |= pad.just_pressed(GamepadButton::East);
@@ -196,6 +201,7 @@ fn meant(mode: InputMode, input: PlayerInput) -> PlayerInput {
     match mode {
         InputMode::Explore => PlayerInput {
             act: false,
+            fire: false,
             menu: false,
             navigate: IVec2::ZERO,
             confirm: false,

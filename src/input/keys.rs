@@ -34,7 +34,12 @@ pub const KEYS: &[Key] = &[
     key("arrows", "directional pad", "walk the figure"),
     key("J", "east button", "jump"),
     key("H", "right stick down", "wave a hand"),
-    key("E", "south button", "in a level: hold a torch to a beacon"),
+    key(
+        "E",
+        "south button",
+        "in a level: light what is to be lit, press a button",
+    ),
+    key("left mouse, X", "west button", "in a level: shoot"),
     key(
         "Esc, Enter",
         "start, south button",

@@ -35,8 +35,11 @@ pub struct PlayerInput {
     pub jump: bool,
     /// The figure waves a hand, in this frame.
     pub wave: bool,
-    /// The figure does what there is to do where it stands, as long as this is held: it lights a beacon.
+    /// The figure does what there is to do where it stands, as long as this is held: it lights a beacon, or presses a
+    /// button.
     pub act: bool,
+    /// The figure shoots where the camera looks, in a level and with a weapon, as often as that can.
+    pub fire: bool,
     /// Opens a level's menu, or closes it, in this frame.
     pub menu: bool,
     /// Steps in a menu in this frame: x to the right, y downwards.

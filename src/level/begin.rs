@@ -13,12 +13,15 @@ use dolomite::logic::{
     Team, Weapon, Wire, Wires, Zone,
 };
 
-use super::ground;
+use super::arms::SHOULDER;
 use super::parts::{
-    Bandage, Beacon, Cast, Level, LevelKeys, LevelPart, LevelState, MIDDLE, Player, Soldier, Wish,
+    Bandage, Beacon, Cast, Level, LevelKeys, LevelPart, LevelState, MIDDLE, Numbered, Player,
+    Soldier, Wish,
 };
+use super::{gate, ground, lifts};
 use crate::play::camera::FreeCamera;
 use crate::play::figure::Figure;
+use crate::play::jump::Jump;
 use crate::scene::{CurrentScene, Pose};
 
 /// The side of the player, and that of the soldiers.
@@ -44,7 +47,7 @@ pub fn begin(world: &mut World) -> Result<(), BehaviourError> {
     world.init_resource::<Names>();
     let keys = LevelKeys::new(&mut world.resource_mut::<Names>());
     world.insert_resource(keys);
-    world.insert_resource(ground::rays(Arc::clone(&level.grid)));
+    world.insert_resource(ground::rays(Arc::clone(&level.grid), &level.built));
     world.insert_resource(SightSettings::default());
     let file = &level.file;
     let stand = |at: (f32, f32), above: f32| {
@@ -81,7 +84,24 @@ pub fn begin(world: &mut World) -> Result<(), BehaviourError> {
             fell,
         ))
         .id();
-    for beacon in &file.beacons {
+    if let Some(w) = &file.weapon {
+        world.entity_mut(player).insert(Weapon {
+            damage: w.damage,
+            speed: w.bolt,
+            range: w.range,
+            interval: w.every,
+            rounds: Some(w.rounds),
+            most: w.rounds,
+            muzzle: SHOULDER,
+            ..default()
+        });
+    }
+    for (number, beacon) in (0..).zip(&file.beacons) {
+        let roof = level.built.roofs.get(number as usize);
+        let mut at = stand(beacon.at, 0.0);
+        if let Some(Some(roof)) = roof {
+            at.y = roof.floors[1];
+        }
         let lit = Wires(vec![
             // Without the parameter that an output without one has, a wire hands on nothing.
             Wire::new(keys.kindled, objective, Key::PROGRESS).with(1),
@@ -91,15 +111,17 @@ pub fn begin(world: &mut World) -> Result<(), BehaviourError> {
                 name: beacon.name.clone(),
                 kindled: 0.0,
             },
+            Numbered(number),
             Lamp::default(),
-            Transform::from_translation(stand(beacon.at, 0.0)),
+            Transform::from_translation(at),
             lit,
         ));
     }
-    for &at in &file.bandages.at {
+    for (number, &at) in (0..).zip(&file.bandages.at) {
         let heals = Wire::new(Key::TAKEN, player, Key::HEAL).with(file.bandages.gives);
         world.spawn((
             Bandage,
+            Numbered(number),
             PickUp::new(keys.bandages, 1),
             Zone::new(TAKEN),
             Transform::from_translation(stand(at, MIDDLE)),
@@ -107,7 +129,7 @@ pub fn begin(world: &mut World) -> Result<(), BehaviourError> {
         ));
     }
     let mut random = Random::new(level.seed);
-    for patrol in &file.patrols {
+    for (number, patrol) in (0..).zip(&file.patrols) {
         let open = |&at: &(f32, f32)| {
             let at = Vec2::from(at);
             level.grid.nearest_open(at, 64).unwrap_or(at)
@@ -124,7 +146,7 @@ pub fn begin(world: &mut World) -> Result<(), BehaviourError> {
         let s = &file.soldiers;
         let place = stand(at.into(), MIDDLE);
         let turn = Quat::from_rotation_y(random.unit() * TAU);
-        world.spawn((
+        let mut soldier = world.spawn((
             Soldier {
                 round: round.into(),
                 next,
@@ -138,6 +160,7 @@ pub fn begin(world: &mut World) -> Result<(), BehaviourError> {
                 velocity: Vec2::ZERO,
                 random: Random::new(u64::from(random.bits())),
             },
+            Numbered(number),
             Transform::from_translation(place).with_rotation(turn),
             TEAMS.1,
             Mind::new(mind),
@@ -150,40 +173,56 @@ pub fn begin(world: &mut World) -> Result<(), BehaviourError> {
                 range: s.range * 1.5,
                 interval: s.every,
                 rounds: None,
-                muzzle: Vec3::Y * 0.5,
+                muzzle: SHOULDER,
                 ..default()
             },
         ));
+        // Nobody shoots at who is not shot at.
+        if file.weapon.is_some() {
+            soldier.insert((Health::new(s.bears), Hitbox::default()));
+        }
     }
-    world.insert_resource(LevelState::default());
-    world.insert_resource(Cast {
+    let cast = Cast {
         player,
         mission,
         objective,
         timer,
         clock,
-    });
+    };
+    lifts::spawn(world, &level);
+    gate::spawn(world, &level, &cast);
+    world.insert_resource(LevelState::default());
+    world.insert_resource(cast);
     // Nothing that was said to who is gone is heard by who is new.
     world
         .resource_mut::<dolomite::logic::parts::Shots>()
         .0
         .clear();
     let place = DVec2::new(f64::from(start.0), f64::from(start.1));
-    put_figure(world, place, file.start.2.to_radians());
+    put_figure(world, place, file.start.2.to_radians(), 0.0);
     Ok(())
 }
 
-/// Puts the figure somewhere, at rest, and the camera behind it.
-pub fn put_figure(world: &mut World, place: DVec2, yaw: f32) {
+/// Puts the figure somewhere, at rest, and the camera behind it. Where it is `above` the ground, metres, it falls onto
+/// what is there.
+pub fn put_figure(world: &mut World, place: DVec2, yaw: f32, above: f64) {
     let Some(terrain) = world.get_resource::<CurrentScene>() else {
         return;
     };
     let terrain = terrain.terrain.clone();
-    let at = Figure::at(place, &terrain).facing(yaw);
+    let mut at = Figure::at(place, &terrain).facing(yaw);
+    if above > 0.0 {
+        at.now.jump = Jump::Air {
+            lift: above,
+            rise: 0.0,
+        };
+        at.before = at.now;
+    }
     for mut figure in world.query::<&mut Figure>().iter_mut(world) {
         *figure = at;
     }
-    let pose = Pose::behind(at.now.place, yaw, &terrain);
+    let mut pose = Pose::behind(at.now.place, yaw, &terrain);
+    pose.position.y += above;
     for mut camera in world.query::<&mut FreeCamera>().iter_mut(world) {
         camera.pose = pose;
         camera.velocity = Vec3::ZERO;

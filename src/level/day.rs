@@ -2,10 +2,10 @@
 
 use bevy::math::ops;
 use bevy::prelude::*;
-use dolomite::logic::DayClock;
 use dolomite::logic::senses::Sight;
+use dolomite::logic::{DayClock, Lamp};
 
-use super::parts::{Cast, Level, LevelState};
+use super::parts::{Beacon, Cast, Level, LevelState, Player};
 use crate::play::Switches;
 
 /// Latitude of the island and declination of the sun, degrees: the Alps in the middle of April.
@@ -36,12 +36,15 @@ pub fn light(hour: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// How far soldiers see: by day far, by night less, and whoever holds a torch by day and by night alike.
+/// How far soldiers see: by day far, by night less; whoever holds a torch, or stands by what burns, is seen by day and
+/// by night alike.
 pub(super) fn shine(
     level: Res<Level>,
     cast: Res<Cast>,
     switches: Option<Res<Switches>>,
     clocks: Query<&DayClock>,
+    players: Query<&Transform, With<Player>>,
+    lamps: Query<(&Lamp, &Transform), With<Beacon>>,
     mut state: ResMut<LevelState>,
     mut eyes: Query<&mut Sight>,
 ) {
@@ -51,7 +54,15 @@ pub(super) fn shine(
     state.light = light(clock.hour);
     let s = &level.file.soldiers;
     let torch = switches.is_some_and(|switches| switches.torch);
-    let seen = if torch { 1.0 } else { state.light };
+    let glow = level.file.glow;
+    let shone_on = |place: Vec3| {
+        let mut near = lamps
+            .iter()
+            .filter(|(lamp, at)| lamp.lit && at.translation.distance(place) < glow);
+        near.next().is_some()
+    };
+    let lit = glow > 0.0 && players.iter().any(|at| shone_on(at.translation));
+    let seen = if torch || lit { 1.0 } else { state.light };
     let range = s.night + (s.day - s.night) * seen;
     for mut sight in &mut eyes {
         if sight.range != range {

@@ -28,7 +28,7 @@ pub enum LevelError {
         source: std::io::Error,
     },
     /// Its file is not RON, or has a field that is none of ours.
-    #[error("level file {}:{source}; assets/levels/mountain.ron explains every field", .path.display())]
+    #[error("level file {}:{source}; assets/levels/mountain.ron and city.ron explain every field", .path.display())]
     Parse {
         /// The file.
         path: PathBuf,

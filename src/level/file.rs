@@ -1,5 +1,5 @@
-//! A level as it stands in its file: RON, held to rules that need no ground. `assets/levels/mountain.ron` is the
-//! annotated example.
+//! A level as it stands in its file: RON, held to rules that need no ground. `assets/levels/mountain.ron` and
+//! `assets/levels/city.ron` are the annotated examples.
 
 use std::path::Path;
 
@@ -7,6 +7,8 @@ use bevy::math::Vec2;
 use serde::Deserialize;
 
 use super::error::LevelError;
+use super::quarter::{GATE, GateFile, Side, WeaponFile};
+use super::words::Words;
 use crate::settings::ron_options;
 
 /// A place on the ground, (x, z), metres.
@@ -21,6 +23,9 @@ pub struct LevelFile {
     /// One line on what is to be done.
     #[serde(default)]
     pub about: String,
+    /// What is said while it is played.
+    #[serde(default)]
+    pub words: Words,
     /// The scene that it is played in.
     pub scene: String,
     /// The square that soldiers know.
@@ -37,12 +42,25 @@ pub struct LevelFile {
     pub hold: f32,
     /// From how far away it is lit, metres.
     pub reach: f32,
+    /// Who is so near to a beacon that burns is seen as by day, metres; 0: nobody is.
+    #[serde(default)]
+    pub glow: f32,
     /// Of the player.
     pub health: f32,
     /// Health that comes back a second.
     pub mends: f32,
     /// Seconds without a hit until then.
     pub rests: f32,
+    /// Health that a landing takes, for each metre a second above what knees bear; 0: none.
+    #[serde(default)]
+    pub falls: f32,
+    /// What the player shoots with, if with anything.
+    #[serde(default)]
+    pub weapon: Option<WeaponFile>,
+    /// The way out: the area has a wall, and the level is won by who leaves through this gate, which opens when all
+    /// beacons burn. Needs a city.
+    #[serde(default)]
+    pub gate: Option<GateFile>,
     /// At least one.
     pub beacons: Vec<BeaconFile>,
     /// What gives health back.
@@ -73,6 +91,9 @@ pub struct BeaconFile {
     pub name: String,
     /// Where.
     pub at: Place,
+    /// It stands on the roof of the house there, and a lift goes up to it on this side, along a street. Needs a city.
+    #[serde(default)]
+    pub lift: Option<Side>,
 }
 
 /// What gives health back.
@@ -115,6 +136,13 @@ pub struct Soldiers {
     pub every: f32,
     /// How far a shot may go astray.
     pub spread: f32,
+    /// Health of each, where the player has a weapon.
+    #[serde(default = "usual_health")]
+    pub bears: f32,
+}
+
+const fn usual_health() -> f32 {
+    100.0
 }
 
 /// A patrol.
@@ -149,14 +177,17 @@ impl LevelFile {
 
     fn check(&self) -> Result<(), Refused> {
         let s = &self.soldiers;
-        let numbers = [
+        let mut numbers = vec![
             ("seconds", self.seconds, 1.0, 86_400.0),
             ("side", self.area.side, 64.0, 8192.0),
             ("hour", self.hour, 0.0, 24.0),
             ("pace", self.pace, 0.0, 3600.0),
             ("hold", self.hold, 0.1, 60.0),
             ("reach", self.reach, 0.5, 50.0),
+            ("glow", self.glow, 0.0, 200.0),
             ("health", self.health, 1.0, 1e6),
+            ("bears", s.bears, 1.0, 1e6),
+            ("falls", self.falls, 0.0, 1e6),
             ("mends", self.mends, 0.0, 1e6),
             ("rests", self.rests, 0.0, 3600.0),
             ("gives", self.bandages.gives, 0.0, 1e6),
@@ -168,16 +199,31 @@ impl LevelFile {
             ("hears_run", s.hears_run, 0.0, 1000.0),
             ("hears_walk", s.hears_walk, 0.0, 1000.0),
             ("calls", s.calls, 0.0, 10_000.0),
-            ("damage", s.damage, 0.0, 1e6),
-            ("bolt", s.bolt, 1.0, 1e4),
-            ("range", s.range, 0.0, 1000.0),
-            ("every", s.every, 0.05, 3600.0),
+            ("soldiers:>damage", s.damage, 0.0, 1e6),
+            ("soldiers:>bolt", s.bolt, 1.0, 1e4),
+            ("soldiers:>range", s.range, 0.0, 1000.0),
+            ("soldiers:>every", s.every, 0.05, 3600.0),
             ("spread", s.spread, 0.0, 45.0),
         ];
+        if let Some(w) = &self.weapon {
+            numbers.extend([
+                ("weapon:>damage", w.damage, 0.0, 1e6),
+                ("weapon:>bolt", w.bolt, 1.0, 1e4),
+                ("weapon:>range", w.range, 0.0, 1000.0),
+                ("weapon:>every", w.every, 0.05, 3600.0),
+                ("weapon:>noise", w.noise, 0.0, 1000.0),
+            ]);
+        }
+        if let Some(gate) = &self.gate {
+            // Half of the gate and a metre of wall beside it.
+            let most = self.area.side / 2.0 - GATE - 1.0;
+            numbers.push(("along", gate.along, -most, most));
+        }
         for (name, value, low, high) in numbers {
             // Also refuses NaN.
             if !(low..=high).contains(&value) {
-                let reason = format!("`{name}` is {value}, but must be {low} to {high}");
+                let field = name.replace(":>", ".");
+                let reason = format!("`{field}` is {value}, but must be {low} to {high}");
                 return Err((format!("{name}:"), reason));
             }
         }
@@ -246,22 +292,28 @@ pub fn quoted(name: &str) -> String {
     }
 }
 
-/// The error of a value: the last line, comments aside, in which what was looked for begins a word.
+/// The error of a value: the last line, comments aside, in which what was looked for begins a word. Of `a:>b:` it is
+/// the first with `b:` from the last with `a:` on.
 pub fn refuse(text: &str, path: &Path, (needle, reason): Refused) -> LevelError {
-    let begins = |line: &str| {
+    let begins = |line: &str, needle: &str| {
         let line = line.split("//").next().unwrap_or_default();
-        line.match_indices(&needle).any(|(at, _)| {
+        line.match_indices(needle).any(|(at, _)| {
             let before = line[..at].chars().next_back();
             !before.is_some_and(|c| c.is_alphanumeric() || c == '_')
         })
     };
     let lines: Vec<_> = text.lines().collect();
+    let last = |needle: &str| lines.iter().rposition(|line| begins(line, needle));
+    let line = match needle.split_once(":>") {
+        Some((part, field)) => last(&format!("{part}:")).map(|from| {
+            let below = lines[from..].iter().position(|line| begins(line, field));
+            from + below.unwrap_or(0)
+        }),
+        None => last(&needle),
+    };
     LevelError::Value {
         path: path.to_owned(),
-        line: lines
-            .iter()
-            .rposition(|line| begins(line))
-            .map_or(1, |at| at + 1),
+        line: line.map_or(1, |at| at + 1),
         reason,
     }
 }

@@ -8,8 +8,10 @@ use std::sync::Arc;
 
 use bevy::math::{DVec2, UVec2, Vec2};
 use dolomite::logic::movement::{GridError, WalkGrid, WalkLimits};
-use dolomite::logic::rays::{GroundRays, RayWorld};
+use dolomite::logic::rays::{BoxRays, GroundRays, RayWorld};
 use dolomite::terrain::{GroundPoint, HeightTile, Planes, Terrain};
+
+use super::town::{BOXES, Built};
 
 /// Side of a cell, metres: some steps of a figure.
 pub const CELL: f32 = 4.0;
@@ -65,8 +67,12 @@ pub fn walk_grid(terrain: &Terrain, middle: DVec2, side: f32) -> Result<WalkGrid
     })
 }
 
-/// What hides and stops shots above a grid.
-pub fn rays(grid: Arc<WalkGrid>) -> RayWorld {
+/// What hides and stops shots in a level: its boxes, one of which is its level ground; or the ground of its grid.
+pub fn rays(grid: Arc<WalkGrid>, built: &Built) -> RayWorld {
+    if !built.hides.is_empty() {
+        let boxes = built.hides.iter().copied();
+        return RayWorld(Arc::new(BoxRays::new(boxes, BOXES)));
+    }
     RayWorld(Arc::new(GroundRays::new(
         move |place: Vec2| grid.height(place) - SLACK,
         LOOKS,

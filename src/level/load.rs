@@ -5,18 +5,20 @@ use std::sync::Arc;
 
 use bevy::math::{DVec2, IVec2, Vec2};
 use dolomite::logic::movement::WalkGrid;
-use dolomite::terrain::Terrain;
 
 use super::error::LevelError;
 use super::file::{LevelFile, Refused, quoted, refuse};
 use super::ground;
 use super::parts::Level;
+use super::town::{self, Built, Fault};
 use crate::play::figure::{WADING_DEPTH, depth};
 use crate::scene::{self, LoadedScene, SceneRequest};
 
 /// The levels that can be played, with the text of their files as built in.
-pub const LEVELS: &[(&str, &str)] =
-    &[("mountain", include_str!("../../assets/levels/mountain.ron"))];
+pub const LEVELS: &[(&str, &str)] = &[
+    ("mountain", include_str!("../../assets/levels/mountain.ron")),
+    ("city", include_str!("../../assets/levels/city.ron")),
+];
 
 const SOLDIER: &str = include_str!("../../assets/levels/soldier.ron");
 
@@ -46,7 +48,7 @@ pub fn load(name: &str, seed: u64, assets: &Path) -> Result<(Level, LoadedScene)
     let behaviour = read_or(&assets.join("levels/soldier.ron"), SOLDIER)?;
     let file = LevelFile::parse(&text, &path)?;
     let scene = scene::load(&SceneRequest::new(file.scene.clone()), assets)?;
-    let level = make(name, file, behaviour, seed, &scene.terrain)?;
+    let level = make(name, file, behaviour, seed, &scene)?;
     let level = level.map_err(|refused| refuse(&text, &path, refused))?;
     Ok((level, scene))
 }
@@ -67,19 +69,46 @@ fn make(
     file: LevelFile,
     behaviour: String,
     seed: u64,
-    terrain: &Terrain,
+    scene: &LoadedScene,
 ) -> Result<Result<Level, Refused>, LevelError> {
-    let middle = DVec2::new(f64::from(file.area.middle.0), f64::from(file.area.middle.1));
-    let mut grid = ground::walk_grid(terrain, middle, file.area.side)?;
+    let terrain = &scene.terrain;
+    let (mut grid, built) = match &scene.city {
+        Some(city) => match town::build(city, &file) {
+            Ok(built) => built,
+            Err(Fault::Refused(refused)) => return Ok(Err(refused)),
+            Err(Fault::Grid(error)) => return Err(error.into()),
+        },
+        None => {
+            if let Some(refused) = needs_city(&file) {
+                return Ok(Err(refused));
+            }
+            let middle = DVec2::new(f64::from(file.area.middle.0), f64::from(file.area.middle.1));
+            let grid = ground::walk_grid(terrain, middle, file.area.side)?;
+            (grid, Built::default())
+        }
+    };
     let start = Vec2::new(file.start.0, file.start.1);
     if !join(&mut grid, start) {
         let reason = format!("the player starts at {start}, where nobody can walk");
         return Ok(Err(("start:".into(), reason)));
     }
+    let town = !built.hides.is_empty();
+    let roofs = file.beacons.iter().zip(&built.roofs);
+    let roofs: Vec<_> = roofs
+        .filter_map(|(beacon, roof)| Some((&beacon.name, roof.as_ref()?)))
+        .collect();
     for (name, place) in file.places() {
+        // A roof is come to by its lift.
+        let roof = roofs.iter().find(|(of, _)| **of == name);
+        let place = roof.map_or(place, |(_, roof)| roof.before());
         let wet = depth(place.as_dvec2(), terrain) > WADING_DEPTH;
-        // A place on a rock is the open ground beside it.
-        if wet || grid.nearest_open(place, 4).is_none() {
+        // A place on a rock is the open ground beside it; what is lit has to be in reach from there.
+        let far = match town && roof.is_none() && file.beacons.iter().any(|b| b.name == name) {
+            true => file.reach,
+            false => f32::INFINITY,
+        };
+        let open = grid.nearest_open(place, 4);
+        if wet || open.is_none_or(|open| open.distance(place) > far) {
             let reason = format!("nobody can come to {place} of `{name}`");
             return Ok(Err((quoted(&name), reason)));
         }
@@ -89,8 +118,20 @@ fn make(
         file: Arc::new(file),
         behaviour: behaviour.into(),
         grid: Arc::new(grid),
+        built: Arc::new(built),
         seed,
     }))
+}
+
+/// What of a level needs a city, if anything does.
+fn needs_city(file: &LevelFile) -> Option<Refused> {
+    if file.gate.is_some() {
+        let reason = "a `gate` needs a scene with a city: its wall stands on level ground";
+        return Some(("gate:".into(), reason.into()));
+    }
+    let roof = file.beacons.iter().find(|beacon| beacon.lift.is_some())?;
+    let reason = format!("the lift of `{}` needs a scene with a city", roof.name);
+    Some((quoted(&roof.name), reason))
 }
 
 /// Closes every cell that cannot be reached from a place; whether there is such a place.

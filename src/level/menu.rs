@@ -7,10 +7,14 @@ use std::path::PathBuf;
 use bevy::prelude::*;
 
 use super::begin::begin;
+use super::error::LevelError;
+use super::load::{self, LEVELS};
 use super::parts::{Level, LevelState, Verdict};
 use super::save;
 use crate::input::{InputMode, PlayerInput};
 use crate::play::camera::FreeCamera;
+use crate::scene::{CurrentScene, SceneRequest};
+use crate::settings::paths::AssetsDir;
 use crate::settings::{FOV_RANGE, Settings};
 
 /// What is shown.
@@ -44,6 +48,8 @@ pub enum Item {
     Resume,
     /// Saves it.
     Save,
+    /// To the next level's title.
+    Other,
     /// To the settings.
     Settings,
     /// To the keys.
@@ -69,6 +75,8 @@ pub enum Deed {
     Load,
     /// The game is saved.
     Save,
+    /// The next level is loaded.
+    Other,
     /// A setting changes, one step up or down.
     Set(Item, i32),
     /// The program ends.
@@ -110,6 +118,7 @@ impl Menu {
             Screen::Title => &[
                 Item::Begin,
                 Item::Load,
+                Item::Other,
                 Item::Settings,
                 Item::Keys,
                 Item::Quit,
@@ -167,6 +176,7 @@ impl Menu {
             Item::Begin => Some(Deed::Begin),
             Item::Load => Some(Deed::Load),
             Item::Save => Some(Deed::Save),
+            Item::Other => Some(Deed::Other),
             Item::Quit => Some(Deed::Quit),
             Item::Mouse | Item::Invert | Item::View => Some(Deed::Set(item, 1)),
             Item::Resume => {
@@ -252,6 +262,19 @@ fn loaded(world: &mut World) -> Result<String, save::SaveError> {
     }))
 }
 
+/// The next level in the list, in its scene. Loading takes a moment, in which the picture stands.
+fn other(world: &mut World) -> Result<(), LevelError> {
+    let now = world.resource::<Level>().clone();
+    let at = LEVELS.iter().position(|(name, _)| *name == now.name);
+    let (next, _) = LEVELS[at.map_or(0, |at| (at + 1) % LEVELS.len())];
+    let assets = world.resource::<AssetsDir>().0.clone();
+    let (level, scene) = load::load(next, now.seed, &assets)?;
+    world.resource_mut::<SceneRequest>().scene = level.file.scene.clone();
+    world.insert_resource(CurrentScene(scene));
+    world.insert_resource(level);
+    Ok(begin(world)?)
+}
+
 /// One frame of the menu.
 fn drive(world: &mut World, mut lit: Local<u32>) {
     let input = *world.resource::<PlayerInput>();
@@ -293,6 +316,10 @@ fn drive(world: &mut World, mut lit: Local<u32>) {
                 Err(error) => error.to_string(),
             };
         }
+        Some(Deed::Other) => match other(world) {
+            Ok(()) => menu.go(Screen::Title),
+            Err(error) => menu.note = error.to_string(),
+        },
         Some(Deed::Set(item, by)) => set(world, item, by),
         Some(Deed::Quit) => {
             world.write_message(AppExit::Success);
@@ -341,7 +368,7 @@ mod tests {
         assert_eq!(press(&mut menu, 0, true), Some(Deed::Begin));
         // Upwards from the first is the last.
         assert_eq!(press(&mut menu, -1, true), Some(Deed::Quit));
-        press(&mut menu, 3, false);
+        press(&mut menu, 4, false);
         assert_eq!(menu.items()[menu.chosen], Item::Settings);
         press(&mut menu, 0, true);
         assert_eq!(menu.screen, Screen::Settings);

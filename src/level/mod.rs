@@ -2,10 +2,12 @@
 //!
 //! | file | concern |
 //! |---|---|
-//! | [`mod@file`], [`load`], [`mod@error`] | a level in its file; against its ground; what is wrong with it |
-//! | [`ground`] | the ground that logic knows |
+//! | [`mod@file`], [`quarter`], [`load`], [`mod@error`] | a level in its file; against its ground; what is wrong with it |
+//! | [`ground`], [`town`] | the ground that logic knows; houses, roofs and walls on it |
+//! | [`words`] | what is said of a level |
 //! | [`parts`], [`begin`] | entities and resources; how they begin |
-//! | `player`, `day`, `soldier`, `walk`, `verdict` | what happens in a step |
+//! | `player`, `day`, `soldier`, `walk`, `arms`, `verdict` | what happens in a step |
+//! | [`lifts`], [`gate`] | the ways up to roofs; the way out |
 //! | [`menu`] | the menu, without its looks |
 //! | [`sealed`], [`save`] | files that are whole or refused; saved games |
 //!
@@ -13,20 +15,26 @@
 //! objectives, senses, behaviours. The player is the [`Figure`](crate::play::figure::Figure), moved by
 //! [`PlayerInput`](crate::input::PlayerInput) alone.
 
+mod arms;
 pub mod begin;
 pub mod day;
 pub mod error;
 pub mod file;
+pub mod gate;
 pub mod ground;
+pub mod lifts;
 pub mod load;
 pub mod menu;
 pub mod parts;
 mod player;
+pub mod quarter;
 pub mod save;
 pub mod sealed;
 mod soldier;
+pub mod town;
 mod verdict;
 mod walk;
+pub mod words;
 
 use bevy::prelude::*;
 use dolomite::logic::{BehaviourAppExt, LogicSystems};
@@ -69,6 +77,20 @@ impl Plugin for LevelPlugin {
                     (player::mend, day::shine, player::kindle)
                         .chain()
                         .in_set(LogicSystems::Update),
+                    (lifts::carry, lifts::press)
+                        .chain()
+                        .run_if(any_with_component::<lifts::Panel>)
+                        .after(player::kindle)
+                        .in_set(LogicSystems::Update),
+                    (arms::suffer, arms::shoot)
+                        .chain()
+                        .run_if(has_weapon)
+                        .after(lifts::press)
+                        .in_set(LogicSystems::Update),
+                    gate::unbar
+                        .run_if(any_with_component::<gate::Beyond>)
+                        .after(LogicSystems::Rules)
+                        .before(LogicSystems::Wire),
                     soldier::notice
                         .after(LogicSystems::Sense)
                         .before(LogicSystems::Think),
@@ -80,6 +102,11 @@ impl Plugin for LevelPlugin {
                     .run_if(resource_exists::<Cast>),
             );
     }
+}
+
+/// Whether the player of this level has a weapon.
+fn has_weapon(level: Res<Level>) -> bool {
+    level.file.weapon.is_some()
 }
 
 fn begin_level(world: &mut World) {

@@ -8,6 +8,7 @@ use dolomite::logic::random::Random;
 use dolomite::logic::{Key, Names};
 
 use super::file::LevelFile;
+use super::town::Built;
 use dolomite::logic::movement::WalkGrid;
 
 /// From the feet of a figure to its middle, metres.
@@ -24,6 +25,8 @@ pub struct Level {
     pub behaviour: Arc<str>,
     /// The ground of its logic; all that is open is joined.
     pub grid: Arc<WalkGrid>,
+    /// What stands on it.
+    pub built: Arc<Built>,
     /// What differs from game to game: where soldiers begin, and where their shots go.
     pub seed: u64,
 }
@@ -31,6 +34,10 @@ pub struct Level {
 /// Goes with the level.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct LevelPart;
+
+/// Its place among those of its kind in the level's file.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Numbered(pub u32);
 
 /// Who the player is, for logic; the figure is what they look like.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
@@ -40,11 +47,15 @@ pub struct Player {
     pub unhurt: f32,
     /// Metres walked since the last noise.
     pub stepped: f32,
+    /// Metres a second downwards, while they fall.
+    pub sinks: f32,
+    /// They acted in the last step.
+    pub acts: bool,
 }
 
-/// A beacon. Its `Lamp` says whether it burns.
+/// A beacon, or the switch of lamps: what is to be lit. Its `Lamp` says whether it burns.
 #[derive(Component, Clone, Debug, PartialEq)]
-#[require(LevelPart)]
+#[require(LevelPart, Numbered)]
 pub struct Beacon {
     /// What it is called.
     pub name: String,
@@ -54,12 +65,16 @@ pub struct Beacon {
 
 /// What gives health back; its `PickUp` says whether it is there.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-#[require(LevelPart)]
+#[require(LevelPart, Numbered)]
 pub struct Bandage;
+
+/// A soldier who fell: sees, hears and does nothing any more.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fallen;
 
 /// A soldier.
 #[derive(Component, Clone, Debug)]
-#[require(LevelPart)]
+#[require(LevelPart, Numbered)]
 pub struct Soldier {
     /// The places that it walks through on patrol.
     pub round: Arc<[Vec2]>,
@@ -140,7 +155,7 @@ impl LevelKeys {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// All beacons burn.
+    /// All beacons burn, and who had to leave has left.
     Won,
     /// The player fell.
     Fell,
@@ -161,6 +176,12 @@ pub struct LevelState {
     pub noticed: f32,
     /// The beacon in reach that does not burn.
     pub near: Option<Entity>,
+    /// The button in reach.
+    pub button: Option<Entity>,
+    /// The gate has been opened.
+    pub open: bool,
+    /// Soldiers who fell.
+    pub fallen: u32,
     /// Steps since the level began.
     pub steps: u64,
     /// How much of the day's light there is, 0 to 1.

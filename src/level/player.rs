@@ -1,4 +1,5 @@
-//! The player as logic knows them: where the figure is, what is heard of it, how it gets well, what it lights.
+//! The player as logic knows them: where the figure is, what is heard of it, how it falls and gets well, what it
+//! lights.
 
 use bevy::prelude::*;
 use dolomite::logic::senses::Noise;
@@ -7,6 +8,7 @@ use dolomite::logic::{Action, Health, Key, Lamp, LogicClock, Output};
 use super::parts::{Beacon, Cast, Level, LevelKeys, LevelState, MIDDLE, Player, ground_of};
 use crate::input::PlayerInput;
 use crate::play::figure::Figure;
+use crate::play::jump::Jump;
 
 /// Faster than this, metres a second, one runs.
 const RUNS: f32 = 2.6;
@@ -20,6 +22,13 @@ const COOLS: f32 = 2.0;
 /// Who looks about within this distance sees a beacon flare up, metres.
 const FLARE: f32 = 60.0;
 
+/// A beacon that is higher or lower by more than this is on another storey, metres: the lowest roofs are twice as high,
+/// and on the steepest slope that one walks it is more than a torch reaches.
+const STOREY: f32 = 4.0;
+
+/// The fastest landing that knees bear, metres a second: from 2.5 m.
+const BEARS: f32 = 7.0;
+
 /// The player is where the figure is; steps are heard.
 pub(super) fn follow(
     level: Res<Level>,
@@ -28,6 +37,7 @@ pub(super) fn follow(
     figures: Query<&Figure>,
     mut players: Query<(&mut Player, &mut Transform)>,
     mut noises: MessageWriter<Noise>,
+    mut actions: MessageWriter<Action>,
 ) {
     let (Some(figure), Ok((mut player, mut at))) =
         (figures.iter().next(), players.get_mut(cast.player))
@@ -40,6 +50,16 @@ pub(super) fn follow(
     at.translation = Vec3::new(place.x, height, place.y);
     player.unhurt += clock.delta;
     player.stepped += way;
+    match figure.now.jump {
+        Jump::Air { rise, .. } => player.sinks = (-rise).max(0.0),
+        Jump::None | Jump::On { .. } | Jump::Bending { .. } => {
+            let hurts = (player.sinks - BEARS).max(0.0) * level.file.falls;
+            if hurts > 0.0 {
+                actions.write(Action::new(cast.player, Key::DAMAGE, hurts));
+            }
+            player.sinks = 0.0;
+        }
+    }
     if player.stepped < STRIDE {
         return;
     }
@@ -98,7 +118,8 @@ pub(super) fn kindle(
             state.lit += 1;
             continue;
         }
-        let near = ground_of(at).distance(ground_of(player)) <= level.file.reach;
+        let storey = (player.translation.y - MIDDLE - at.translation.y).abs() < STOREY;
+        let near = storey && ground_of(at).distance(ground_of(player)) <= level.file.reach;
         if near {
             state.near = Some(entity);
         }

@@ -4,15 +4,20 @@ use std::path::{Path, PathBuf};
 
 use bevy::math::DVec2;
 use bevy::prelude::*;
-use dolomite::logic::parts::LogicTimer;
+use dolomite::logic::parts::{Lift, LogicTimer};
 use dolomite::logic::senses::Memory;
-use dolomite::logic::{BehaviourError, DayClock, Health, Lamp, Objective, PickUp};
+use dolomite::logic::{
+    Action, BehaviourError, DayClock, Health, Key, Lamp, Objective, PickUp, Weapon,
+};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::arms::fall;
 use super::begin::{begin, put_figure};
-use super::parts::{Bandage, Beacon, Cast, Level, LevelState, MIDDLE, Player, Soldier};
+use super::lifts::RoofLift;
+use super::parts::{Bandage, Beacon, Cast, Level, LevelState, MIDDLE, Numbered, Player, Soldier};
 use super::sealed::{self, Kind, SealedError};
+use super::town::PLATE;
 use super::walk::yaw_of;
 use crate::play::figure::Figure;
 
@@ -20,8 +25,11 @@ use crate::play::figure::Figure;
 pub const SAVE: Kind = Kind {
     letters: b"SAVE",
     name: "saved game",
-    version: 1,
+    version: 2,
 };
+
+/// Who stands on a plate has their feet no farther from it than this, metres: a step of the fastest lift, twice over.
+const RIDES: f64 = 0.1;
 
 /// A saved game that is not gone on with.
 #[derive(Debug, Error)]
@@ -68,12 +76,18 @@ pub struct Saved {
     pub hour: f32,
     /// The figure: x, z, metres, and where it looks, radians.
     pub figure: (f64, f64, f32),
+    /// How high its feet are above the ground, metres: on a roof, on a lift.
+    pub above: f64,
     /// Of the player.
     pub health: f32,
+    /// Shots that are left, where there is a weapon.
+    pub rounds: Option<u32>,
     /// Which beacons burn.
     pub beacons: Vec<bool>,
     /// Which bandages are still there.
     pub bandages: Vec<bool>,
+    /// At which floor each lift is, or where it goes.
+    pub lifts: Vec<usize>,
     /// Everybody on patrol.
     pub soldiers: Vec<SavedSoldier>,
 }
@@ -89,6 +103,8 @@ pub struct SavedSoldier {
     pub notice: f32,
     /// It is after the player.
     pub alarmed: bool,
+    /// What is left of its health, a part of 1; of who fell nothing.
+    pub health: f32,
 }
 
 /// What is worth saving; nothing of a level that has ended.
@@ -99,13 +115,37 @@ pub fn take(world: &mut World) -> Option<Saved> {
     }
     let level = world.resource::<Level>().clone();
     let figure = world.query::<&Figure>().iter(world).next()?.now;
+    let lifts = in_order::<RoofLift, Lift>(world);
+    // Who rides is where the lift goes.
+    let place = figure.place.as_vec2();
+    let rides = level
+        .built
+        .roofs
+        .iter()
+        .flatten()
+        .zip(&lifts)
+        .find(|(roof, (_, lift))| {
+            let feet = f64::from(level.grid.height(place)) + figure.jump.lift();
+            let plate = f64::from(lift.height() + PLATE.y);
+            roof.on_plate(place) && (feet - plate).abs() < RIDES
+        });
+    let above = match rides {
+        Some((roof, (_, lift))) => {
+            f64::from(roof.floors[lift.floor().min(1)] - level.grid.height(place))
+        }
+        None => figure.jump.lift(),
+    };
     Some(Saved {
         level: level.name.to_owned(),
         seed: level.seed,
         passed: world.get::<LogicTimer>(cast.timer)?.passed,
         hour: world.get::<DayClock>(cast.clock)?.hour,
         figure: (figure.place.x, figure.place.y, figure.yaw),
+        above,
         health: world.get::<Health>(cast.player)?.now,
+        rounds: world
+            .get::<Weapon>(cast.player)
+            .and_then(|weapon| weapon.rounds),
         beacons: in_order::<Beacon, Lamp>(world)
             .iter()
             .map(|(_, lamp)| lamp.lit)
@@ -114,6 +154,7 @@ pub fn take(world: &mut World) -> Option<Saved> {
             .iter()
             .map(|(_, one)| one.there)
             .collect(),
+        lifts: lifts.iter().map(|(_, lift)| lift.floor()).collect(),
         soldiers: in_order::<Soldier, Transform>(world)
             .iter()
             .filter_map(|(entity, at)| {
@@ -123,32 +164,39 @@ pub fn take(world: &mut World) -> Option<Saved> {
                     next: soldier.next,
                     notice: soldier.notice,
                     alarmed: soldier.alarmed,
+                    health: world.get::<Health>(*entity).map_or(1.0, Health::part),
                 })
             })
             .collect(),
     })
 }
 
-/// A component of all entities that have another, in the order in which they were made.
+/// A component of all entities that have another, in the order in which they stand in the level's file. Numbers of
+/// entities are no order: those of who is gone are given out again.
 fn in_order<A: Component, B: Component + Clone>(world: &mut World) -> Vec<(Entity, B)> {
-    let mut query = world.query_filtered::<(Entity, &B), With<A>>();
-    let mut all: Vec<_> = query.iter(world).map(|(e, b)| (e, b.clone())).collect();
-    all.sort_by_key(|(entity, _)| *entity);
-    all
+    let mut query = world.query_filtered::<(&Numbered, Entity, &B), With<A>>();
+    let all = query.iter(world).map(|(n, e, b)| (*n, e, b.clone()));
+    let mut all: Vec<_> = all.collect();
+    all.sort_by_key(|(number, ..)| *number);
+    all.into_iter().map(|(_, e, b)| (e, b)).collect()
 }
 
 fn check(saved: &Saved, level: &Level) -> Result<(), SaveError> {
     let file = &level.file;
-    let counts = |a: usize, b: usize, c: usize| format!("{a} beacons, {b} bandages, {c} patrols");
+    let counts = |a: usize, b: usize, c: usize, d: usize| {
+        format!("{a} beacons, {b} bandages, {c} patrols, {d} lifts")
+    };
     let has = counts(
         saved.beacons.len(),
         saved.bandages.len(),
         saved.soldiers.len(),
+        saved.lifts.len(),
     );
     let needs = counts(
         file.beacons.len(),
         file.bandages.at.len(),
         file.patrols.len(),
+        level.built.roofs.iter().flatten().count(),
     );
     if saved.level != level.name || has != needs {
         return Err(SaveError::Other {
@@ -173,6 +221,14 @@ fn check(saved: &Saved, level: &Level) -> Result<(), SaveError> {
         far,
     )?;
     range("figure", saved.figure.2.into(), -1e4, 1e4)?;
+    range("above", saved.above, 0.0, 1000.0)?;
+    if let Some(rounds) = saved.rounds {
+        let most = file.weapon.map_or(0, |weapon| weapon.rounds);
+        range("rounds", rounds.into(), 0.0, most.into())?;
+    }
+    for floor in &saved.lifts {
+        range("lift", *floor as f64, 0.0, 1.0)?;
+    }
     for (soldier, patrol) in saved.soldiers.iter().zip(&file.patrols) {
         let (x, z, yaw) = soldier.place;
         range(
@@ -183,6 +239,7 @@ fn check(saved: &Saved, level: &Level) -> Result<(), SaveError> {
         )?;
         range("notice", soldier.notice.into(), 0.0, 1.0)?;
         range("yaw", yaw.into(), -1e4, 1e4)?;
+        range("soldier's health", soldier.health.into(), 0.0, 1.0)?;
         if level.grid.nearest_open(Vec2::new(x, z), 4).is_none() {
             let reason = format!("a soldier stands at {x}, {z}, where nobody can");
             return Err(SaveError::Value(reason));
@@ -226,6 +283,26 @@ pub fn put(world: &mut World, saved: &Saved) -> Result<(), SaveError> {
     }
     if let Some(mut objective) = world.get_mut::<Objective>(cast.objective) {
         objective.have = lit;
+        // What is done is said once more: the gate opens.
+        let done = objective.have >= objective.need;
+        if done {
+            world.write_message(Action::new(cast.objective, Key::PROGRESS, 0));
+        }
+    }
+    if let Some(mut weapon) = world.get_mut::<Weapon>(cast.player)
+        && saved.rounds.is_some()
+    {
+        weapon.rounds = saved.rounds;
+    }
+    for ((entity, lift), &floor) in in_order::<RoofLift, Lift>(world).iter().zip(&saved.lifts) {
+        // Checked above.
+        if let Ok(lift) = lift.clone().at_floor(floor) {
+            let mut entity = world.entity_mut(*entity);
+            if let Some(mut at) = entity.get_mut::<Transform>() {
+                at.translation.y = lift.height();
+            }
+            entity.insert(lift);
+        }
     }
     for ((bandage, _), &there) in in_order::<Bandage, PickUp>(world)
         .iter()
@@ -236,21 +313,28 @@ pub fn put(world: &mut World, saved: &Saved) -> Result<(), SaveError> {
         }
     }
     let (x, z, yaw) = saved.figure;
-    put_figure(world, DVec2::new(x, z), yaw);
+    // A finger's breadth higher than it was, so that it lands on what it stood on.
+    let above = match saved.above > 0.0 {
+        true => saved.above + 0.02,
+        false => 0.0,
+    };
+    put_figure(world, DVec2::new(x, z), yaw, above);
     let there = Vec2::new(x as f32, z as f32);
-    let player = Vec3::new(there.x, level.grid.height(there) + MIDDLE, there.y);
+    let height = level.grid.height(there) + above as f32 + MIDDLE;
+    let player = Vec3::new(there.x, height, there.y);
     if let Some(mut at) = world.get_mut::<Transform>(cast.player) {
         at.translation = player;
     }
     let soldiers = in_order::<Soldier, Transform>(world);
-    for ((entity, _), saved) in soldiers.iter().zip(&saved.soldiers) {
+    let mut fallen = 0;
+    for (&(id, _), saved) in soldiers.iter().zip(&saved.soldiers) {
         let (x, z, yaw) = saved.place;
         let place = Vec2::new(x, z);
         let place = level.grid.nearest_open(place, 4).unwrap_or(place);
         let height = level.grid.height(place) + MIDDLE;
         let at =
             Transform::from_xyz(place.x, height, place.y).with_rotation(Quat::from_rotation_y(yaw));
-        let mut entity = world.entity_mut(*entity);
+        let mut entity = world.entity_mut(id);
         entity.insert(at);
         if let Some(mut soldier) = entity.get_mut::<Soldier>() {
             soldier.next = saved.next;
@@ -262,7 +346,17 @@ pub fn put(world: &mut World, saved: &Saved) -> Result<(), SaveError> {
         {
             memory.note(Some(cast.player), player, 1.0);
         }
+        let Some(mut health) = entity.get_mut::<Health>() else {
+            continue;
+        };
+        health.now = saved.health * health.most;
+        if !health.is_alive() {
+            fallen += 1;
+            fall(&mut world.commands().entity(id));
+        }
     }
+    world.flush();
+    world.resource_mut::<LevelState>().fallen = fallen;
     if let Some(mut player) = world.get_mut::<Player>(cast.player) {
         *player = Player::default();
     }

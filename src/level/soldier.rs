@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use dolomite::logic::senses::{Memory, Sight};
 use dolomite::logic::{Action, Key, LeafBatch, LogicClock, Phase, Status, Value, Values};
 
+use super::arms::{SHOULDER, lead};
 use super::parts::{Cast, Level, LevelKeys, LevelState, Player, Soldier, Wish, ground_of};
 
 /// Seconds until somebody right before them is known for who they are, and how many more at the end of sight.
@@ -218,11 +219,8 @@ pub(super) fn fight(
             .is_ok_and(|weapon| clock.step >= weapon.ready);
         if sees && ready && far <= s.range {
             let spread = s.spread.to_radians();
-            let muzzle = at.translation + Vec3::Y * 0.5;
-            // A bolt falls while it flies: it is aimed above by as much.
-            let time = far / s.bolt;
-            let drop = Vec3::Y * (0.5 * 9.81 * time * time);
-            let aim = player.translation + Vec3::Y * 0.2 + drop - muzzle;
+            let muzzle = at.translation + SHOULDER;
+            let aim = lead(muzzle, player.translation, far, Vec2::ZERO, s.bolt);
             let turn = Quat::from_rotation_y(soldier.random.signed(spread))
                 * Quat::from_axis_angle(
                     Vec3::Y.cross(aim).try_normalize().unwrap_or(Vec3::X),

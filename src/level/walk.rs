@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use dolomite::logic::LogicClock;
 use dolomite::logic::movement::{PathScratch, find_path};
 
-use super::parts::{Level, MIDDLE, Soldier, ground_of};
+use super::parts::{Fallen, Level, MIDDLE, Soldier, ground_of};
 
 /// A turn of a way is passed at this distance, metres.
 const PASSED: f32 = 0.7;
@@ -25,7 +25,7 @@ const TURNS: f32 = 3.5;
 pub(super) fn walk(
     level: Res<Level>,
     clock: Res<LogicClock>,
-    mut soldiers: Query<(&mut Soldier, &mut Transform)>,
+    mut soldiers: Query<(&mut Soldier, &mut Transform), Without<Fallen>>,
     mut scratch: Local<PathScratch>,
     mut places: Local<Vec<Vec2>>,
 ) {

@@ -41,32 +41,47 @@ impl Plugin for CityWallsPlugin {
     }
 }
 
-/// Middle and half of the size of all that stands in a cell.
-fn boxes(city: &CityScene, cell: [i32; 2]) -> Vec<(Vec3, Vec3)> {
+/// Middle and half of the size of an upright box of a cell: `centre` and `half` are (east, south) of its corner.
+fn upright(
+    city: &CityScene,
+    cell: [i32; 2],
+    centre: [f32; 2],
+    half: [f32; 2],
+    height: f32,
+) -> (Vec3, Vec3) {
+    let pitch = f64::from(city.rules.pitch);
+    let corner = [0, 1].map(|k| f64::from(cell[k]) * pitch);
+    let x = city.origin.x + corner[0] + f64::from(centre[0]);
+    let z = city.origin.z + corner[1] + f64::from(centre[1]);
+    let middle = Vec3::new(
+        x as f32,
+        city.origin.y as f32 + 0.5 * (height - FOOT),
+        z as f32,
+    );
+    (middle, Vec3::new(half[0], 0.5 * (height + FOOT), half[1]))
+}
+
+/// Middle and half of the size of each house in a cell: a box up to the roof's top, as wide as its walls bulge.
+pub fn houses(city: &CityScene, cell: [i32; 2]) -> Vec<(Vec3, Vec3)> {
     let rules = &city.rules;
     let block = Block::new(rules, cell);
-    let pitch = f64::from(rules.pitch);
-    let corner = [0, 1].map(|k| f64::from(cell[k]) * pitch);
-    let upright = |centre: [f32; 2], half: [f32; 2], height: f32, out: f32| {
-        let x = city.origin.x + corner[0] + f64::from(centre[0]);
-        let z = city.origin.z + corner[1] + f64::from(centre[1]);
-        let middle = Vec3::new(
-            x as f32,
-            city.origin.y as f32 + 0.5 * (height - FOOT),
-            z as f32,
-        );
-        let half = Vec3::new(half[0] + out, 0.5 * (height + FOOT), half[1] + out);
-        (middle, half)
-    };
     let houses = block.buildings(rules).map(|house| {
-        let out = house.walls.amplitude(rules);
-        upright(house.centre, [house.half; 2], house.top, out)
+        let half = house.half + house.walls.amplitude(rules);
+        upright(city, cell, house.centre, [half; 2], house.top)
     });
+    houses.collect()
+}
+
+/// The same of each hedge.
+pub fn hedges(city: &CityScene, cell: [i32; 2]) -> Vec<(Vec3, Vec3)> {
+    let rules = &city.rules;
     let leaves = Surface::Leaves.amplitude(rules);
-    let hedges = block
-        .hedges(rules)
-        .map(|hedge| upright(hedge.centre, hedge.half, hedge.height, leaves));
-    houses.chain(hedges).collect()
+    let block = Block::new(rules, cell);
+    let hedges = block.hedges(rules).map(|hedge| {
+        let half = hedge.half.map(|half| half + leaves);
+        upright(city, cell, hedge.centre, half, hedge.height)
+    });
+    hedges.collect()
 }
 
 fn stand(
@@ -93,7 +108,7 @@ fn stand(
             .flat_map(|x| (z - REACH..=z + REACH).map(move |z| [x, z]))
             .filter(|cell| has_cell(&city.rules, *cell))
         {
-            for (middle, half_size) in boxes(city, cell) {
+            for (middle, half_size) in [houses(city, cell), hedges(city, cell)].concat() {
                 commands.spawn((
                     CityWall,
                     Blocker { half_size },

@@ -25,7 +25,7 @@ use thiserror::Error;
 use crate::console::ConsolePlugin;
 use crate::console::script::{Script, ScriptError};
 use crate::level::menu::{Menu, MenuPlugin, Screen};
-use crate::level::parts::{self, Beacon};
+use crate::level::parts::{self, Beacon, Numbered};
 use crate::level::{LevelError, LevelPlugin, LevelSystems};
 use crate::play::camera::FreeCamera;
 use crate::play::figure::Figure;
@@ -123,11 +123,11 @@ impl LevelSetup {
             .insert_resource(menu)
             .add_plugins((LevelPlugin, MenuPlugin, LevelViewPlugin));
         let (lit, camera) = (self.lit, self.camera);
-        let arrange = move |mut lamps: Query<(Entity, &mut Lamp), With<Beacon>>,
+        let arrange = move |mut lamps: Query<(&Numbered, &mut Lamp), With<Beacon>>,
                             mut cameras: Query<&mut FreeCamera>,
                             mut switches: ResMut<Switches>| {
             let mut all: Vec<_> = lamps.iter_mut().collect();
-            all.sort_by_key(|(entity, _)| *entity);
+            all.sort_by_key(|(number, _)| **number);
             for (_, lamp) in all.iter_mut().take(lit) {
                 lamp.lit = true;
             }

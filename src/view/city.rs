@@ -5,6 +5,7 @@ use dolomite::city::{City, CityDetail, CityView};
 use dolomite::sky::{SeenSky, SkySystems, Sun};
 
 use super::{Dress, DressSystems, SceneTextures};
+use crate::level::{Level, LevelState};
 use crate::play::camera::FreeCamera;
 use crate::scene::CurrentScene;
 use crate::scene::city::CityScene;
@@ -90,11 +91,21 @@ fn time(sun: Sun) -> (f32, f32) {
     )
 }
 
-fn light(skies: Query<&SeenSky, With<CityView>>, mut cities: Query<&mut City, With<Shown>>) {
+fn light(
+    skies: Query<&SeenSky, With<CityView>>,
+    level: Option<Res<Level>>,
+    state: Option<Res<LevelState>>,
+    mut cities: Query<&mut City, With<Shown>>,
+) {
     let Some(seen) = skies.iter().next() else {
         return;
     };
     let (hour, lamps) = time(seen.sun);
+    // In a level as many of them burn as circuits are on.
+    let share = level.zip(state).map_or(1.0, |(level, state)| {
+        state.lit as f32 / level.file.beacons.len().max(1) as f32
+    });
+    let lamps = lamps * share;
     for mut city in &mut cities {
         if (city.hour, city.lamps) != (hour, lamps) {
             (city.hour, city.lamps) = (hour, lamps);

@@ -112,13 +112,13 @@ fn one_thread_and_two_play_the_same_game() {
 #[test]
 fn a_level_that_is_not_there_is_said_so() {
     let said = Command::new(env!("CARGO_BIN_EXE_dolomite"))
-        .args(["bot", "--level", "city"])
+        .args(["bot", "--level", "harbour"])
         .output()
         .expect("the command runs");
     let error = String::from_utf8_lossy(&said.stderr);
     assert_eq!(said.status.code(), Some(1));
     assert!(
-        error.contains("`city`") && error.contains("mountain"),
+        error.contains("`harbour`") && error.contains("mountain, city"),
         "{error}"
     );
 }
@@ -234,10 +234,11 @@ fn a_saved_game_goes_on_where_it_was_and_is_whole_or_refused() {
     let mut game = played(20);
     let world = game.app.world_mut();
     let lamp = world
-        .query_filtered::<Entity, With<Beacon>>()
+        .query::<(Entity, &Beacon)>()
         .iter(world)
-        .min()
-        .expect("there are beacons");
+        .find(|(_, beacon)| beacon.name == "Shepherd's Knoll")
+        .expect("it is in the file")
+        .0;
     world.get_mut::<Lamp>(lamp).expect("beacons have lamps").lit = true;
     let saved = save::take(world).expect("a level is played");
     assert_eq!(saved.beacons, [true, false, false, false]);
@@ -264,13 +265,17 @@ fn a_saved_game_goes_on_where_it_was_and_is_whole_or_refused() {
     }
     let state = other.state();
     assert!(state.lit == 1 && state.verdict.is_none(), "{state:?}");
+    let world = other.app.world_mut();
+    for (beacon, lamp) in world.query::<(&Beacon, &Lamp)>().iter(world) {
+        assert_eq!(lamp.lit, beacon.name == "Shepherd's Knoll", "{beacon:?}");
+    }
 
     // Another level's, and what nobody could have saved.
     for (change, word) in [
         (
-            Box::new(|s: &mut save::Saved| s.level = "city".into())
+            Box::new(|s: &mut save::Saved| s.level = "harbour".into())
                 as Box<dyn Fn(&mut save::Saved)>,
-            "city",
+            "harbour",
         ),
         (Box::new(|s| s.soldiers.truncate(6)), "6 patrols"),
         (Box::new(|s| s.health = -3.0), "health"),
@@ -410,7 +415,7 @@ fn soldiers_see_call_and_shoot_and_forget() {
         .min_by_key(|(entity, ..)| *entity)
         .expect("there are soldiers");
     let ahead = there + forward * 9.0;
-    begin::put_figure(world, ahead.as_dvec2(), 0.0);
+    begin::put_figure(world, ahead.as_dvec2(), 0.0, 0.0);
     let mut alarmed = 0;
     for step in 0..12 * 60 {
         game.step(PlayerInput::default());
@@ -440,7 +445,7 @@ fn soldiers_see_call_and_shoot_and_forget() {
     );
     // Far away nobody knows any more.
     let far = bevy::math::DVec2::new(800.0, 2250.0);
-    begin::put_figure(world, far, 0.0);
+    begin::put_figure(world, far, 0.0, 0.0);
     for _ in 0..40 * 60 {
         game.step(PlayerInput::default());
     }

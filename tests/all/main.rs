@@ -3,6 +3,7 @@
 
 mod absent;
 mod budget;
+mod city;
 mod classic;
 mod console;
 mod crowd;

@@ -8,6 +8,7 @@ use dolomite::logic::{DayClock, Lamp, PickUp};
 use dolomite::sky::Sun;
 use dolomite::terrain::Ground;
 
+use super::circuits::in_town;
 use crate::level::day::sun;
 use crate::level::parts::{Bandage, Beacon, Cast, Level};
 use crate::scene::CurrentScene;
@@ -36,9 +37,8 @@ impl Plugin for BeaconsPlugin {
         app.add_systems(
             Update,
             (
-                dress_beacons,
+                (dress_beacons, burn).run_if(not(in_town)),
                 dress_bandages,
-                burn,
                 show_bandages,
                 fly,
                 turn_sun,

@@ -3,9 +3,12 @@
 use bevy::math::ops;
 use bevy::prelude::*;
 use dolomite::logic::parts::LogicTimer;
-use dolomite::logic::{DayClock, Health, Lamp};
+use dolomite::logic::{DayClock, Health, Lamp, Weapon};
 
-use super::look::{DANGER, FIRE, GLASS, LETTERS, PALE, text};
+use super::look::{DANGER, FIRE, GLASS, Hud, LETTERS, PALE, text};
+use super::map;
+use crate::level::gate::Bars;
+use crate::level::lifts::Panel;
 use crate::level::menu::{Menu, Screen};
 use crate::level::parts::{Beacon, Cast, Level, LevelState, ground_of};
 use crate::play::camera::FreeCamera;
@@ -18,12 +21,22 @@ const SHOWN: f32 = 2.4;
 /// Width of the bars of health and of fire, logical pixels.
 const BAR: f32 = 220.0;
 
+/// Width of the point that is aimed with, logical pixels.
+const POINT: f32 = 5.0;
+
 /// What is said of a level, and the compass.
 pub struct HudPlugin;
 
 impl Plugin for HudPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(Dress, spawn.in_set(DressSystems::Panels))
+            .add_systems(
+                Update,
+                (clear, spawn, map::spawn)
+                    .chain()
+                    .run_if(resource_changed::<Level>)
+                    .run_if(any_with_component::<Hud>),
+            )
             .add_systems(
                 Update,
                 (show, write, fill, turn)
@@ -34,9 +47,12 @@ impl Plugin for HudPlugin {
     }
 }
 
-/// Everything that is shown while a level is played.
-#[derive(Component)]
-pub struct Hud;
+/// Nothing is said of the level before.
+fn clear(mut commands: Commands, huds: Query<Entity, With<Hud>>) {
+    for hud in &huds {
+        commands.entity(hud).despawn();
+    }
+}
 
 #[derive(Component, Clone, Copy, PartialEq, Eq)]
 enum Line {
@@ -45,6 +61,7 @@ enum Line {
     Danger,
     Prompt,
     Note,
+    Rounds,
 }
 
 #[derive(Component, Clone, Copy, PartialEq, Eq)]
@@ -53,11 +70,12 @@ enum Bar {
     Fire,
 }
 
-/// A mark on the compass: a direction of the sky, or a beacon by its number.
+/// A mark on the compass: a direction of the sky, a beacon by its number, or the gate that is open.
 #[derive(Component, Clone, Copy)]
 enum Mark {
     Sky(f32),
     Beacon(usize),
+    Gate,
 }
 
 fn absolute(node: Node) -> Node {
@@ -128,6 +146,7 @@ fn spawn(mut commands: Commands, level: Res<Level>, camera: Single<Entity, With<
         children![
             text("Health", 12.0, PALE),
             bar(Bar::Health, Color::srgb(0.42, 0.74, 0.36)),
+            (Line::Rounds, text("", 12.0, PALE)),
         ],
     ));
     // What is in the middle is in a row over the whole width.
@@ -178,7 +197,8 @@ fn spawn(mut commands: Commands, level: Res<Level>, camera: Single<Entity, With<
                     let size = if letters.len() == 1 { 15.0 } else { 11.0 };
                     strip.spawn((mark(Mark::Sky(angle)), children![text(letters, size, PALE)]));
                 }
-                for number in 0..file.beacons.len() {
+                let goals = (0..file.beacons.len()).map(Mark::Beacon);
+                for goal in goals.chain(file.gate.map(|_| Mark::Gate)) {
                     // A spark each: letters would be taken for directions.
                     let spark = (
                         Node {
@@ -190,11 +210,14 @@ fn spawn(mut commands: Commands, level: Res<Level>, camera: Single<Entity, With<
                         },
                         BackgroundColor(FIRE),
                     );
-                    strip.spawn((mark(Mark::Beacon(number)), children![spark]));
+                    strip.spawn((mark(goal), children![spark]));
                 }
             });
             row.spawn((Line::Danger, text("", 15.0, DANGER)));
         });
+    if file.weapon.is_some() {
+        spawn_point(&mut commands, camera.clone());
+    }
     commands.spawn((
         row(Node {
             bottom: percent(24),
@@ -205,6 +228,24 @@ fn spawn(mut commands: Commands, level: Res<Level>, camera: Single<Entity, With<
             bar(Bar::Fire, FIRE),
             (Line::Note, text("", 13.0, PALE)),
         ],
+    ));
+}
+
+/// A point in the middle of the picture, where there is something to aim with.
+fn spawn_point(commands: &mut Commands, camera: UiTargetCamera) {
+    commands.spawn((
+        Hud,
+        camera,
+        absolute(Node {
+            left: percent(50),
+            top: percent(50),
+            width: px(POINT),
+            height: px(POINT),
+            margin: UiRect::all(px(-POINT / 2.0)),
+            border_radius: BorderRadius::all(px(POINT / 2.0)),
+            ..default()
+        }),
+        BackgroundColor(Color::srgba(1.0, 1.0, 1.0, 0.7)),
     ));
 }
 
@@ -234,6 +275,8 @@ fn write(
     timers: Query<&LogicTimer>,
     clocks: Query<&DayClock>,
     beacons: Query<&Beacon>,
+    panels: Query<&Panel>,
+    weapons: Query<&Weapon>,
     mut lines: Query<(&Line, &mut Text, &mut TextColor)>,
 ) {
     let left = timers
@@ -243,7 +286,8 @@ fn write(
     let all = level.file.beacons.len();
     for (line, mut text, mut color) in &mut lines {
         let words = match line {
-            Line::Task => format!("Light the beacons: {} of {all}", state.lit),
+            Line::Task if state.open => level.file.words.leave.clone(),
+            Line::Task => format!("{}: {} of {all}", level.file.words.task, state.lit),
             Line::Time => {
                 let minutes = (hour.fract() * 60.0) as u32;
                 let part = if state.light > 0.5 { "day" } else { "night" };
@@ -266,8 +310,20 @@ fn write(
             }
             Line::Danger => String::new(),
             Line::Prompt => match state.near.and_then(|near| beacons.get(near).ok()) {
-                Some(beacon) => format!("Hold E (south button) to light {}", beacon.name),
-                None => String::new(),
+                Some(beacon) => {
+                    let verb = &level.file.words.verb;
+                    format!("Hold E (south button) to {verb} {}", beacon.name)
+                }
+                None => match state.button.and_then(|button| panels.get(button).ok()) {
+                    Some(Panel::Calls) => "E (south button): call the lift".to_owned(),
+                    Some(Panel::Rides) => "E (south button): ride".to_owned(),
+                    None => String::new(),
+                },
+            },
+            Line::Rounds => match weapons.get(cast.player).map(|weapon| weapon.rounds) {
+                Ok(Some(0)) => "No bolt left".to_owned(),
+                Ok(Some(rounds)) => format!("Bolts: {rounds}"),
+                _ => String::new(),
             },
             Line::Note => menu.as_ref().map_or_else(String::new, |menu| {
                 if menu.screen == Screen::Play {
@@ -327,6 +383,8 @@ fn fill(
 fn turn(
     cameras: Query<&FreeCamera>,
     beacons: Query<(Entity, &Transform, &Lamp), With<Beacon>>,
+    gates: Query<&Transform, With<Bars>>,
+    state: Res<LevelState>,
     mut marks: Query<(&Mark, &mut Node, &mut Visibility)>,
 ) {
     let Some(camera) = cameras.iter().next() else {
@@ -337,14 +395,16 @@ fn turn(
     all.sort_by_key(|(entity, ..)| *entity);
     for (mark, mut node, mut seen) in &mut marks {
         // Clockwise from north; the camera's yaw goes the other way.
+        let toward = |at: &Transform| {
+            let from = Vec2::new(pose.position.x as f32, pose.position.z as f32);
+            let way = ground_of(at) - from;
+            ops::atan2(way.x, -way.y)
+        };
         let (angle, shown) = match *mark {
+            Mark::Gate => (gates.iter().next().map(toward), state.open),
             Mark::Sky(angle) => (Some(angle), true),
             Mark::Beacon(number) => match all.get(number) {
-                Some((_, at, lamp)) => {
-                    let from = Vec2::new(pose.position.x as f32, pose.position.z as f32);
-                    let way = ground_of(at) - from;
-                    (Some(ops::atan2(way.x, -way.y)), !lamp.lit)
-                }
+                Some((_, at, lamp)) => (Some(toward(at)), !lamp.lit),
                 None => (None, false),
             },
         };

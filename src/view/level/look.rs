@@ -1,6 +1,10 @@
-//! Letters and colours of what is said over a level.
+//! Letters and colours of what is said over a level, and the mark of all of it.
 
 use bevy::prelude::*;
+
+/// Everything that is shown while a level is played.
+#[derive(Component)]
+pub struct Hud;
 
 /// A text of a size in a colour.
 pub fn text(words: &str, size: f32, color: Color) -> (Text, TextFont, TextColor) {

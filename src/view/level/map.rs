@@ -8,9 +8,9 @@ use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use dolomite::logic::Lamp;
 use dolomite::logic::movement::WalkGrid;
 
-use super::hud::Hud;
-use super::look::{DANGER, FIRE, GLASS};
-use crate::level::parts::{Beacon, Level, Player, Soldier, ground_of};
+use super::look::{DANGER, FIRE, GLASS, Hud};
+use crate::level::gate::Bars;
+use crate::level::parts::{Beacon, Fallen, Level, LevelState, Player, Soldier, ground_of};
 use crate::view::{Dress, DressSystems, UiCamera};
 
 /// Sides of the map, logical pixels.
@@ -68,7 +68,8 @@ fn relief(grid: &WalkGrid) -> Vec<u8> {
     pixels
 }
 
-fn spawn(
+/// The map of the level that is played.
+pub(super) fn spawn(
     mut commands: Commands,
     level: Res<Level>,
     mut images: ResMut<Assets<Image>>,
@@ -116,7 +117,9 @@ fn mark(
     map: Single<Entity, With<Map>>,
     players: Query<(Entity, &Transform), With<Player>>,
     beacons: Query<(Entity, &Transform, &Lamp), With<Beacon>>,
-    soldiers: Query<(Entity, &Transform, &Soldier)>,
+    soldiers: Query<(Entity, &Transform, &Soldier), Without<Fallen>>,
+    gates: Query<(Entity, &Transform), With<Bars>>,
+    state: Res<LevelState>,
     mut marks: Query<(Entity, &Mark, &mut Node, &mut BackgroundColor)>,
 ) {
     let Some((player, at)) = players.iter().next() else {
@@ -141,6 +144,9 @@ fn mark(
             };
             wanted.push((entity, place, 6.0, color));
         }
+    }
+    for (entity, at) in gates.iter().filter(|_| state.open) {
+        wanted.push((entity, ground_of(at), 9.0, FIRE));
     }
     wanted.push((player, me, 7.0, Color::WHITE));
     let origin = level.grid.origin();

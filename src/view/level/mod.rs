@@ -3,25 +3,30 @@
 //! | file | concern |
 //! |---|---|
 //! | [`beacons`] | beacons, bandages, bolts, and the hour's sun |
+//! | [`circuits`], [`town`] | lamps in a city; its walls, lifts, roofs and gate |
 //! | [`soldiers`] | the hiker's figure in other colours |
 //! | [`hud`], [`map`] | what is said over the picture |
 //! | [`screens`] | menus |
 //! | [`look`] | their letters and colours |
 
 pub mod beacons;
+pub mod circuits;
 pub mod hud;
 pub mod look;
 pub mod map;
 pub mod screens;
 pub mod soldiers;
+pub mod town;
 
 use bevy::prelude::*;
 
 use beacons::BeaconsPlugin;
+use circuits::CircuitsPlugin;
 use hud::HudPlugin;
 use map::MapPlugin;
 use screens::ScreensPlugin;
 use soldiers::SoldiersPlugin;
+use town::TownPlugin;
 
 /// Shows the level that is played, and its menus. Add beside `LevelPlugin` and `MenuPlugin`.
 pub struct LevelViewPlugin;
@@ -30,6 +35,8 @@ impl Plugin for LevelViewPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins((
             BeaconsPlugin,
+            CircuitsPlugin,
+            TownPlugin,
             SoldiersPlugin,
             HudPlugin,
             MapPlugin,

@@ -30,13 +30,14 @@ impl Plugin for ScreensPlugin {
 #[derive(Component)]
 struct Shown;
 
-fn words(item: Item, settings: &Settings, screen: Screen) -> String {
+fn words(item: Item, settings: &Settings, level: &Level, screen: Screen) -> String {
     match item {
         Item::Begin if screen == Screen::Title => "Play".to_owned(),
         Item::Begin => "Play again from the beginning".to_owned(),
         Item::Load => "Go on with the saved game".to_owned(),
-        Item::Resume => "Back to the mountain".to_owned(),
+        Item::Resume => level.file.words.back.clone(),
         Item::Save => "Save".to_owned(),
+        Item::Other => "Another level".to_owned(),
         Item::Settings => "Settings".to_owned(),
         Item::Keys => "Keys".to_owned(),
         Item::Mouse => format!(
@@ -61,10 +62,11 @@ fn words(item: Item, settings: &Settings, screen: Screen) -> String {
 fn head(menu: &Menu, level: &Level, state: &LevelState) -> (String, Color, String) {
     let time = state.steps as f64 / STEPS;
     let took = format!("{}:{:02}", time as u64 / 60, time as u64 % 60);
+    let words = &level.file.words;
     let (title, color, below) = match menu.screen {
         Screen::Play => ("", LETTERS, String::new()),
         Screen::Title => (level.file.title.as_str(), LETTERS, level.file.about.clone()),
-        Screen::Pause => ("Rest", LETTERS, "The mountain waits.".to_owned()),
+        Screen::Pause => ("Rest", LETTERS, words.rests.clone()),
         Screen::Settings => ("Settings", LETTERS, "Left and right change them".to_owned()),
         Screen::Keys => ("Keys", LETTERS, String::new()),
         Screen::Won => {
@@ -73,18 +75,18 @@ fn head(menu: &Menu, level: &Level, state: &LevelState) -> (String, Color, Strin
                 1 => "The alarm was raised once.".to_owned(),
                 count => format!("The alarm was raised {count} times."),
             };
-            ("All beacons burn", FIRE, format!("It took {took}. {calls}"))
+            (words.won.as_str(), FIRE, format!("It took {took}. {calls}"))
         }
         Screen::Lost => {
             let why = match state.verdict {
-                Some(Verdict::Late) => "The night is over.",
+                Some(Verdict::Late) => words.late.as_str(),
                 _ => "You fell.",
             };
             let all = level.file.beacons.len();
             (
-                "The south wall stays dark",
+                words.lost.as_str(),
                 DANGER,
-                format!("{why} {} of {all} beacons burn.", state.lit),
+                format!("{why} {} of {all} {}.", state.lit, words.sum),
             )
         }
     };
@@ -145,7 +147,7 @@ fn draw(
                     true => (FIRE, Color::srgba(1.0, 0.72, 0.30, 0.14)),
                     false => (LETTERS, Color::NONE),
                 };
-                let words = words(item, &settings, menu.screen);
+                let words = words(item, &settings, &level, menu.screen);
                 screen.spawn((
                     Node {
                         padding: UiRect::axes(px(20), px(5)),

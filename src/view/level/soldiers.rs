@@ -9,13 +9,16 @@ use dolomite::character::gait::Motion;
 use dolomite::character::{Character, CharacterMotion};
 use dolomite::terrain::Ground;
 
-use crate::level::parts::{Soldier, ground_of};
+use crate::level::parts::{Fallen, Soldier, ground_of};
 use crate::level::yaw_of;
 use crate::scene::CurrentScene;
 use crate::view::hero::Hero;
 
 /// What the hiker's colours are multiplied by: steel and dark blue.
 const DYE: LinearRgba = LinearRgba::rgb(0.20, 0.30, 0.52);
+
+/// Half of the depth of a figure that lies, metres.
+const LYING: f32 = 0.15;
 
 /// Dresses soldiers.
 pub struct SoldiersPlugin;
@@ -107,6 +110,7 @@ fn turn(from: f32, to: f32) -> f32 {
 fn place(
     time: Res<Time<Fixed>>,
     scene: Res<CurrentScene>,
+    fallen: Query<(), With<Fallen>>,
     mut looks: Query<(&Looks, &mut Transform, &mut CharacterMotion)>,
 ) {
     let (part, step) = (time.overstep_fraction(), time.timestep().as_secs_f32());
@@ -115,6 +119,14 @@ fn place(
         let place = from.lerp(to, part);
         let height = scene.terrain.height(place.as_dvec2()) as f32;
         let turned = turn(was, is);
+        if fallen.contains(looks.of) {
+            // On the back: the figure stands on its origin.
+            let lies = Quat::from_rotation_y(is + std::f32::consts::PI)
+                * Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+            at.set_if_neq(Transform::from_xyz(to.x, height + LYING, to.y).with_rotation(lies));
+            motion.set_if_neq(CharacterMotion::default());
+            continue;
+        }
         at.set_if_neq(Transform::from_xyz(place.x, height, place.y)
                 // A facing of 0 is −z, and the figure looks along its +z.
                 .with_rotation(Quat::from_rotation_y(

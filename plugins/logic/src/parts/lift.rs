@@ -123,6 +123,21 @@ impl Lift {
         Ok(self)
     }
 
+    /// Standing at a floor, called by nobody.
+    ///
+    /// # Errors
+    /// [`LiftError::NoFloor`].
+    pub fn at_floor(mut self, floor: usize) -> Result<Self, LiftError> {
+        let number = i32::try_from(floor).unwrap_or(i32::MAX);
+        self.height = *self.heights.get(floor).ok_or(LiftError::NoFloor(number))?;
+        self.floor = floor;
+        self.velocity = 0.0;
+        self.calls = 0;
+        self.state = LiftState::Idle;
+        self.waited = 0.0;
+        Ok(self)
+    }
+
     /// Somebody wants it at a floor.
     ///
     /// # Errors
