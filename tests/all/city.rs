@@ -18,6 +18,7 @@ use dolomite_game::input::PlayerInput;
 use dolomite_game::level::begin;
 use dolomite_game::level::gate::Bars;
 use dolomite_game::level::lifts::{Panel, RoofLift};
+use dolomite_game::level::menu::{self, Item, Menu, Screen};
 use dolomite_game::level::parts::{
     Beacon, Cast, Fallen, Level, Numbered, Player, Soldier, ground_of,
 };
@@ -27,6 +28,7 @@ use dolomite_game::level::town::{PLATE, Roof};
 use dolomite_game::level::{Verdict, load};
 use dolomite_game::play::camera::FreeCamera;
 use dolomite_game::play::figure::Figure;
+use dolomite_game::settings::paths::AssetsDir;
 
 const TEXT: &str = include_str!("../../assets/levels/city.ron");
 
@@ -687,4 +689,48 @@ fn minutes_of_wild_input_break_nothing() {
     let walls = world.query::<&Blocker>().iter(world).count();
     assert!(walls > 10);
     assert_eq!(world.query::<&Player>().iter(world).count(), 1);
+}
+
+#[test]
+fn the_menu_leads_from_one_level_to_the_other_and_back() {
+    let mut game = table(Job::default()).game(6);
+    game.app.insert_resource(AssetsDir(assets()));
+    menu::add(&mut game.app);
+    let press = |game: &mut Game, input: PlayerInput| {
+        *game.app.world_mut().resource_mut::<PlayerInput>() = input;
+        game.app.update();
+        *game.app.world_mut().resource_mut::<PlayerInput>() = PlayerInput::default();
+        game.app.update();
+    };
+    let confirm = PlayerInput {
+        confirm: true,
+        ..default()
+    };
+    let down = PlayerInput {
+        navigate: IVec2::Y,
+        ..default()
+    };
+    for name in ["mountain", "city"] {
+        while game.app.world().resource::<Menu>().items()
+            [game.app.world().resource::<Menu>().chosen]
+            != Item::Other
+        {
+            press(&mut game, down);
+        }
+        press(&mut game, confirm);
+        let world = game.app.world_mut();
+        let level = world.resource::<Level>().clone();
+        assert_eq!((level.name, level.seed), (name, 6));
+        let menu = world.resource::<Menu>();
+        assert_eq!((menu.screen, menu.note.as_str()), (Screen::Title, ""));
+        let beacons = world.query::<&Beacon>().iter(world).count();
+        assert_eq!(beacons, level.file.beacons.len());
+        // The figure stands at its start, on its ground.
+        let figure = world.query::<&Figure>().single(world);
+        let place = figure.expect("there is one figure").now.place.as_vec2();
+        let start = Vec2::new(level.file.start.0, level.file.start.1);
+        assert!(place.distance(start) < 1.0, "{place}");
+        let lifts = world.query::<&RoofLift>().iter(world).count();
+        assert_eq!(lifts, if name == "city" { 3 } else { 0 });
+    }
 }

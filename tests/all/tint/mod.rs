@@ -2,7 +2,8 @@
 //! accepts what browsers refuse.
 //!
 //! The variants come from the code that makes the pipelines: `stage_variants` of each kind of patches, the tables of
-//! the passes of the ground, and, for crowds and deferred lighting, what was asked for in frames that were drawn.
+//! the passes of the ground, and, for crowds, deferred lighting and what grows, what was asked for in frames that were
+//! drawn.
 #![expect(
     clippy::duplicate_mod,
     reason = "each example brings what examples share along"
@@ -15,6 +16,7 @@ mod examples;
 mod node;
 mod rules;
 mod variants;
+mod vegetation;
 
 use composer::{Composer, written};
 use node::Named;

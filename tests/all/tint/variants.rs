@@ -20,7 +20,7 @@ use dolomite_classic::render::{BoundedClassicKind, ClassicKind};
 use dolomite_geometry::render::{DrawShader, DrawTraits, draw_variants};
 use dolomite_shaders::ShaderFile;
 
-use super::{crowd, deferred, examples, rules};
+use super::{crowd, deferred, examples, rules, vegetation};
 use crate::support::app;
 
 /// A shader in one variant.
@@ -138,6 +138,7 @@ pub fn all() -> Option<Asked> {
     let drawn = crowd::draw(&mut app);
     variants.extend(drawn);
     variants.extend(deferred::draw(&mut app));
+    variants.extend(vegetation::draw(&mut app));
     // The rest is asked for by tests and studies alone.
     let known: HashSet<String> = variants.iter().map(|v| v.file().to_owned()).collect();
     let rest = dolomite_shaders::ALL

@@ -170,7 +170,8 @@ pub fn popping(blade: &Blade, law: Law) -> Popping {
                 let change =
                     pixels(rank, distance + step, distance) - pixels(rank, distance, distance);
                 most = most.max(change.abs());
-                distance += step.max(0.05);
+                // Frame after frame: a change between two of them is seen wherever it is.
+                distance += step;
             }
         }
         most

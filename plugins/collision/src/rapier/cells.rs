@@ -16,6 +16,11 @@ pub(super) struct Lattice {
     pub diagonals: Diagonals,
 }
 
+/// What a side of a tile of `cells` has of samples with those of one step around it.
+pub(super) const fn around(cells: i32) -> i32 {
+    cells + 3
+}
+
 /// A triangle of a cell.
 pub(super) struct Part {
     /// In the frame of its cell, front upwards.

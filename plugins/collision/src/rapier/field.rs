@@ -7,9 +7,8 @@
 //! asks those that share the edge. Contacts with bodies are those of the whole ground, `surface.rs`, where Rapier's world
 //! knows how to ask it; where it does not they are those of these tiles.
 
-use super::cells::{Lattice, Part};
+use super::cells::{Lattice, Part, around};
 use super::diagonals::Diagonals;
-use super::heights::around;
 use bevy::math::{IVec2, Vec3};
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
 use bevy_rapier3d::parry::mass_properties::MassProperties;

@@ -3,6 +3,7 @@
 //! Samples stand on one lattice for the whole world, so that neighbours share those of their border to the bit: the
 //! distance of samples is a power of two, and places of samples are exact in f32 up to 2²⁴ of them from the origin.
 
+use super::cells::around;
 use super::diagonals::Diagonals;
 use super::field::TileShape;
 use bevy::ecs::prelude::*;
@@ -55,11 +56,6 @@ pub enum TileError {
 
 /// Samples farther from the origin than this many steps are not exact in f32.
 const FARTHEST: f64 = 16_777_216.0;
-
-/// What a side of a tile of `cells` has of samples with those of one step around it.
-pub(super) const fn around(cells: i32) -> i32 {
-    cells + 3
-}
 
 impl GroundTiles {
     /// Samples `step` metres apart, a power of two, and tiles of `cells` by `cells` of them.

@@ -6,8 +6,9 @@
 //! that there are, and asks the ground itself where there is none. Only `contacts.rs` knows it: for rays, casts, sensors
 //! and continuous collision detection there are the tiles.
 
+use super::cells::around;
 use super::cells::{Lattice, Part};
-use super::heights::{GroundTiles, around};
+use super::heights::GroundTiles;
 use bevy::math::{DVec2, IRect, IVec2, Vec3};
 use bevy::platform::collections::HashMap;
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};

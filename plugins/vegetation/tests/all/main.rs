@@ -9,6 +9,8 @@ mod drawn;
 #[cfg(feature = "render")]
 mod edges;
 #[cfg(feature = "render")]
+mod functions;
+#[cfg(feature = "render")]
 mod place;
 #[cfg(feature = "render")]
 mod roots;
@@ -18,5 +20,3 @@ mod shaders;
 mod shapes;
 #[cfg(feature = "render")]
 mod support;
-#[cfg(feature = "render")]
-mod twins;

@@ -8,8 +8,8 @@ use dolomite_vegetation::colour::{blade_colour, calm_at, shade_at};
 use dolomite_vegetation::kind::{Blade, Chain, Look};
 use dolomite_vegetation::{ChainShape, Wind, WindField};
 
+use super::functions::{compare, words};
 use super::support::Random;
-use super::twins::{compare, words};
 
 /// Of WGSL's sine and cosine within ±π.
 const SINE: f32 = 1.0 / 2048.0;
