@@ -14,8 +14,8 @@ use image::RgbImage;
 
 /// The start screen is there this long after the start of the process, text and all. Measured with a dev build on two
 /// free cores: text after 1.9 to 2.5 s, as libraries are not optimised in tests (1.0 to 1.1 s where they are). The
-/// limit is near three times that, for cores that do other work; who waited for the first picture would need several
-/// times the limit.
+/// limit is near three times that, for cores that do other work; who waited for the first picture would need twice
+/// the limit and more.
 const SHOWN: Duration = Duration::from_secs(6);
 
 /// Who is asked to leave has left after this.

@@ -8,8 +8,8 @@
 //!
 //! [`RapierBridgePlugin`] adds Rapier in steps of `FixedUpdate`, one step of Rapier a step of Bevy; to set Rapier up
 //! in another way, add its plugin before this one, in `FixedUpdate`, and leave its world empty until a step has begun:
-//! the bridge then gives it a query dispatcher that knows ground. It takes no physics hooks: they are yours. Neither a system of Rapier's runs nor is there a
-//! world of its before the first `RigidBody` or [`GroundTiles`] is there.
+//! the bridge then gives it a query dispatcher that knows ground. It takes no physics hooks: they are yours. Neither a
+//! system of Rapier's runs nor is there a world of its before the first `RigidBody` or [`GroundTiles`] is there.
 
 mod bodies;
 mod cells;
