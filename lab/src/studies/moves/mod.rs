@@ -119,7 +119,7 @@ fn run(options: &Options) -> Report {
         notes: vec![
             format!("rooms of 8 m that are closed, {MOVES} wishes of 0.1 mm to 10 m each; one core, with what is judged"),
             "stuck is who went less than a millionth of a wish although the planes of all that was touched leave a \
-             thousandth of it, but for who stands and for slopes that are walls"
+             thousandth of it and more than two gaps, but for who stands and for slopes that are walls"
                 .into(),
         ],
         summary: json!({

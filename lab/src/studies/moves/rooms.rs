@@ -2,7 +2,7 @@
 
 use bevy::math::{DQuat, DVec3, Vec3};
 use dolomite_collision::geometry::nearest_on_triangle;
-use dolomite_collision::motion::{ITERATIONS, allowed};
+use dolomite_collision::motion::{GAP, ITERATIONS, allowed};
 use dolomite_collision::{
     Body, Ellipsoid, MoveOutcome, MoveSettings, Mover, Scratch, TreeSettings, TriangleMesh,
     TriangleTree, World, advance,
@@ -229,7 +229,9 @@ pub fn room(random: &mut Random, kind: usize) -> Tally {
                 level > 0.0 && level < settings.walkable
             });
             let stands = outcome.grounded && wish.y <= 0.0;
-            tally.stuck += u64::from(free.length() > 1e-3 * wish.length() && !climbs && !stands);
+            // What is left of a wish that is shorter than the gap may lead no farther than into the gap, which is kept.
+            let least = (1e-3 * wish.length()).max(2.0 * GAP * radii.max_element());
+            tally.stuck += u64::from(free.length() > least && !climbs && !stands);
         }
         for x in end.to_array() {
             tally.hash.add(x.to_bits());

@@ -35,7 +35,7 @@ pub struct Within {
 
 impl Flight {
     /// Of the centre from the box, in radii, at a time in steps.
-    fn distance(&self, time: f64) -> f64 {
+    pub fn distance(&self, time: f64) -> f64 {
         let beside = (self.from + self.way * time).abs() - self.half;
         (beside.max(DVec3::ZERO) / self.radii).length()
     }

@@ -162,9 +162,9 @@ impl Step<'_> {
             self.space.center += self.space.axes * touch.unit.normal * (touch.unit.depth + GAP);
         }
         let left = self.world.deepest(&self.space, 0.0);
-        left.is_none_or(|touch| {
-            (self.space.axes * touch.unit.normal).length() * touch.unit.depth <= CRUSHED
-        })
+        // The largest radius: the deepest in radii need not be the deepest in metres, and none is deeper than this says.
+        let largest = self.space.half_size().max_element();
+        left.is_none_or(|touch| largest * touch.unit.depth <= CRUSHED)
     }
 
     /// By its wish, over steps if it walks.
