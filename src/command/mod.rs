@@ -166,7 +166,7 @@ pub struct Shot {
     /// With --level: three soldiers stand so far ahead of the player, and look there.
     #[arg(long, value_name = "METRES", help_heading = "Level")]
     meet: Option<f32>,
-    /// With --meet: so many of them are hit and fall.
+    /// With --meet: so many of them fell, and lie there.
     #[arg(long, default_value_t = 0, requires = "meet", help_heading = "Level")]
     fallen: usize,
 }

@@ -2,25 +2,21 @@
 
 use bevy::math::ops;
 use bevy::prelude::*;
-use dolomite::logic::{Action, Key};
 
-use crate::level::Level;
 use crate::level::parts::{MIDDLE, Numbered, Soldier};
+use crate::level::{Level, LevelSystems, arms};
 
 /// Metres between two of them.
 const APART: f32 = 2.2;
 
-/// More than anybody bears.
-const DEADLY: f32 = 1e6;
-
-/// The first soldiers of a level stand before the player's start, in step 1.
+/// The first soldiers of a level stand before the player's start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Meet {
     /// How far ahead, metres.
     pub ahead: f32,
     /// How many.
     pub count: usize,
-    /// How many of them are hit and fall.
+    /// How many of them fell before anybody saw it: they lie.
     pub fallen: usize,
 }
 
@@ -30,7 +26,7 @@ impl Meet {
         let arrange =
             move |level: Res<Level>,
                   mut soldiers: Query<(&Numbered, Entity, &mut Transform), With<Soldier>>,
-                  mut actions: MessageWriter<Action>| {
+                  mut commands: Commands| {
                 let mut all: Vec<_> = soldiers.iter_mut().collect();
                 all.sort_by_key(|(number, ..)| **number);
                 let (x, z, yaw) = level.file.start;
@@ -44,10 +40,10 @@ impl Meet {
                         Transform::from_xyz(place.x, level.grid.height(place) + MIDDLE, place.y)
                             .with_rotation(turn);
                     if at < self.fallen {
-                        actions.write(Action::new(soldier, Key::DAMAGE, DEADLY));
+                        arms::fall(&mut commands.entity(soldier));
                     }
                 }
             };
-        app.add_systems(FixedFirst, arrange.run_if(run_once));
+        app.add_systems(Startup, arrange.after(LevelSystems::Begin));
     }
 }
