@@ -16,6 +16,7 @@ use dolomite_game::console;
 use dolomite_game::input::keys;
 use dolomite_game::level::menu::Screen;
 use dolomite_game::run::Setup;
+use dolomite_game::run::meet::Meet;
 
 use bench::Bench;
 use bot::Bot;
@@ -162,6 +163,12 @@ pub struct Shot {
     /// With --level: so many beacons burn.
     #[arg(long, default_value_t = 0, help_heading = "Level")]
     lit: usize,
+    /// With --level: three soldiers stand so far ahead of the player, and look there.
+    #[arg(long, value_name = "METRES", help_heading = "Level")]
+    meet: Option<f32>,
+    /// With --meet: so many of them fell, and lie there.
+    #[arg(long, default_value_t = 0, requires = "meet", help_heading = "Level")]
+    fallen: usize,
 }
 
 /// Screens of a level.
@@ -206,6 +213,11 @@ impl Shot {
             level.screen = self.screen.into();
             level.lit = self.lit;
             level.keeps_nothing = true;
+            level.meet = self.meet.map(|ahead| Meet {
+                ahead,
+                count: 3,
+                fallen: self.fallen,
+            });
         }
         if self.walk.is_some() {
             if self.scene.camera.is_none() {

@@ -221,6 +221,7 @@ impl SceneArgs {
             lit: 0,
             camera: self.camera.map(|Camera(pose)| pose),
             keeps_nothing: false,
+            meet: None,
         });
         setup.switches.follow = setup.level.is_some();
         setup.switches.lines = self.lines;

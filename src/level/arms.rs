@@ -118,7 +118,7 @@ pub(super) fn suffer(
 }
 
 /// A soldier falls: nothing of it is worked on any more.
-pub(super) fn fall(soldier: &mut EntityCommands) {
+pub fn fall(soldier: &mut EntityCommands) {
     soldier
         .insert(Fallen)
         .remove::<(Mind, Sight, Ear, Memory, Weapon, Hitbox)>();

@@ -14,6 +14,7 @@ use dolomite::logic::{
 };
 
 use super::arms::SHOULDER;
+use super::day::light;
 use super::parts::{
     Bandage, Beacon, Cast, Level, LevelKeys, LevelPart, LevelState, MIDDLE, Numbered, Player,
     Soldier, Wish,
@@ -191,7 +192,10 @@ pub fn begin(world: &mut World) -> Result<(), BehaviourError> {
     };
     lifts::spawn(world, &level);
     gate::spawn(world, &level, &cast);
-    world.insert_resource(LevelState::default());
+    world.insert_resource(LevelState {
+        light: light(file.hour),
+        ..default()
+    });
     world.insert_resource(cast);
     // Nothing that was said to who is gone is heard by who is new.
     world

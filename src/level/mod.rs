@@ -15,7 +15,7 @@
 //! objectives, senses, behaviours. The player is the [`Figure`](crate::play::figure::Figure), moved by
 //! [`PlayerInput`](crate::input::PlayerInput) alone.
 
-mod arms;
+pub mod arms;
 pub mod begin;
 pub mod day;
 pub mod error;

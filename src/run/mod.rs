@@ -6,9 +6,11 @@
 //! | [`device`] | is there a device that can draw this |
 //! | [`window`], [`patient`] | play in a window, which answers from its first frame on |
 //! | [`offscreen`], [`mod@shot`] | an app without a window; one picture from it |
+//! | [`meet`] | soldiers before the player, for a picture |
 
 pub mod began;
 pub mod device;
+pub mod meet;
 pub mod offscreen;
 pub mod patient;
 pub mod shot;
@@ -42,6 +44,7 @@ use crate::view::{DressPlugin, SceneTextures, ViewPlugin};
 use device::DeviceError;
 use dolomite::logic::Lamp;
 use dolomite::{DolomiteMinimalPlugins, DolomitePlugins};
+use meet::Meet;
 use offscreen::OffscreenError;
 
 /// Everything that can go wrong in the game, with file, reason, and what to do.
@@ -113,6 +116,8 @@ pub struct LevelSetup {
     pub camera: Option<Pose>,
     /// Nobody plays: nothing is saved by itself.
     pub keeps_nothing: bool,
+    /// Soldiers who stand before the player.
+    pub meet: Option<Meet>,
 }
 
 impl LevelSetup {
@@ -122,6 +127,9 @@ impl LevelSetup {
         app.insert_resource(self.level)
             .insert_resource(menu)
             .add_plugins((LevelPlugin, MenuPlugin, LevelViewPlugin));
+        if let Some(meet) = self.meet {
+            meet.add(app);
+        }
         let (lit, camera) = (self.lit, self.camera);
         let arrange = move |mut lamps: Query<(&Numbered, &mut Lamp), With<Beacon>>,
                             mut cameras: Query<&mut FreeCamera>,

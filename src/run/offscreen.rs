@@ -28,6 +28,7 @@ use crate::console::script::{self, Script};
 use crate::play::Landscape;
 use crate::scene::CurrentScene;
 use crate::settings::{MAX_SIDE, Settings};
+use crate::view::level::soldiers;
 use crate::view::progress::Progress;
 use crate::view::{OffscreenTarget, hero};
 
@@ -264,7 +265,7 @@ impl Offscreen {
             waiting = if !relief {
                 "waiting for the relief map of the terrain".to_owned()
             } else if !person {
-                format!("waiting for {}", hero::MODEL)
+                format!("waiting for {} and soldiers", hero::MODEL)
             } else if pending.is_empty() {
                 format!("terrain at {state}")
             } else {
@@ -358,7 +359,7 @@ pub fn has_relief(world: &mut World) -> bool {
 
 /// Whether the figure looks as it will, where the scene has one.
 pub fn has_person(world: &mut World) -> bool {
-    draws_itself(world) || hero::is_there(world)
+    draws_itself(world) || (hero::is_there(world) && soldiers::are_there(world))
 }
 
 fn check_size(size: UVec2, most: u32) -> Result<(), OffscreenError> {

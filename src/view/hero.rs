@@ -1,22 +1,13 @@
 //! What the figure looks like: the person of `assets/hero`, read from their FBX file.
 //!
-//! The file is loaded beside the game, as any asset of Bevy's is; joints and clips come from the .glb
-//! that [`FbxPlugin`](dolomite::fbx::FbxPlugin) made of it, and the meshes hang on the scene of the same
-//! file. Where it is missing or broken, the log says why, and a capsule stands in.
+//! Where the file is missing or broken, the log says why, and a capsule stands in.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-
-use bevy::asset::LoadState;
 use bevy::math::ops;
 use bevy::prelude::*;
-use dolomite::character::gait::{GaitData, GaitError};
-use dolomite::character::{
-    Character, CharacterEye, CharacterJoints, CharacterState, Figure as Person, LoadError, Rig,
-};
+use dolomite::character::{Character, CharacterEye, CharacterJoints, CharacterState};
 use dolomite::fbx::FbxConversion;
-use thiserror::Error;
 
+use super::person::{Loading, PersonFiles};
 use crate::input::PlayerInput;
 use crate::play::figure::Figure;
 use crate::settings::paths::AssetsDir;
@@ -36,33 +27,6 @@ const RADIUS: f32 = 0.28;
 /// Height of the capsule, metres: that of a grown person.
 const HEIGHT: f32 = 1.8;
 
-/// Why the person is not there.
-#[derive(Debug, Error)]
-pub enum HeroError {
-    /// The model was not loaded.
-    #[error("{MODEL}: {0}")]
-    Model(String),
-    /// It has no figure in it.
-    #[error("{MODEL}: {0}; it needs a skin and clips: assets/hero/README.md says how it is made")]
-    Rig(#[from] LoadError),
-    /// The meaning of its clips cannot be read.
-    #[error("{}: {source}", .path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// Its clips are not those that are spoken of.
-    #[error("{}: {source}", .path.display())]
-    Gaits {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        source: GaitError,
-    },
-}
-
 /// Makes figures look like the person.
 pub struct HeroPlugin;
 
@@ -81,19 +45,7 @@ impl Plugin for HeroPlugin {
 
 /// The person is being loaded.
 #[derive(Resource)]
-pub struct Coming {
-    gltf: Handle<Gltf>,
-    made: Handle<FbxConversion>,
-}
-
-/// The person, once they are there: others may look like them.
-#[derive(Resource, Clone)]
-pub struct Hero {
-    /// Joints and clips.
-    pub person: Arc<Person>,
-    /// Meshes.
-    pub scene: Option<Handle<bevy::world_serialization::WorldAsset>>,
-}
+pub struct Coming(Loading);
 
 /// Whether every figure looks as it will: nothing is being loaded, and all joints have been found.
 pub fn is_there(world: &mut World) -> bool {
@@ -102,10 +54,11 @@ pub fn is_there(world: &mut World) -> bool {
 }
 
 fn call(mut commands: Commands, assets: Res<AssetServer>) {
-    commands.insert_resource(Coming {
-        gltf: assets.load(MODEL),
-        made: assets.load(format!("{MODEL}#{}", FbxConversion::LABEL)),
-    });
+    let files = PersonFiles {
+        model: MODEL,
+        gaits: GAITS,
+    };
+    commands.insert_resource(Coming(Loading::new(files, &assets)));
 }
 
 fn arrive(
@@ -119,36 +72,18 @@ fn arrive(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    let person = match (
-        assets.load_state(&coming.gltf),
-        assets.load_state(&coming.made),
-    ) {
-        (LoadState::Failed(error), _) | (_, LoadState::Failed(error)) => {
-            Err(HeroError::Model(error.to_string()))
-        }
-        // With textures and meshes: the person appears whole.
-        _ if !assets.is_loaded_with_dependencies(&coming.gltf) => return,
-        _ => match (gltfs.get(&coming.gltf), conversions.get(&coming.made)) {
-            (Some(gltf), Some(made)) => {
-                person(&made.glb, &folder.0).map(|person| (person, gltf.scenes.first().cloned()))
-            }
-            _ => return,
-        },
+    let Some(person) = coming.0.poll(&assets, &gltfs, &conversions, &folder.0) else {
+        return;
     };
     commands.remove_resource::<Coming>();
     match person {
-        Ok((person, scene)) => {
-            let person = Arc::new(person);
-            commands.insert_resource(Hero {
-                person: person.clone(),
-                scene: scene.clone(),
-            });
+        Ok(person) => {
             for figure in &figures {
                 let mut figure = commands.entity(figure);
                 figure.insert(Character {
-                    figure: person.clone(),
+                    figure: person.figure.clone(),
                 });
-                if let Some(scene) = &scene {
+                if let Some(scene) = &person.scene {
                     figure.with_child(WorldAssetRoot(scene.clone()));
                 }
             }
@@ -170,19 +105,6 @@ fn arrive(
             }
         }
     }
-}
-
-/// Joints and clips of a .glb, with the meaning that the file in `assets` gives them.
-fn person(glb: &[u8], assets: &Path) -> Result<Person, HeroError> {
-    let rig = Rig::from_bytes(glb, |_| Err(std::io::ErrorKind::NotFound.into()))?;
-    let path = assets.join(GAITS);
-    let text = std::fs::read_to_string(&path).map_err(|source| HeroError::Read {
-        path: path.clone(),
-        source,
-    })?;
-    GaitData::from_ron(&text)
-        .and_then(|gaits| Person::new(rig, &gaits))
-        .map_err(|source| HeroError::Gaits { path, source })
 }
 
 fn wave(mut figures: Query<&mut CharacterState, With<Figure>>) {

@@ -3,7 +3,7 @@
 //! | file | concern |
 //! |---|---|
 //! | [`textures`] | the ground's texture arrays |
-//! | [`hero`] | what the figure looks like |
+//! | [`person`], [`hero`] | persons from their files; what the figure looks like |
 //! | [`things`], [`shapes`] | what things look like; what collision knows, as lines |
 //! | [`panel`], [`passes`] | figures over the picture; times of render passes |
 //! | [`start`], [`progress`] | the start screen; what has been made of the first picture |
@@ -27,6 +27,7 @@ pub mod lamps;
 pub mod level;
 pub mod panel;
 pub mod passes;
+pub mod person;
 pub mod progress;
 pub mod quality;
 pub mod renderer;

@@ -1,49 +1,30 @@
-//! Levels without a window: the bot wins them, and loses where it must; games replay to the same hash; saved games are
-//! whole or refused; minutes of wild input break nothing.
+//! The level `mountain` without a window: the bot wins it, and loses where it must; games replay to the same hash;
+//! minutes of wild input break nothing.
 
-use std::path::{Path, PathBuf};
+mod saves;
+
+use std::path::Path;
 use std::process::Command;
 
+use crate::support::game::{folder, press, table, wild_input};
 use bevy::prelude::*;
 use dolomite::logic::parts::LogicTimer;
 use dolomite::logic::random::Random;
-use dolomite::logic::{Action, Health, Key, Lamp};
+use dolomite::logic::{Action, Health, Key};
+use dolomite_game::bot::Job;
 use dolomite_game::bot::game::Game;
 use dolomite_game::bot::pilot::Pilot;
 use dolomite_game::bot::record::Record;
-use dolomite_game::bot::{Job, Table};
 use dolomite_game::input::{InputMode, PlayerInput};
-use dolomite_game::level::begin;
 use dolomite_game::level::file::LevelFile;
-use dolomite_game::level::menu::{self, Menu, SaveTo, Screen};
-use dolomite_game::level::parts::{Beacon, Cast, Level, Player, Soldier, ground_of};
-use dolomite_game::level::save::{self, SAVE, SaveError};
-use dolomite_game::level::sealed::{self, SealedError};
-use dolomite_game::level::{LevelState, Verdict, load};
+use dolomite_game::level::menu::{Menu, SaveTo, Screen};
+use dolomite_game::level::parts::{Cast, Level, Player, Soldier, ground_of};
+use dolomite_game::level::{LevelState, Verdict, begin, load, menu, save};
 use dolomite_game::play::figure::Figure;
-
-fn assets() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
-}
-
-fn folder(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("dolomite-level-{name}-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a folder for temporary files");
-    folder
-}
-
-fn table(job: Job) -> Table {
-    let job = Job {
-        level: "mountain",
-        runs: 1,
-        ..job
-    };
-    Table::new(&job, &assets()).expect("the level is good")
-}
 
 #[test]
 fn the_bot_wins_and_its_input_replays_to_the_same_hash() {
-    let table = table(Job::default());
+    let table = table("mountain", Job::default());
     let (game, record) = table.play(11);
     assert_eq!(game.reason, Verdict::Won, "{game:?}");
     assert_eq!(game.beacons, 4);
@@ -60,11 +41,14 @@ fn the_bot_wins_and_its_input_replays_to_the_same_hash() {
 
 #[test]
 fn without_a_way_to_the_last_beacon_no_game_is_won() {
-    let table = table(Job {
-        unreachable: true,
-        limit: Some(45.0),
-        ..Job::default()
-    });
+    let table = table(
+        "mountain",
+        Job {
+            unreachable: true,
+            limit: Some(45.0),
+            ..Job::default()
+        },
+    );
     for seed in [1, 2] {
         let (game, _) = table.play(seed);
         assert!(!game.won && game.beacons < 4, "{game:?}");
@@ -73,7 +57,7 @@ fn without_a_way_to_the_last_beacon_no_game_is_won() {
 
 #[test]
 fn one_thread_and_two_play_the_same_game() {
-    let folder = folder("threads");
+    let folder = folder("mountain-threads");
     let file = folder.join("game.play");
     let dolomite = || Command::new(env!("CARGO_BIN_EXE_dolomite"));
     let limit = ["--limit", "12"];
@@ -125,7 +109,7 @@ fn a_level_that_is_not_there_is_said_so() {
 
 #[test]
 fn a_place_in_the_sea_is_refused_with_its_line() {
-    let folder = folder("sea");
+    let folder = folder("mountain-sea");
     let levels = folder.join("levels");
     std::fs::create_dir_all(&levels).expect("a folder for temporary files");
     let text = include_str!("../../assets/levels/mountain.ron");
@@ -150,22 +134,14 @@ fn a_place_in_the_sea_is_refused_with_its_line() {
 /// Plays wild input for so many minutes at 60 steps a second, anew after each defeat, and looks at everything once a
 /// second. Kilobytes by which memory has grown since the fifth minute, where the system says.
 fn wild(minutes: usize) -> Option<i64> {
-    let table = table(Job::default());
+    let table = table("mountain", Job::default());
     let mut game = table.game(3);
     let mut random = Random::new(99);
     let mut input = PlayerInput::default();
     let mut settled = None;
     for step in 0..minutes * 3600 {
         if step % 20 == 0 {
-            input = PlayerInput {
-                walk: Vec2::new(random.signed(1.0), random.signed(1.0)),
-                look: Vec2::new(random.signed(0.2), random.signed(0.05)),
-                fast: random.below(2) == 1,
-                jump: random.below(9) == 0,
-                act: random.below(3) == 0,
-                switch_torch: random.below(40) == 0,
-                ..default()
-            };
+            input = wild_input(&mut random);
         }
         game.step(input);
         if step == 5 * 3600 {
@@ -219,7 +195,7 @@ fn an_hour_of_wild_input_breaks_nothing_and_memory_does_not_grow() {
 
 /// A game in which a bot has played for some seconds.
 fn played(seconds: usize) -> Game {
-    let table = table(Job::default());
+    let table = table("mountain", Job::default());
     let mut game = table.game(7);
     let mut pilot = Pilot::new(7);
     for _ in 0..seconds * 60 {
@@ -230,108 +206,13 @@ fn played(seconds: usize) -> Game {
 }
 
 #[test]
-fn a_saved_game_goes_on_where_it_was_and_is_whole_or_refused() {
-    let mut game = played(20);
-    let world = game.app.world_mut();
-    let lamp = world
-        .query::<(Entity, &Beacon)>()
-        .iter(world)
-        .find(|(_, beacon)| beacon.name == "Shepherd's Knoll")
-        .expect("it is in the file")
-        .0;
-    world.get_mut::<Lamp>(lamp).expect("beacons have lamps").lit = true;
-    let saved = save::take(world).expect("a level is played");
-    assert_eq!(saved.beacons, [true, false, false, false]);
-    assert!((saved.passed - 20.0).abs() < 0.1, "{}", saved.passed);
-    let folder = folder("save");
-    let path = folder.join("mountain.save");
-    save::write(&path, &saved).expect("the folder is there");
-    let (read, damage) = save::read(&path).expect("it is whole");
-    assert!(read == saved && damage.is_none());
-
-    // Into a game that has gone elsewhere.
-    let mut other = played(3);
-    save::put(other.app.world_mut(), &read).expect("it is of this level");
-    let mut again = save::take(other.app.world_mut()).expect("a level is played");
-    for (soldier, before) in again.soldiers.iter_mut().zip(&saved.soldiers) {
-        // A turn becomes a quaternion, of two roundings, and a turn again.
-        let (yaw, was) = (&mut soldier.place.2, before.place.2);
-        assert!((*yaw - was).abs() < 1e-3, "{yaw} {was}");
-        *yaw = was;
-    }
-    assert_eq!(again, saved);
-    for _ in 0..120 {
-        other.step(PlayerInput::default());
-    }
-    let state = other.state();
-    assert!(state.lit == 1 && state.verdict.is_none(), "{state:?}");
-    let world = other.app.world_mut();
-    for (beacon, lamp) in world.query::<(&Beacon, &Lamp)>().iter(world) {
-        assert_eq!(lamp.lit, beacon.name == "Shepherd's Knoll", "{beacon:?}");
-    }
-
-    // Another level's, and what nobody could have saved.
-    for (change, word) in [
-        (
-            Box::new(|s: &mut save::Saved| s.level = "harbour".into())
-                as Box<dyn Fn(&mut save::Saved)>,
-            "harbour",
-        ),
-        (Box::new(|s| s.soldiers.truncate(6)), "6 patrols"),
-        (Box::new(|s| s.health = -3.0), "health"),
-        (Box::new(|s| s.soldiers[0].place.0 = f32::NAN), "soldier"),
-        (Box::new(|s| s.figure.0 = f64::INFINITY), "figure"),
-        (Box::new(|s| s.soldiers[2].next = 99), "next"),
-    ] {
-        let mut wrong = saved.clone();
-        change(&mut wrong);
-        let before = save::take(other.app.world_mut());
-        let error = save::put(other.app.world_mut(), &wrong)
-            .expect_err(word)
-            .to_string();
-        assert!(error.contains(word), "{error}");
-        assert_eq!(
-            save::take(other.app.world_mut()),
-            before,
-            "nothing has changed"
-        );
-    }
-
-    // Cut at any byte it is refused, and the one before is read.
-    save::write(&path, &read).expect("the folder is there");
-    let whole = std::fs::read(&path).expect("it was written");
-    for cut in 0..whole.len() {
-        let error = sealed::open(SAVE, &whole[..cut], &path).expect_err("it is cut");
-        assert!(
-            matches!(error, SealedError::Length { .. }),
-            "{cut}: {error}"
-        );
-    }
-    std::fs::write(&path, &whole[..whole.len() / 2]).expect("the folder is there");
-    let (last, damage) = save::read(&path).expect("the one before is whole");
-    assert!(last == saved && damage.is_some());
-    std::fs::remove_file(sealed::before(&path)).expect("it was kept");
-    assert!(matches!(
-        save::read(&path),
-        Err(SaveError::File(SealedError::Length { .. }))
-    ));
-    std::fs::remove_dir_all(&folder).expect("it was made");
-}
-
-#[test]
 fn the_menu_begins_rests_saves_and_ends_a_game() {
-    let folder = folder("menu");
+    let folder = folder("mountain-menu");
     let path = folder.join("mountain.save");
-    let table = table(Job::default());
+    let table = table("mountain", Job::default());
     let mut game = table.game(1);
     game.app.insert_resource(SaveTo(path.clone()));
     menu::add(&mut game.app);
-    let press = |game: &mut Game, input: PlayerInput| {
-        *game.app.world_mut().resource_mut::<PlayerInput>() = input;
-        game.app.update();
-        *game.app.world_mut().resource_mut::<PlayerInput>() = PlayerInput::default();
-        game.app.update();
-    };
     let confirm = PlayerInput {
         confirm: true,
         ..default()
@@ -397,7 +278,7 @@ fn the_menu_begins_rests_saves_and_ends_a_game() {
 fn soldiers_see_call_and_shoot_and_forget() {
     let text = include_str!("../../assets/levels/mountain.ron");
     let file = LevelFile::parse(text, Path::new("mountain.ron")).expect("it is good");
-    let table = table(Job::default());
+    let table = table("mountain", Job::default());
     let mut game = table.game(4);
     // The player stands where a soldier goes, by day: once he is on his way, which need not be the straight one.
     for _ in 0..60 {

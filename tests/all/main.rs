@@ -20,6 +20,7 @@ mod night;
 #[path = "../../plugins/character/tests/all/support/person.rs"]
 mod person;
 mod quality;
+mod soldiers;
 mod stage;
 mod start;
 mod strangers;

@@ -8,7 +8,6 @@ seams, weave, knitting, lids and hair.
 
 import numpy as np
 
-import looks
 import sdf
 
 
@@ -79,7 +78,7 @@ def _fine_normal(field, p, n, height):
     return sdf.unit(fine * share + n * (1 - share))
 
 
-def textures(halves, tangents, size):
+def textures(halves, tangents, size, looks):
     """(colour sRGB, normal, roughness) as arrays (size, size, 3) in 0..1, row 0 lowest."""
     part, place, normal, tangent = rasterise(halves, tangents, size)
     colour = np.zeros((size, size, 3))
@@ -91,7 +90,7 @@ def textures(halves, tangents, size):
         if not on.any():
             continue
         p, n, t = place[on], normal[on], tangent[on]
-        look = looks.LOOKS[half.name]
+        look = looks[half.name]
         base, roughness = look.surface(p, n)
         if look.field is not None:
             p_on = sdf.project(look.field, p, 2)

@@ -14,7 +14,6 @@ import extremities
 import head
 import mesher
 import pack
-import ribbons
 import sdf
 import skeleton as sk
 from sdf import length, smoothstep, vec
@@ -167,7 +166,8 @@ class Half:
     chart: np.ndarray        # of each face
     detail: float
     uv: np.ndarray = None    # of each face's corner, (n, 3, 2)
-    ribbon: bool = False     # made with its own uv, laid on the jacket
+    ribbon: bool = False     # made with its own uv
+    right: bool = False      # there is no left one: what a hand holds
 
 
 def _drop_hidden(part, verts, faces):
@@ -219,13 +219,14 @@ def build(part):
     return Half(part.name, verts, faces, normals, chart, part.detail)
 
 
-def build_all(log=print):
+def build_all(all_bodies, all_ribbons, log=print):
+    """`all_ribbons`: from the jacket's field to halves that bring their own uv."""
     halves = []
-    for part in bodies():
+    for part in all_bodies:
         half = build(part)
         log(f"{part.name:9} {len(half.verts):5} vertices {len(half.faces):5} triangles (half)")
         halves.append(half)
-    for half in ribbons.build_all(sdf.mirror_field(clothes.jacket_field)):
+    for half in all_ribbons(sdf.mirror_field(clothes.jacket_field)):
         log(f"{half.name:9} {len(half.verts):5} vertices {len(half.faces):5} triangles (half)")
         halves.append(half)
     return halves

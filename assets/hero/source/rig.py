@@ -37,6 +37,12 @@ def whole(halves, weights):
         faces += [left[h.faces], right[h.faces][:, ::-1]]
         uv += [h.uv, h.uv[:, ::-1]]
         count += len(h.verts) + side.sum()
+        if h.right:
+            # What was made for the left hand is left out, and its mirror image counts from there.
+            for made in (verts, normals, w, faces, uv):
+                del made[-2]
+            faces[-1] = faces[-1] - len(h.verts)
+            count -= len(h.verts)
     return tuple(np.concatenate(a) for a in (verts, faces, normals, uv, w))
 
 
@@ -59,8 +65,8 @@ def tangents(half):
     return t
 
 
-def make_material(images):
-    material = bpy.data.materials.new("hero")
+def make_material(name, images):
+    material = bpy.data.materials.new(name)
     material.use_nodes = True
     tree = material.node_tree
     shader = tree.nodes["Principled BSDF"]
@@ -82,9 +88,9 @@ def make_material(images):
     return material
 
 
-def make_armature():
-    data = bpy.data.armatures.new("hero")
-    obj = bpy.data.objects.new("hero", data)
+def make_armature(name):
+    data = bpy.data.armatures.new(name)
+    obj = bpy.data.objects.new(name, data)
     bpy.context.scene.collection.objects.link(obj)
     bpy.context.view_layer.objects.active = obj
     obj.select_set(True)
@@ -104,12 +110,12 @@ def make_armature():
     return obj
 
 
-def make_actions(armature):
+def make_actions(armature, all_clips):
     """Linear keys for the turn of each bone, and for the hips' place."""
     rest = {b.name: np.array(b.matrix_local.to_3x3()) for b in armature.data.bones}
     armature.animation_data_create()
     actions = []
-    for clip in clips.all_clips():
+    for clip in all_clips:
         action = bpy.data.actions.new(clip.name)
         action.use_fake_user = True
         frames = np.arange(clip.frames * clip.keys + 1) / clip.keys
@@ -140,11 +146,11 @@ def make_actions(armature):
     return actions
 
 
-def make_person(halves, weights, images):
+def make_person(name, halves, weights, images):
     verts, faces, normals, uv, w = whole(halves, weights)
-    armature = make_armature()
-    mesh = make_mesh("hero_body", verts, faces, normals, uv)
-    mesh.materials.append(make_material(images))
+    armature = make_armature(name)
+    mesh = make_mesh(f"{name}_body", verts, faces, normals, uv)
+    mesh.materials.append(make_material(name, images))
     body = bpy.data.objects.new("body", mesh)
     bpy.context.scene.collection.objects.link(body)
     body.parent = armature

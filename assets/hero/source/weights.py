@@ -134,10 +134,10 @@ def limit(w):
     return cut / cut.sum(axis=1, keepdims=True)
 
 
-def of_body(name, p, faces):
-    """Weights of a part's half, over sk.NAMES."""
-    if name in ("eye", "hat"):
-        return Table(len(p), "head").w
+def of_body(name, p, faces, rigid):
+    """Weights of a part's half, over sk.NAMES. `rigid`: the one bone that moves a part."""
+    if name in rigid:
+        return Table(len(p), rigid[name]).w
     if name in ("pack", "lid", "roll"):
         return _pack(len(p)).w
     table = Table(len(p), "hips")
@@ -167,26 +167,29 @@ def of_body(name, p, faces):
     return limit(_symmetric(_smooth(table.w, faces, 0.5, rounds), p))
 
 
-def of_ribbon(p, jacket_points, jacket_weights):
-    """A strap moves as the jacket under it does; its ends as the rucksack does."""
+def of_ribbon(p, jacket_points, jacket_weights, pack=True):
+    """A strap moves as the jacket under it does; its ends, where there is a rucksack, as that does."""
     w = np.zeros((len(p), len(sk.NAMES)))
     for i, q in enumerate(p):
         d = length(jacket_points - q)
         near = np.argsort(d, kind="stable")[:4]
         share = 1.0 / (d[near] + 0.004)
         w[i] = (share[:, None] * jacket_weights[near]).sum(axis=0) / share.sum()
-    behind = smoothstep(-0.085, -0.135, p[:, 2])[:, None]
-    w = w * (1 - behind) + _pack(len(p)).w * behind
+    if pack:
+        behind = smoothstep(-0.085, -0.135, p[:, 2])[:, None]
+        w = w * (1 - behind) + _pack(len(p)).w * behind
     return limit(_symmetric(w, p))
 
 
-def of_all(halves):
+def of_all(halves, rigid, worn=()):
+    """`rigid`: the bone of each part that one bone moves. `worn`: parts that lie on the jacket and move with it."""
     out = {}
+    pack = any(h.name == "pack" for h in halves)
     for half in halves:
-        if not half.ribbon:
-            out[half.name] = of_body(half.name, half.verts, half.faces)
+        if half.name in rigid or not (half.ribbon or half.name in worn):
+            out[half.name] = of_body(half.name, half.verts, half.faces, rigid)
     jacket = next(h for h in halves if h.name == "jacket")
     for half in halves:
-        if half.ribbon:
-            out[half.name] = of_ribbon(half.verts, jacket.verts, out["jacket"])
+        if half.name not in out:
+            out[half.name] = of_ribbon(half.verts, jacket.verts, out["jacket"], pack)
     return out

@@ -3,14 +3,15 @@
 //! | file | concern |
 //! |---|---|
 //! | [`beacons`] | beacons, bandages, bolts, and the hour's sun |
-//! | [`circuits`], [`town`] | lamps in a city; its walls, lifts, roofs and gate |
-//! | [`soldiers`] | the hiker's figure in other colours |
+//! | [`circuits`], [`town`], [`dusk`] | lamps in a city; its walls, lifts, roofs and gate; the camera between them |
+//! | [`soldiers`] | the figures of soldiers |
 //! | [`hud`], [`map`] | what is said over the picture |
 //! | [`screens`] | menus |
 //! | [`look`] | their letters and colours |
 
 pub mod beacons;
 pub mod circuits;
+pub mod dusk;
 pub mod hud;
 pub mod look;
 pub mod map;
@@ -22,6 +23,7 @@ use bevy::prelude::*;
 
 use beacons::BeaconsPlugin;
 use circuits::CircuitsPlugin;
+use dusk::DuskPlugin;
 use hud::HudPlugin;
 use map::MapPlugin;
 use screens::ScreensPlugin;
@@ -36,6 +38,7 @@ impl Plugin for LevelViewPlugin {
         app.add_plugins((
             BeaconsPlugin,
             CircuitsPlugin,
+            DuskPlugin,
             TownPlugin,
             SoldiersPlugin,
             HudPlugin,

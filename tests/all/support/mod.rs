@@ -4,5 +4,6 @@ pub mod adapter;
 pub mod app;
 pub mod camera;
 pub mod display;
+pub mod game;
 pub mod hills;
 pub mod picture;

@@ -114,7 +114,15 @@ pub struct Locomotion {
     clock: f64,
     state: Fade<Entered>,
     shot: Fade<Shot>,
+    /// What is laid over while no other one-shot is.
+    held: Shot,
 }
+
+/// Nothing is laid over.
+const NO_SHOT: Shot = Shot {
+    one_shot: None,
+    since: 0.0,
+};
 
 impl Default for Locomotion {
     fn default() -> Self {
@@ -127,10 +135,8 @@ impl Default for Locomotion {
                 state: LocomotionState::Ground,
                 since: 0.0,
             }),
-            shot: Fade::new(Shot {
-                one_shot: None,
-                since: 0.0,
-            }),
+            shot: Fade::new(NO_SHOT),
+            held: NO_SHOT,
         }
     }
 }
@@ -183,7 +189,28 @@ impl Locomotion {
         self.state.target().state
     }
 
-    /// Lays a one-shot over the rest; the same again begins anew, while the old one fades.
+    /// Lays a one-shot over the rest for as long as it is asked for; when it is over its last pose stays. `None` lays
+    /// it down. One that is [played](Self::play) meanwhile is seen to its end first.
+    pub fn hold(&mut self, one_shot: Option<usize>) {
+        if one_shot == self.held.one_shot {
+            return;
+        }
+        let rests = self.shot.target() == self.held;
+        self.held = Shot {
+            one_shot,
+            since: self.clock,
+        };
+        if rests {
+            self.shot.go(self.held, SHOT);
+        }
+    }
+
+    /// Ends at once what is [played](Self::play): what is held is seen instead.
+    pub fn cut(&mut self) {
+        self.shot.go(self.held, SHOT);
+    }
+
+    /// Lays a one-shot over the rest once; the same again begins anew, while the old one fades.
     pub fn play(&mut self, one_shot: usize) {
         let target = Shot {
             one_shot: Some(one_shot),
@@ -236,7 +263,7 @@ impl Locomotion {
 
     fn end_shot(&mut self, gait: &Gait, clips: &[Clip]) {
         let shot = self.shot.target();
-        let Some(one_shot) = shot.one_shot else {
+        let Some(one_shot) = shot.one_shot.filter(|_| shot != self.held) else {
             return;
         };
         let length = gait
@@ -244,11 +271,7 @@ impl Locomotion {
             .get(one_shot)
             .map_or(0.0, |(clip, _)| clips[*clip].duration());
         if (self.clock - shot.since) as f32 >= length - SHOT {
-            let nothing = Shot {
-                one_shot: None,
-                since: self.clock,
-            };
-            self.shot.go(nothing, SHOT);
+            self.shot.go(self.held, SHOT);
         }
     }
 
@@ -402,12 +425,24 @@ impl Locomotion {
     pub fn step(&self, gait: &Gait, dt: f32) -> Step {
         let ground = self.ground(gait);
         let stepping = ground.turn.1 + ground.strides.iter().map(|(_, part)| part).sum::<f32>();
+        let own = 1.0 - self.whole(gait);
         Step {
             dt,
-            firm: self.feet(gait),
-            ground: self.on_ground(),
+            firm: self.feet(gait).map(|firm| firm * own),
+            ground: self.on_ground() * own,
             still: stepping < STANDS,
         }
+    }
+
+    /// How much of the legs belongs to one-shots of the whole body, whose feet are where their clips have them.
+    fn whole(&self, gait: &Gait) -> f32 {
+        let mut sum = 0.0;
+        self.overlays(|over| {
+            if let Some((_, None)) = gait.one_shots.get(over.one_shot) {
+                sum += over.weight;
+            }
+        });
+        sum.min(1.0)
     }
 
     /// How much of it is on the ground.

@@ -64,6 +64,16 @@ impl CharacterState {
     pub fn play(&mut self, one_shot: usize) {
         self.0.locomotion.play(one_shot);
     }
+
+    /// Lays a one-shot over the rest for as long as it is asked for; when it is over its last pose stays.
+    pub fn hold(&mut self, one_shot: Option<usize>) {
+        self.0.locomotion.hold(one_shot);
+    }
+
+    /// Ends at once what is played: what is held is seen instead.
+    pub fn cut(&mut self) {
+        self.0.locomotion.cut();
+    }
 }
 
 /// Where a figure's joints are.

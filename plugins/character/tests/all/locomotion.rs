@@ -4,7 +4,9 @@ use crate::support;
 
 use bevy::math::{DVec3, Quat, Vec3};
 use dolomite_character::feet::Place;
-use dolomite_character::gait::{GaitData, GaitError, LocomotionState, Motion, Voice, root_delta};
+use dolomite_character::gait::{
+    GaitData, GaitError, LocomotionState, Motion, OneShotData, Voice, root_delta,
+};
 use dolomite_character::{
     Channel, Clip, ClipData, Figure, FigureState, Input, Interpolation, Pose, Sampler, Values,
     Workspace,
@@ -244,6 +246,62 @@ fn a_wave_is_seen_above_the_hips_alone() {
     let mut overlays = 0;
     state.locomotion.overlays(|_| overlays += 1);
     assert_eq!(overlays, 0);
+}
+
+/// Which one-shots are laid over, with their weights and times.
+fn overlays(state: &FigureState) -> Vec<(usize, f32, f32)> {
+    let mut all = Vec::new();
+    state
+        .locomotion
+        .overlays(|over| all.push((over.one_shot, over.weight, over.time)));
+    all
+}
+
+#[test]
+fn what_is_held_stays_and_comes_back_after_what_is_played() {
+    let mut gaits = person::gaits();
+    // The second is of the whole body.
+    gaits.one_shots.push(OneShotData {
+        clip: "land".into(),
+        from: None,
+    });
+    let figure = Figure::new(person::rig(), &gaits).expect("made as it has to be");
+    let mut state = FigureState::default();
+    state.locomotion.hold(Some(1));
+    run(&figure, &mut state, ground(0.0, 0.0), 10.0);
+    let held = overlays(&state);
+    assert!(
+        held.len() == 1 && held[0].0 == 1 && held[0].1 > 0.999,
+        "{held:?}"
+    );
+    assert!(held[0].2 > 9.0, "it is not begun anew: {held:?}");
+    // Legs that are the one-shot's are not put onto the ground.
+    let step = state.locomotion.step(&figure.gait, DT);
+    assert!(step.ground < 1e-3 && step.firm[0] < 1e-3, "{step:?}");
+    // The wave is seen to its end, and what was held comes back.
+    state.locomotion.play(0);
+    run(&figure, &mut state, ground(0.0, 0.0), 0.75);
+    let waves = overlays(&state);
+    assert!(
+        waves.iter().any(|over| over.0 == 0 && over.1 > 0.999),
+        "{waves:?}"
+    );
+    assert!(state.locomotion.step(&figure.gait, DT).ground > 0.999);
+    run(&figure, &mut state, ground(0.0, 0.0), 3.0);
+    assert!(overlays(&state).iter().all(|over| over.0 == 1));
+    // Cut short, it gives way at once.
+    state.locomotion.play(0);
+    run(&figure, &mut state, ground(0.0, 0.0), 0.3);
+    state.locomotion.cut();
+    run(&figure, &mut state, ground(0.0, 0.0), 0.3);
+    assert!(overlays(&state).iter().all(|over| over.0 == 1));
+    // Held again is not begun again; let go, nothing is left.
+    state.locomotion.hold(Some(1));
+    assert!(overlays(&state)[0].2 > 9.0);
+    state.locomotion.hold(None);
+    run(&figure, &mut state, ground(0.0, 0.0), 0.5);
+    assert_eq!(overlays(&state), []);
+    assert!(state.locomotion.step(&figure.gait, DT).ground > 0.999);
 }
 
 #[test]

@@ -7,6 +7,7 @@
 //! | [`find_path`] | a way from one place to another for one |
 //! | [`Route`], [`Patrol`] | a spline, and who goes along it |
 
+mod crowd;
 mod flow;
 mod ground;
 mod orca;

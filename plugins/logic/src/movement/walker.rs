@@ -1,15 +1,15 @@
 //! Crowds: everybody who goes where a field leads, without running into each other.
 //!
 //! A step has five stages over arrays: *gather* (from the world), *sort* (into a grid, so that who is near is near in
-//! memory), *flow* (where each wants to go), *avoid* (ORCA), *go* (never off the walkable ground, and back into the
-//! world). Wishes and avoidance of one agent are worked out in every second step, of one whom nobody hindered in every
-//! fourth, or more rarely where [`Attention`] says so; it moves in every step.
+//! memory; every few steps, since nobody gets far in one), *flow* (where each wants to go), *avoid* (ORCA), *go* (never
+//! off the walkable ground, and back into the world). Wishes and avoidance of one agent are worked out in every second
+//! step, of one whom nobody hindered in every fourth, or more rarely where [`Attention`] says so; it moves in every
+//! step.
 
+use super::crowd::{Crowd, Ranks, Step};
 use super::flow::FlowField;
 use super::ground::{WalkGrid, WalkGround};
-use super::orca::{Disc, Line, NEIGHBOURS, half_plane, velocity};
 use crate::clock::LogicClock;
-use crate::grid::Grid;
 use crate::need::{Asleep, Attention};
 use crate::values::Logic;
 use bevy::ecs::prelude::*;
@@ -21,7 +21,7 @@ use std::time::Instant;
 
 /// One of a crowd. Its entity's `Transform`, if it has one, follows it, at the height of the ground.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[require(Logic)]
+#[require(Logic, Rank)]
 pub struct Walker {
     /// Where it is: x and z.
     pub place: Vec2,
@@ -118,49 +118,21 @@ pub struct WalkTimes {
     pub go: f32,
 }
 
-/// One walker of a step.
-#[derive(Clone, Copy, Debug, Default)]
-struct Walk {
-    velocity: Vec2,
-    radius: f32,
-    /// 0 of one who stands or is nobody's neighbour.
-    speed: f32,
-    field: u16,
-    due: bool,
-    calm: bool,
-}
-
-/// Arrays that steps use again.
-#[derive(Default)]
-pub(super) struct Arrays {
-    /// In the order of the world.
-    places: Vec<Vec2>,
-    walks: Vec<Walk>,
-    grid: Grid,
-    /// In the order of the grid.
-    discs: Vec<Disc>,
-    sorted: Vec<Walk>,
-    steps: Vec<Step>,
-}
-
-/// What becomes of a walker.
-#[derive(Clone, Copy, Debug, Default)]
-struct Step {
-    place: Vec2,
-    /// The wish, then the velocity.
-    velocity: Vec2,
-    calm: bool,
-}
+/// Where a walker stands in the arrays of a step.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct Rank(u32);
 
 /// Walkers of one task.
 const CHUNK: usize = 1024;
 
-type Walkers<'w, 's> = Query<
+/// What is read and written of a walker.
+pub(super) type Walkers<'w, 's> = Query<
     'w,
     's,
     (
         Entity,
         &'static mut Walker,
+        &'static mut Rank,
         Option<&'static mut Transform>,
         Option<&'static Attention>,
     ),
@@ -175,91 +147,40 @@ pub(super) fn walk(
     mut walkers: Walkers,
     mut counters: ResMut<WalkCounters>,
     mut times: ResMut<WalkTimes>,
-    mut arrays: Local<Arrays>,
+    mut ranks: Local<Ranks>,
+    mut steps: Local<Vec<Step>>,
 ) {
     let pool = ComputeTaskPool::get_or_init(TaskPool::default);
-    let Arrays {
-        places,
-        walks,
-        grid,
-        discs,
-        sorted,
-        steps,
-    } = &mut *arrays;
     let begun = Instant::now();
-    walks.clear();
-    places.clear();
-    let every = settings.every.max(1);
-    for (entity, walker, _, attention) in &walkers {
-        let every = every.max(attention.map_or(1, Attention::steps));
-        let every = every.saturating_mul(1 + u32::from(walker.calm));
-        let step = (clock.step as u32).wrapping_add(entity.index_u32());
-        // Who has no place, or no size, is nobody's neighbour and stays.
-        let whole = walker.place.is_finite()
-            && walker.velocity.is_finite()
-            && walker.radius.is_finite()
-            && walker.radius >= 0.0;
-        let speed = if whole && walker.speed.is_finite() {
-            walker.speed.max(0.0)
-        } else {
-            0.0
-        };
-        walks.push(Walk {
-            velocity: walker.velocity,
-            radius: if whole { walker.radius } else { 0.0 },
-            speed,
-            field: walker.field,
-            due: step.is_multiple_of(every),
-            calm: walker.calm,
-        });
-        places.push(walker.place);
-    }
-    let gathered = Instant::now();
     let reach = if settings.reach > 0.0 && settings.reach.is_finite() {
         settings.reach
     } else {
         WalkSettings::default().reach
     };
-    grid.build(places, reach);
-    discs.clear();
-    sorted.clear();
-    for &number in grid.order() {
-        let walk = walks[number as usize];
-        sorted.push(walk);
-        discs.push(Disc {
-            place: places[number as usize],
-            velocity: if walk.velocity.is_finite() {
-                walk.velocity
-            } else {
-                Vec2::ZERO
-            },
-            radius: walk.radius,
-        });
+    let every = settings.every.max(1);
+    let is_kept = ranks.fill(reach, all_of(&walkers, &clock, every));
+    let gathered = Instant::now();
+    if !is_kept {
+        ranks.sort(reach, || all_of(&walkers, &clock, every));
+        for ((_, _, mut rank, ..), &now) in walkers.iter_mut().zip(ranks.of_each()) {
+            rank.bypass_change_detection().0 = now;
+        }
     }
     let ordered = Instant::now();
+    let crowd = Crowd::new(&ranks, &settings, reach, clock.delta);
     steps.clear();
-    steps.resize(sorted.len(), Step::default());
-    let (fields, sorted, discs) = (&fields.0, &*sorted, &*discs);
+    steps.resize(crowd.len(), Step::default());
+    let fields = &fields.0;
     steps.par_chunk_map_mut(pool, CHUNK, |chunk_number, chunk| {
         let first = chunk_number * CHUNK;
         for (at, step) in (first..).zip(chunk) {
-            let walk = &sorted[at];
-            if walk.due && walk.speed > 0.0 {
-                let field = fields.get(usize::from(walk.field));
-                let way = field.map_or(Vec2::ZERO, |field| field.way(discs[at].place));
-                step.velocity = way * walk.speed;
+            if let Some((field, place, speed)) = crowd.asks(at) {
+                let field = fields.get(usize::from(field));
+                step.velocity = field.map_or(Vec2::ZERO, |field| field.way(place)) * speed;
             }
         }
     });
     let flowed = Instant::now();
-    let crowd = Crowd {
-        walks: sorted,
-        discs,
-        grid,
-        settings: &settings,
-        reach,
-        delta: clock.delta,
-    };
     steps.par_chunk_map_mut(pool, CHUNK, |chunk_number, chunk| {
         let first = chunk_number * CHUNK;
         for (at, step) in (first..).zip(chunk) {
@@ -272,29 +193,32 @@ pub(super) fn walk(
     steps.par_chunk_map_mut(pool, CHUNK, |chunk_number, chunk| {
         let first = chunk_number * CHUNK;
         for (at, step) in (first..).zip(chunk) {
-            step.place = discs[at].place;
-            go(step, sorted[at].speed, ground, seconds);
+            step.place = crowd.place(at);
+            go(step, crowd.speed(at), ground, seconds);
         }
     });
-    let mut steered = 0;
-    for ((_, mut walker, transform, _), &slot) in walkers.iter_mut().zip(grid.slots()) {
-        let step = steps[slot as usize];
-        steered += u32::from(sorted[slot as usize].due);
-        // Who stands is not marked as changed.
-        if (walker.place, walker.velocity, walker.calm) == (step.place, step.velocity, step.calm) {
-            continue;
-        }
-        if !(step.place.is_finite() && step.velocity.is_finite()) {
-            continue;
-        }
-        walker.place = step.place;
-        walker.velocity = step.velocity;
-        walker.calm = step.calm;
-        if let Some(mut transform) = transform {
-            let height = ground.map_or(transform.translation.y, |g| g.height(step.place));
-            transform.translation = step.place.extend(height).xzy();
-        }
-    }
+    let done = &*steps;
+    walkers
+        .par_iter_mut()
+        .for_each(|(_, mut walker, rank, transform, _)| {
+            let step = done[rank.0 as usize];
+            // Who stands is not marked as changed.
+            if (walker.place, walker.velocity, walker.calm)
+                == (step.place, step.velocity, step.calm)
+            {
+                return;
+            }
+            if !(step.place.is_finite() && step.velocity.is_finite()) {
+                return;
+            }
+            walker.place = step.place;
+            walker.velocity = step.velocity;
+            walker.calm = step.calm;
+            if let Some(mut transform) = transform {
+                let height = ground.map_or(transform.translation.y, |g| g.height(step.place));
+                transform.translation = step.place.extend(height).xzy();
+            }
+        });
     let gone = Instant::now();
     let ms = |from: Instant, to: Instant| to.duration_since(from).as_secs_f32() * 1e3;
     *times = WalkTimes {
@@ -305,103 +229,34 @@ pub(super) fn walk(
         go: ms(avoided, gone),
     };
     *counters = WalkCounters {
-        walkers: walks.len() as u32,
-        steered,
-        bytes: (size_of::<Walk>() * (walks.capacity() + sorted.len())
-            + size_of::<Vec2>() * places.capacity()
-            + size_of::<Disc>() * discs.len()
-            + size_of::<Step>() * steps.capacity()
-            + grid.bytes()) as u64,
+        walkers: crowd.len() as u32,
+        steered: crowd.due(),
+        bytes: (ranks.bytes() + size_of::<Step>() * steps.capacity()) as u64
+            + size_of::<Rank>() as u64 * done.len() as u64,
     };
 }
 
-/// What a walker sees of the others.
-struct Crowd<'a> {
-    walks: &'a [Walk],
-    discs: &'a [Disc],
-    grid: &'a Grid,
-    settings: &'a WalkSettings,
-    reach: f32,
-    delta: f32,
-}
-
-/// Places that are compared at once: what a compiler keeps in two registers of a processor of 2008.
-const WIDE: usize = 8;
-
-impl Crowd<'_> {
-    /// The nearest others of a walker, their places in the order of the grid, and how many.
-    #[inline]
-    fn nearest(&self, at: usize) -> ([u32; NEIGHBOURS], usize) {
-        let own = self.discs[at].place;
-        let mut squares = [f32::INFINITY; NEIGHBOURS];
-        let mut numbers = [0_u32; NEIGHBOURS];
-        let mut count = 0;
-        let mut limit = self.reach * self.reach;
-        let mut left = self.settings.looks as usize;
-        let reach = Vec2::splat(self.reach);
-        for span in self.grid.rows(own - reach, own + reach) {
-            let end = span
-                .end
-                .min(span.start + left + usize::from(span.contains(&at)));
-            left -= (end - span.start).min(left);
-            let mut first = span.start;
-            for discs in self.discs[span.start..end].chunks(WIDE) {
-                let mut apart = [f32::INFINITY; WIDE];
-                for (apart, disc) in apart.iter_mut().zip(discs) {
-                    *apart = disc.place.distance_squared(own);
-                }
-                for (other, square) in (first..).zip(apart) {
-                    // Also refuses NaN.
-                    if square < limit && other != at {
-                        count = (count + 1).min(NEIGHBOURS);
-                        let mut to = count - 1;
-                        while to > 0 && squares[to - 1] > square {
-                            squares[to] = squares[to - 1];
-                            numbers[to] = numbers[to - 1];
-                            to -= 1;
-                        }
-                        squares[to] = square;
-                        numbers[to] = other as u32;
-                        if count == NEIGHBOURS {
-                            limit = squares[NEIGHBOURS - 1];
-                        }
-                    }
-                }
-                first += WIDE;
-            }
-            if left == 0 {
-                break;
-            }
-        }
-        (numbers, count)
-    }
-
-    /// The next velocity of the walker that is so far down the order of the grid, and whether nobody hindered it.
-    fn steer(&self, at: usize, wish: Vec2) -> (Vec2, bool) {
-        let walk = &self.walks[at];
-        if !walk.due {
-            return (walk.velocity, walk.calm);
-        }
-        if walk.speed == 0.0 {
-            return (Vec2::ZERO, true);
-        }
-        let own = &self.discs[at];
-        let (near, count) = self.nearest(at);
-        let mut lines = [Line::default(); NEIGHBOURS];
-        let step = self.delta * self.settings.every.max(1) as f32;
-        let horizon = self.settings.horizon.max(step);
-        for (line, &other) in lines.iter_mut().zip(&near[..count]) {
-            let other = other as usize;
-            *line = half_plane(own, &self.discs[other], horizon, step, at < other);
-        }
-        let result = velocity(&lines[..count], walk.speed, wish);
-        if result.is_finite() {
-            // What is longer than the speed is shortened, which hinders nobody.
-            (result, result.distance_squared(wish) < 1e-6)
-        } else {
-            (Vec2::ZERO, false)
-        }
-    }
+/// Every walker as the world has it: whose it is, what it does, and whether it decides in this step.
+fn all_of<'a>(
+    walkers: &'a Walkers,
+    clock: &LogicClock,
+    every: u32,
+) -> impl Iterator<Item = (Entity, &'a Walker, bool)> {
+    let now = clock.step as u32;
+    walkers
+        .iter()
+        .map(move |(entity, walker, _, _, attention)| {
+            let every = every.max(attention.map_or(1, Attention::steps));
+            let every = every.saturating_mul(1 + u32::from(walker.calm));
+            let step = now.wrapping_add(entity.index_u32());
+            // Divisions take longer than all the rest of it.
+            let due = if every.is_power_of_two() {
+                step & (every - 1) == 0
+            } else {
+                step.is_multiple_of(every)
+            };
+            (entity, walker, due)
+        })
 }
 
 /// One step of one walker, in parts no longer than a cell.

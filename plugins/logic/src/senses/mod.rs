@@ -6,13 +6,15 @@
 //! | [`Ear`] | hears [`Noise`] |
 //! | [`Memory`] | who was seen or heard, where, and how surely |
 
+mod field;
 mod hearing;
 mod memory;
 mod sight;
 
+pub use field::in_field;
 pub use hearing::{Ear, Noise};
 pub use memory::{Memory, TRACES, Trace};
-pub use sight::{Sight, SightCounters, SightSettings, Visible, in_field};
+pub use sight::{Sight, SightCounters, SightSettings, Visible};
 
 use crate::sets::LogicSystems;
 use bevy::app::{App, FixedUpdate};

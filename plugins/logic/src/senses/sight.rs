@@ -5,6 +5,7 @@
 //! what hid somebody a moment ago mostly still does (P. Terdiman, on caching the last blocker). What is left is cast,
 //! the nearest first, and at most so many of one observer's rays a look; a pair for which none is left stays as it was.
 
+use super::field::Places;
 use super::memory::Memory;
 use crate::bodies::BodyIndex;
 use crate::clock::LogicClock;
@@ -136,18 +137,10 @@ struct Target {
 pub(super) struct Lists {
     targets: Vec<Target>,
     places: Vec<Vec2>,
-    /// In the order of the grid.
+    /// In the order of the grid, as their places by axes are.
     sorted: Vec<Target>,
+    fields: Places,
     grid: Grid,
-}
-
-/// Whether somebody at `to` is in range and field of an eye.
-#[must_use]
-pub fn in_field(eye: Vec3, forward: Vec3, range: f32, cos_field: f32, to: Vec3) -> bool {
-    let way = to - eye;
-    let square = way.length_squared();
-    // Nobody sees out of themselves. Also refuses NaN.
-    square > 0.0 && square <= range * range && way.dot(forward) >= cos_field * square.sqrt()
 }
 
 pub(super) fn see(
@@ -174,6 +167,7 @@ pub(super) fn see(
         targets,
         places,
         sorted,
+        fields,
         grid,
     } = &mut *lists;
     targets.clear();
@@ -192,7 +186,8 @@ pub(super) fn see(
     grid.build(places, 16.0);
     sorted.clear();
     sorted.extend(grid.order().iter().map(|&number| targets[number as usize]));
-    let (targets, grid, bodies) = (&*sorted, &*grid, &*bodies);
+    fields.fill(sorted.iter().map(|target| target.place));
+    let (targets, fields, grid, bodies) = (&*sorted, &*fields, &*grid, &*bodies);
     let rays: Option<&dyn Rays> = world.as_ref().map(|world| &*world.0);
     let every = settings.every.max(1);
     let due = |entity: Entity, attention: Option<&Attention>| {
@@ -224,6 +219,7 @@ pub(super) fn see(
                 team.copied(),
                 entity,
                 targets,
+                fields,
                 grid,
                 settings.rays,
                 rays,
@@ -274,6 +270,7 @@ fn look(
     team: Option<Team>,
     own: Entity,
     targets: &[Target],
+    fields: &Places,
     grid: &Grid,
     most: u32,
     rays: Option<&dyn Rays>,
@@ -297,16 +294,13 @@ fn look(
         } = found;
         near.clear();
         for span in grid.rows(middle - reach, middle + reach) {
-            let first = span.start as u32;
-            for (number, target) in (first..).zip(&targets[span]) {
+            fields.in_field(span, eye, forward, range, cos_field, |number, square| {
+                let target = &targets[number];
                 let friend = team.is_some() && target.team == team;
-                if !friend
-                    && target.who != own
-                    && in_field(eye, forward, range, cos_field, target.place)
-                {
-                    near.push((target.place.distance_squared(eye), number));
+                if !friend && target.who != own {
+                    near.push((square, number as u32));
                 }
-            }
+            });
         }
         // The nearest come first where there are not rays enough for all.
         if near.len() > most as usize {

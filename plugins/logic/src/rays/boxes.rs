@@ -1,41 +1,7 @@
-//! What hides and what stops shots: a trait that ground, blocks and meshes answer.
+//! Upright boxes in a grid.
 
-use bevy::ecs::prelude::*;
+use super::answer::{Rays, Stop};
 use bevy::math::{Vec2, Vec3, Vec3Swizzles};
-use std::sync::Arc;
-
-/// Where a straight way is stopped.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stop {
-    /// When, as a part of the way.
-    pub time: f32,
-    /// By what: a number that means something to who answered.
-    pub blocker: u64,
-}
-
-/// Answers whether something is in the way. The same question has the same answer in any order and from any thread.
-pub trait Rays: Send + Sync + 'static {
-    /// What stops a way from one place to another first. Places that are not finite are stopped by nothing.
-    fn cast(&self, from: Vec3, to: Vec3) -> Option<Stop>;
-
-    /// Whether a blocker of an earlier answer stops this way too. `false` may also mean that it is not known; `true`
-    /// has to be true.
-    fn still_blocks(&self, blocker: u64, from: Vec3, to: Vec3) -> bool;
-
-    /// What is in the way from one place to each of several others: anything, not what is first. Places of which
-    /// something is known already are left out. Of many ways from one place some find what is near once for all.
-    fn hide(&self, from: Vec3, to: &[Vec3], blockers: &mut [Option<u64>]) {
-        for (to, blocker) in to.iter().zip(blockers) {
-            if blocker.is_none() {
-                *blocker = self.cast(from, *to).map(|stop| stop.blocker);
-            }
-        }
-    }
-}
-
-/// What stops sight and shots in this world; without it nothing does.
-#[derive(Resource, Clone)]
-pub struct RayWorld(pub Arc<dyn Rays>);
 
 /// Upright boxes that do not move: houses, walls, blocks.
 #[derive(Clone, Debug, Default)]
@@ -54,6 +20,9 @@ const AGAIN: u32 = 1 << 31;
 
 /// Boxes near several ways from one place that are all looked at for each: more are asked by their cells.
 const NEAR: usize = 64;
+
+/// Boxes that are looked at at once.
+const LANES: usize = 8;
 
 /// When a way enters a box, as a part of it; nothing if it does not. 0 of one that starts inside.
 #[inline]
@@ -194,6 +163,67 @@ impl BoxRays {
     }
 }
 
+/// Boxes from a place, by axes, so that several are looked at at once.
+struct Wide {
+    low: [[f32; NEAR]; 3],
+    high: [[f32; NEAR]; 3],
+    count: usize,
+}
+
+impl Wide {
+    fn new(from: Vec3, boxes: &[[Vec3; 2]], near: &[u32]) -> Self {
+        let mut wide = Self {
+            low: [[0.0; NEAR]; 3],
+            high: [[0.0; NEAR]; 3],
+            count: near.len(),
+        };
+        for (at, &number) in near.iter().enumerate() {
+            let [low, high] = boxes[number as usize];
+            let (low, high) = (low - from, high - from);
+            for axis in 0..3 {
+                wide.low[axis][at] = low[axis];
+                wide.high[axis][at] = high[axis];
+            }
+        }
+        wide
+    }
+
+    /// The first of them that a way enters, by the inverse of the way, as [`enter_box`] has it.
+    #[inline]
+    fn first(&self, inverse: Vec3) -> Option<usize> {
+        let lesser = |a: f32, b: f32| if a < b { a } else { b };
+        let greater = |a: f32, b: f32| if a > b { a } else { b };
+        let mut first = 0;
+        while first < self.count {
+            let (mut enter, mut leave) = ([0.0_f32; LANES], [1.0_f32; LANES]);
+            for axis in 0..3 {
+                let (low, high) = (
+                    &self.low[axis][first..first + LANES],
+                    &self.high[axis][first..first + LANES],
+                );
+                for lane in 0..LANES {
+                    let (a, b) = (low[lane] * inverse[axis], high[lane] * inverse[axis]);
+                    enter[lane] = greater(enter[lane], lesser(a, b));
+                    leave[lane] = lesser(leave[lane], greater(a, b));
+                }
+            }
+            let mut found = 0_u32;
+            for lane in 0..LANES {
+                found |= u32::from(enter[lane] <= leave[lane]) << lane;
+            }
+            let left = self.count - first;
+            if left < LANES {
+                found &= (1 << left) - 1;
+            }
+            if found != 0 {
+                return Some(first + found.trailing_zeros() as usize);
+            }
+            first += LANES;
+        }
+        None
+    }
+}
+
 impl Rays for BoxRays {
     /// Goes from cell to cell of the row or column that the way is in (J. Amanatides, A. Woo, A Fast Voxel Traversal
     /// Algorithm for Ray Tracing, Eurographics 1987), by whole spans of a row, so that rounding at a border of cells
@@ -281,29 +311,20 @@ impl Rays for BoxRays {
         first
     }
 
-    /// Looks at each box near all of the ways, where there are few.
+    /// Looks at the boxes near all of the ways, eight at once, where there are few.
     fn hide(&self, from: Vec3, to: &[Vec3], blockers: &mut [Option<u64>]) {
         let mut near = [0_u32; NEAR];
-        let count = self.near(from, to, &mut near);
+        let near = self.near(from, to, &mut near).map(|count| &near[..count]);
+        let wide = near.map(|near| Wide::new(from, &self.boxes, near));
         for (to, blocker) in to.iter().zip(blockers) {
             if blocker.is_some() || !(from.is_finite() && to.is_finite()) {
                 continue;
             }
-            *blocker = match count {
-                None => self.cast(from, *to).map(|stop| stop.blocker),
-                Some(count) => {
-                    let inverse = (*to - from).recip();
-                    near[..count]
-                        .iter()
-                        .find(|number| {
-                            let [low, high] = self.boxes[**number as usize];
-                            let (a, b) = ((low - from) * inverse, (high - from) * inverse);
-                            // As `enter_box` has it.
-                            let enter = a.min(b).max_element().max(0.0);
-                            enter <= a.max(b).min_element().min(1.0)
-                        })
-                        .map(|number| u64::from(*number))
-                }
+            *blocker = match (&wide, near) {
+                (Some(wide), Some(near)) => wide
+                    .first((*to - from).recip())
+                    .map(|at| u64::from(near[at])),
+                _ => self.cast(from, *to).map(|stop| stop.blocker),
             };
         }
     }
@@ -311,121 +332,6 @@ impl Rays for BoxRays {
     fn still_blocks(&self, blocker: u64, from: Vec3, to: Vec3) -> bool {
         let known = self.boxes.get(blocker as usize);
         known.is_some_and(|corners| enter_box(from, to - from, corners).is_some())
-    }
-}
-
-/// Ground by a function of x and z, looked at every so many metres of a way.
-pub struct GroundRays<F> {
-    height: F,
-    spacing: f32,
-}
-
-impl<F: Fn(Vec2) -> f32 + Send + Sync + 'static> GroundRays<F> {
-    /// Looks every `spacing` metres: a ridge that is narrower may be missed. What is not above 0 is 1 m.
-    #[must_use]
-    pub fn new(height: F, spacing: f32) -> Self {
-        let spacing = if spacing > 0.0 && spacing.is_finite() {
-            spacing
-        } else {
-            1.0
-        };
-        Self { height, spacing }
-    }
-
-    fn is_below(&self, place: Vec3) -> bool {
-        place.y < (self.height)(place.xz())
-    }
-}
-
-impl<F: Fn(Vec2) -> f32 + Send + Sync + 'static> Rays for GroundRays<F> {
-    fn cast(&self, from: Vec3, to: Vec3) -> Option<Stop> {
-        let way = to - from;
-        let length = way.xz().length();
-        if !(length.is_finite() && from.y.is_finite() && to.y.is_finite()) {
-            return None;
-        }
-        // A way of an hour is looked at a million times at most.
-        let count = ((length / self.spacing).ceil() as u32).clamp(1, 1 << 20);
-        let number =
-            (0..=count).find(|&n| self.is_below(from + way * (n as f32 / count as f32)))?;
-        // Between the last place above and the first below, by halving to a 4096th.
-        let (mut above, mut below) = (number.saturating_sub(1) as f32, number as f32);
-        for _ in 0..if number == 0 { 0 } else { 12 } {
-            let middle = (above + below) / 2.0;
-            if self.is_below(from + way * (middle / count as f32)) {
-                below = middle;
-            } else {
-                above = middle;
-            }
-        }
-        let time = number as f32 / count as f32;
-        let at = (from + way * time).xz();
-        let bits = |x: f32| u64::from((x / self.spacing).round() as i32 as u32);
-        Some(Stop {
-            time: below / count as f32,
-            // 28 bits a coordinate, so that a set has room for its own.
-            blocker: (bits(at.x) & 0x0fff_ffff) << 28 | (bits(at.y) & 0x0fff_ffff),
-        })
-    }
-
-    /// Looks at the place of the way that is nearest to where the ground stopped another: below the ground there is
-    /// below the ground.
-    fn still_blocks(&self, blocker: u64, from: Vec3, to: Vec3) -> bool {
-        let number = |bits: u64| ((bits as u32) << 4) as i32 >> 4;
-        let at = Vec2::new(
-            number(blocker >> 28 & 0x0fff_ffff) as f32,
-            number(blocker & 0x0fff_ffff) as f32,
-        ) * self.spacing;
-        let way = to - from;
-        let length = way.xz().length_squared();
-        if !(length > 0.0 && length.is_finite()) {
-            return false;
-        }
-        let time = (at - from.xz()).dot(way.xz()) / length;
-        (0.0..=1.0).contains(&time) && self.is_below(from + way * time)
-    }
-}
-
-/// Several that stop ways: ground and blocks and meshes. At most 256.
-#[derive(Clone, Default)]
-pub struct RaySet(pub Vec<Arc<dyn Rays>>);
-
-/// Where the number of a member stands in a blocker.
-const MEMBER: u32 = 56;
-
-impl Rays for RaySet {
-    fn cast(&self, from: Vec3, to: Vec3) -> Option<Stop> {
-        let mut first: Option<Stop> = None;
-        for (number, rays) in self.0.iter().enumerate().take(256) {
-            if let Some(stop) = rays.cast(from, to)
-                && first.is_none_or(|first| stop.time < first.time)
-            {
-                first = Some(Stop {
-                    time: stop.time,
-                    blocker: stop.blocker & ((1 << MEMBER) - 1) | (number as u64) << MEMBER,
-                });
-            }
-        }
-        first
-    }
-
-    fn hide(&self, from: Vec3, to: &[Vec3], blockers: &mut [Option<u64>]) {
-        let mut own = vec![None; to.len()];
-        for (number, rays) in self.0.iter().enumerate().take(256) {
-            // What is hidden already is left out by a blocker that nobody reads.
-            own.clone_from_slice(blockers);
-            rays.hide(from, to, &mut own);
-            for (blocker, own) in blockers.iter_mut().zip(&own) {
-                if blocker.is_none() {
-                    *blocker = own.map(|own| own & ((1 << MEMBER) - 1) | (number as u64) << MEMBER);
-                }
-            }
-        }
-    }
-
-    fn still_blocks(&self, blocker: u64, from: Vec3, to: Vec3) -> bool {
-        let member = self.0.get((blocker >> MEMBER) as usize);
-        member.is_some_and(|rays| rays.still_blocks(blocker & ((1 << MEMBER) - 1), from, to))
     }
 }
 
@@ -486,27 +392,5 @@ mod tests {
             }
         }
         assert!((4000..16_000).contains(&hits), "{hits}");
-    }
-
-    #[test]
-    fn ground_hides_behind_a_ridge_and_a_set_says_which() {
-        let ridge = |at: Vec2| 5.0 - (at.x - 20.0).abs();
-        let ground: Arc<dyn Rays> = Arc::new(GroundRays::new(ridge, 0.5));
-        let wall = BoxRays::new(
-            [[Vec3::new(50.0, -9.0, -9.0), Vec3::new(51.0, 9.0, 9.0)]],
-            4.0,
-        );
-        let set = RaySet(vec![ground, Arc::new(wall)]);
-        let (eye, low) = (Vec3::new(0.0, 1.0, 0.0), Vec3::new(40.0, 1.0, 0.0));
-        let stop = set.cast(eye, low).expect("the ridge is in the way");
-        assert!((stop.time - 0.4).abs() < 1e-3, "{stop:?}");
-        assert!(set.still_blocks(stop.blocker, eye, low));
-        let over = Vec3::new(40.0, 12.0, 0.0);
-        assert_eq!(set.cast(eye, over), None);
-        assert!(!set.still_blocks(stop.blocker, eye, over));
-        let stop = set.cast(over, Vec3::new(60.0, 0.0, 0.0)).expect("the wall");
-        assert_eq!(stop.blocker >> MEMBER, 1);
-        assert_eq!(set.cast(Vec3::NAN, low), None);
-        assert_eq!(set.cast(eye, Vec3::INFINITY), None);
     }
 }
