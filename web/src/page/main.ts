@@ -118,7 +118,11 @@ async function typed(): Promise<void> {
   const kind = scene.kinds[file]!;
   const fault = await engine?.check(kind, text, controls.settings);
   if (editor.text !== text || !engine) return;
-  const own = fault?.faults.map((one) => (one.file === kind.file ? one : { ...one, line: 1, message: `${one.file}: ${one.message}` }));
+  const own = fault?.faults.map((one) => {
+    if (one.file === kind.file) return one;
+    const missing = /^web::functions has no (\w+)$/.exec(one.message)?.[1];
+    return { ...one, line: 1, message: missing ? `the stage calls a function named ${missing}, and there is none` : `${one.file}: ${one.message}` };
+  });
   editor.mark(own ?? []);
   if (fault) {
     state('faulty');
