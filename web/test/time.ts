@@ -1,16 +1,17 @@
-// How long a capsule's passes take in Chromium: `node dist-tools/time.js FOLDER NAME [REPEATS]`, FOLDER with NAME.capsule.
-// Beside it: `dolomite_lab capsule NAME --time REPEATS`, the same by wgpu on this machine's Vulkan adapter. And how long
+// How long a capsule's passes take in Chromium: `node dist-tools/time.js FOLDER NAME [ROUNDS]`, FOLDER with NAME.capsule.
+// Beside it: `dolomite_lab capsule NAME --time ROUNDS`, the same by wgpu on this machine's Vulkan adapter. And how long
 // the page's first scene takes with some hundred thousand triangles, as it says itself: pass by pass, each waited for.
 //
-// From each submission until all of it is done, by the page's clock, which is asked for no timestamps of the device.
+// From the submission of a round until all of it is done, by the page's clock; the device is asked for no timestamps.
 
 import { join } from 'node:path';
+import { ROUND } from '../src/capsule/play.js';
 import { endAfter, launch, PATIENCE, ROOT, serve } from './browser.js';
 import { count, level, opened, state } from './opened.js';
 
 const [folder, name, repeats = '30'] = process.argv.slice(2);
 if (!folder || !name) {
-  console.log('node dist-tools/time.js FOLDER NAME [REPEATS]');
+  console.log('node dist-tools/time.js FOLDER NAME [ROUNDS]');
   process.exit(2);
 }
 endAfter(1200);
@@ -22,7 +23,7 @@ const times = await page.evaluate(([file, count]) => window.timeCapsule(file!, N
 times.sort((a, b) => a - b);
 const shown = (at: number): string => `${times[at]!.toFixed(2)} ms`;
 console.log(
-  `${name} in Chromium ${browser.version()}: ${times.length} runs; shortest ${shown(0)}, median ${shown(times.length >> 1)}, longest ${shown(times.length - 1)}`,
+  `${name} in Chromium ${browser.version()}: ${times.length} rounds of ${ROUND} runs; a run: shortest ${shown(0)}, median ${shown(times.length >> 1)}, longest ${shown(times.length - 1)}`,
 );
 await page.close();
 

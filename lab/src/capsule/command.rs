@@ -7,7 +7,7 @@ use dolomite_testkit::gpu::Gpu;
 
 use super::CapsuleError;
 use super::list::{Entry, Settings, all};
-use super::native::Native;
+use super::native::{Native, ROUND};
 
 /// Writes capsules: runs of compute passes with all that they need and all that must come out, for any
 /// implementation of WebGPU.
@@ -29,9 +29,9 @@ pub struct Arguments {
     /// Patches of `tuples`
     #[arg(long, default_value_t = 10_000)]
     pub count: usize,
-    /// Runs its passes so many times on this machine's Vulkan adapter, and says how long they take, in place of writing
-    /// a file
-    #[arg(long, value_name = "REPEATS")]
+    /// Runs its passes in so many rounds on this machine's Vulkan adapter, and says how long they take, in place of
+    /// writing a file
+    #[arg(long, value_name = "ROUNDS")]
     pub time: Option<usize>,
 }
 
@@ -101,7 +101,7 @@ fn time(
     times.sort_unstable();
     let milliseconds = |at: usize| 1e3 * times[at].as_secs_f64();
     Ok(vec![format!(
-        "{name} on {}: {} runs; shortest {:.2} ms, median {:.2} ms, longest {:.2} ms",
+        "{name} on {}: {} rounds of {ROUND} runs; a run: shortest {:.2} ms, median {:.2} ms, longest {:.2} ms",
         gpu.name,
         times.len(),
         milliseconds(0),

@@ -13,6 +13,9 @@ use wgpu::{
 use super::CapsuleError;
 use super::format::{BindingKind, Capsule, Command};
 
+/// Runs that are waited for together, so that waiting counts little; as `ROUND` in `web/src/capsule/play.ts`.
+pub const ROUND: u32 = 10;
+
 /// A capsule on an adapter.
 pub struct Native<'a> {
     gpu: &'a Gpu,
@@ -128,16 +131,19 @@ impl<'a> Native<'a> {
         }
     }
 
-    /// All that is recorded before the first comparison, so many times, each from its submission until it is done.
+    /// Times of all that is recorded before the first comparison: of each of `repeats` rounds the time of one of
+    /// [`ROUND`] runs, which are submitted one after the other and then waited for together.
     ///
     /// # Errors
     /// If the device is lost.
     pub fn times(&self, repeats: usize) -> Result<Vec<Duration>, CapsuleError> {
         let once = || {
             let began = Instant::now();
-            self.submit();
+            for _ in 0..ROUND {
+                self.submit();
+            }
             self.gpu.finish()?;
-            Ok(began.elapsed())
+            Ok(began.elapsed() / ROUND)
         };
         (0..repeats).map(|_| once()).collect()
     }

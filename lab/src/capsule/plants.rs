@@ -320,9 +320,8 @@ mod tests {
 
     #[test]
     fn every_list_has_roots_and_distance_thins_them() {
-        let ground = ground(&mut Random::new(1));
-        let params = params(1);
-        let lists = (0..SEEDS).find_map(|_| records(&ground, &params));
+        let of = |seed| records(&ground(&mut Random::new(seed)), &params(seed));
+        let lists = (0..SEEDS).find_map(of);
         let counts = lists.expect("no threshold is near").map(|list| list.len());
         assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
         // 4096 cells of 1/8 m on 64 m².

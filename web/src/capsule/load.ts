@@ -46,12 +46,17 @@ async function modulesOf(device: GPUDevice, capsule: Capsule): Promise<GPUShader
   return modules;
 }
 
+/** A command that compares nothing. */
+export type Plain = Exclude<Command, { expected: unknown }>;
+
+export const isPlain = (command: Command): command is Plain => !('expected' in command);
+
 /** A capsule on a device. */
 export interface Loaded {
   capsule: Capsule;
   buffers: GPUBuffer[];
-  /** Carries a command out that compares nothing. */
-  submit: (command: Exclude<Command, { expected: unknown }>) => void;
+  /** Carries commands out that compare nothing: as one submission, all that is written before it. */
+  submit: (commands: readonly Plain[]) => void;
   destroy: () => void;
 }
 
@@ -102,26 +107,27 @@ export async function load(device: GPUDevice, capsule: Capsule): Promise<Loaded>
   );
   const refused = await device.popErrorScope();
   if (refused) throw new CapsuleError(`${header.name}: ${refused.message}`);
-  const submit: Loaded['submit'] = (command) => {
-    if (command.do === 'write') {
-      device.queue.writeBuffer(buffers[command.buffer]!, command.offset, capsule.bytes(command.data));
-      return;
-    }
+  const submit: Loaded['submit'] = (commands) => {
     const encoder = device.createCommandEncoder();
-    if (command.do === 'clear') {
-      encoder.clearBuffer(buffers[command.buffer]!, command.offset, command.size);
-    } else {
-      const pass = encoder.beginComputePass();
-      for (const step of command.steps) {
-        pass.setPipeline(pipelines[step.pipeline]!);
-        step.groups.forEach((group, number) => pass.setBindGroup(number, groups[group]!));
-        if (step.indirect) {
-          pass.dispatchWorkgroupsIndirect(buffers[step.indirect.buffer]!, step.indirect.offset);
-        } else if (step.dispatch) {
-          pass.dispatchWorkgroups(...step.dispatch);
+    for (const command of commands) {
+      if (command.do === 'write') {
+        // Before all that is submitted after it.
+        device.queue.writeBuffer(buffers[command.buffer]!, command.offset, capsule.bytes(command.data));
+      } else if (command.do === 'clear') {
+        encoder.clearBuffer(buffers[command.buffer]!, command.offset, command.size);
+      } else {
+        const pass = encoder.beginComputePass();
+        for (const step of command.steps) {
+          pass.setPipeline(pipelines[step.pipeline]!);
+          step.groups.forEach((group, number) => pass.setBindGroup(number, groups[group]!));
+          if (step.indirect) {
+            pass.dispatchWorkgroupsIndirect(buffers[step.indirect.buffer]!, step.indirect.offset);
+          } else if (step.dispatch) {
+            pass.dispatchWorkgroups(...step.dispatch);
+          }
         }
+        pass.end();
       }
-      pass.end();
     }
     device.queue.submit([encoder.finish()]);
   };
