@@ -8,6 +8,6 @@ export default defineConfig({
     outDir: 'dist-tools',
     target: 'node20',
     minify: false,
-    rollupOptions: { input: { figures: 'test/figures.ts', node: 'test/node.ts', run: 'test/run.ts' } },
+    rollupOptions: { input: { figures: 'test/figures.ts', hangs: 'test/hangs.ts', node: 'test/node.ts', run: 'test/run.ts', time: 'test/time.ts' } },
   },
 });

@@ -32,6 +32,26 @@ struct Crowd {
     joints: u32,
 }
 
+/// What the shader binds of a mesh and of a palette: the bytes of its vertices, and of what all figures share.
+#[must_use]
+pub fn bound(palette: &Palette, mesh: &SkinnedMesh) -> [Vec<u8>; 2] {
+    let pair = |a: u16, b: u16| u32::from(a) | (u32::from(b) << 16);
+    let vertices: Vec<Vertex> = (0..mesh.positions.len())
+        .map(|i| Vertex {
+            position: mesh.positions[i],
+            joints_01: pair(mesh.joints[i][0], mesh.joints[i][1]),
+            normal: mesh.normals.get(i).copied().unwrap_or([0.0, 1.0, 0.0]),
+            joints_23: pair(mesh.joints[i][2], mesh.joints[i][3]),
+            weights: mesh.weights[i],
+        })
+        .collect();
+    let crowd = Crowd {
+        anchor: [0.0; 3],
+        joints: palette.joints,
+    };
+    [pod_collect_to_vec(&vertices), bytes_of(&crowd).to_vec()]
+}
+
 /// The shader on an adapter.
 pub struct Probe {
     gpu: Gpu,
@@ -93,32 +113,16 @@ impl Probe {
         mesh: &SkinnedMesh,
         figures: &[CrowdFigure],
     ) -> Result<Vec<[Vec3; 2]>, SkinningError> {
-        let pair = |a: u16, b: u16| u32::from(a) | (u32::from(b) << 16);
-        let vertices: Vec<Vertex> = (0..mesh.positions.len())
-            .map(|i| Vertex {
-                position: mesh.positions[i],
-                joints_01: pair(mesh.joints[i][0], mesh.joints[i][1]),
-                normal: mesh.normals.get(i).copied().unwrap_or([0.0, 1.0, 0.0]),
-                joints_23: pair(mesh.joints[i][2], mesh.joints[i][3]),
-                weights: mesh.weights[i],
-            })
-            .collect();
-        let count = vertices.len() * figures.len();
+        let [vertices, crowd] = bound(palette, mesh);
+        let count = mesh.positions.len() * figures.len();
         let mut answers: Vec<u8> = pod_collect_to_vec(&vec![SENTINEL; count * 8]);
-        let crowd = Crowd {
-            anchor: [0.0; 3],
-            joints: palette.joints,
-        };
         let groups = &mut [
             vec![
                 Binding::Read(cast_slice(&palette.rows)),
                 Binding::Read(cast_slice(figures)),
-                Binding::Uniform(bytes_of(&crowd)),
+                Binding::Uniform(&crowd),
             ],
-            vec![
-                Binding::Read(cast_slice(&vertices)),
-                Binding::Write(&mut answers),
-            ],
+            vec![Binding::Read(&vertices), Binding::Write(&mut answers)],
         ];
         let blocks = (count as u32).div_ceil(64);
         let workgroups = [blocks.min(65_535), blocks.div_ceil(65_535), 1];
@@ -179,7 +183,7 @@ impl Probe {
 }
 
 /// A figure within 8 m, at some moment of some clip.
-fn figure(palette: &Palette, random: &mut Random) -> CrowdFigure {
+pub fn figure(palette: &Palette, random: &mut Random) -> CrowdFigure {
     let clip = random.below(palette.clips.len());
     let time = random.range(0.0, palette.clips[clip].duration);
     let offset = Vec3::new(

@@ -2,7 +2,7 @@
 
 import { createReadStream, existsSync, statSync } from 'node:fs';
 import { createServer, type Server } from 'node:http';
-import { extname, join, normalize, resolve } from 'node:path';
+import { dirname, extname, join, normalize } from 'node:path';
 import { type Browser, chromium } from 'playwright-core';
 
 const TYPES: Record<string, string> = {
@@ -49,8 +49,47 @@ export async function launch(webgpu = true): Promise<Browser> {
     args.push('--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan');
   }
   if (!webgpu) args.push('--disable-features=WebGPU', '--disable-gpu');
-  return chromium.launch({ executablePath, args, headless: true });
+  return chromium.launch({ executablePath, args, headless: true, timeout: PATIENCE });
 }
 
-/** The folder of this package. */
-export const ROOT = resolve(import.meta.dirname, '..');
+/**
+ * Most that anything may take before it counts as hung, milliseconds. On a quiet machine all takes a few seconds; on a
+ * software adapter that others keep busy, compiling alone takes a minute.
+ */
+export const PATIENCE = 240_000;
+
+/** What a promise gives; where it takes longer than it may, an error that says what was waited for. */
+export async function within<T>(what: string, milliseconds: number, promise: Promise<T>): Promise<T> {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const late = new Promise<never>((_, refuse) => {
+    timer = setTimeout(() => refuse(new Error(`${what}: nothing after ${milliseconds / 1000} s; the browser hangs`)), milliseconds);
+  });
+  try {
+    return await Promise.race([promise, late]);
+  } finally {
+    clearTimeout(timer);
+  }
+}
+
+/**
+ * Ends this program with code 3 and a line that says so after so many seconds, whatever it waits for. Its browser ends
+ * with it: Playwright kills it as the process exits.
+ */
+export function endAfter(seconds: number): void {
+  const timer = setTimeout(() => {
+    console.log(`WRONG  not done after ${seconds} s: the browser is killed`);
+    process.exit(3);
+  }, seconds * 1000);
+  timer.unref();
+}
+
+/** The folder of this package: the first above this file that holds package.json, wherever the build puts this file. */
+export const ROOT = ((): string => {
+  let folder = import.meta.dirname;
+  while (!existsSync(join(folder, 'package.json'))) {
+    const above = dirname(folder);
+    if (above === folder) throw new Error(`no folder above ${import.meta.dirname} holds package.json`);
+    folder = above;
+  }
+  return folder;
+})();

@@ -5,7 +5,7 @@
 import { readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { launch } from './browser.js';
+import { endAfter, launch } from './browser.js';
 
 const words = process.argv.slice(2);
 const at = words.indexOf('--pictures');
@@ -19,6 +19,7 @@ const say = (right: boolean, what: string): void => {
 };
 const times = (part: string): number => text.split(part).length - 1;
 
+endAfter(300);
 const browser = await launch(false);
 const grounds: number[] = [];
 try {

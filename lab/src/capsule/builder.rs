@@ -8,6 +8,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use super::CapsuleError;
 use super::format::{
     BindingKind, BufferOf, Capsule, Command, Field, From, Group, Header, Module, Pipeline, Span,
+    Step, TextureOf,
 };
 
 /// A capsule that is being made. What is the same is stored once.
@@ -108,6 +109,32 @@ impl Builder {
         )
     }
 
+    /// Adds a buffer of so many bytes, which begins with these and is 0 behind them.
+    pub fn begun(&mut self, name: &str, size: u64, bytes: &[u8]) -> u32 {
+        let data = Some(self.data(bytes));
+        let name = name.to_owned();
+        let made = BufferOf {
+            name,
+            size,
+            fill: 0,
+            data,
+        };
+        push(&mut self.header.buffers, made)
+    }
+
+    /// Adds a texture of depths, as 65535ths, row by row.
+    pub fn depths(&mut self, name: &str, [width, height]: [u32; 2], depths: &[u16]) -> u32 {
+        let data = self.data(bytemuck::cast_slice(depths));
+        let name = name.to_owned();
+        let made = TextureOf {
+            name,
+            width,
+            height,
+            data,
+        };
+        push(&mut self.header.textures, made)
+    }
+
     /// Adds a buffer each of whose bytes is `fill`.
     pub fn filled(&mut self, name: &str, size: u64, fill: u8) -> u32 {
         let name = name.to_owned();
@@ -133,14 +160,49 @@ impl Builder {
         self.header.commands.push(command);
     }
 
+    /// Adds a pass of one dispatch, whose workgroups are known.
+    pub fn dispatch(&mut self, pipeline: u32, groups: &[u32], workgroups: [u32; 3]) {
+        let step = Step {
+            pipeline,
+            groups: groups.to_vec(),
+            dispatch: Some(workgroups),
+            indirect: None,
+        };
+        self.command(Command::Pass { steps: vec![step] });
+    }
+
     /// Compares records of `stride` bytes of a buffer, from the byte `offset` on.
     pub fn check(
+        &mut self,
+        name: &str,
+        at: (u32, u64, u64),
+        fields: Vec<Field>,
+        expected: &[u8],
+        from: From,
+    ) {
+        self.compare(name, at, fields, expected, from, false);
+    }
+
+    /// The same, where records may stand in any order.
+    pub fn check_unordered(
+        &mut self,
+        name: &str,
+        at: (u32, u64, u64),
+        fields: Vec<Field>,
+        expected: &[u8],
+        from: From,
+    ) {
+        self.compare(name, at, fields, expected, from, true);
+    }
+
+    fn compare(
         &mut self,
         name: &str,
         (buffer, offset, stride): (u32, u64, u64),
         fields: Vec<Field>,
         expected: &[u8],
         from: From,
+        unordered: bool,
     ) {
         let data = self.data(expected);
         self.command(Command::Check {
@@ -152,6 +214,7 @@ impl Builder {
             fields,
             expected: data,
             from,
+            unordered,
         });
     }
 

@@ -20,6 +20,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::CapsuleError;
+pub use super::field::{Field, FieldType};
 
 /// How a file begins.
 pub const MAGIC: &[u8; 8] = b"dolocap1";
@@ -50,6 +51,9 @@ pub struct Header {
     pub pipelines: Vec<Pipeline>,
     /// Buffers.
     pub buffers: Vec<BufferOf>,
+    /// Textures of depths.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub textures: Vec<TextureOf>,
     /// Bind groups.
     pub groups: Vec<Group>,
     /// What is done, in order.
@@ -77,6 +81,8 @@ pub enum BindingKind {
     ReadOnlyStorage,
     /// `var<storage, read_write>`.
     Storage,
+    /// `texture_depth_2d`; the group's number is that of a texture.
+    DepthTexture,
 }
 
 /// A compute pipeline.
@@ -105,12 +111,25 @@ pub struct BufferOf {
     pub data: Option<Span>,
 }
 
+/// A texture of depths in 16 bits, `depth16unorm`: the one format of depths that WebGPU copies into.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TextureOf {
+    /// For reports.
+    pub name: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Two bytes a pixel, row by row without room between them: the depth times 65535.
+    pub data: Span,
+}
+
 /// A bind group.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Group {
     /// Its layout.
     pub layout: u32,
-    /// The whole buffers at binding 0, 1, and so on.
+    /// The whole buffers at binding 0, 1, and so on; textures where the layout has them.
     pub buffers: Vec<u32>,
 }
 
@@ -156,6 +175,53 @@ pub enum Command {
         /// What of each is compared.
         fields: Vec<Field>,
         /// What they hold: `count` · `stride` bytes.
+        expected: Span,
+        /// Who says so.
+        from: From,
+        /// Whether records may stand in any order, as threads come to them: then both lists are put in the order of
+        /// the fields whose bits have to be the same.
+        #[serde(default, skip_serializing_if = "is_false")]
+        unordered: bool,
+    },
+    /// Compares triangles by their corners, wherever vertices and indices stand.
+    Triangles {
+        /// For reports.
+        name: String,
+        /// Which buffer holds the vertices: from the first word of each on x, y and z, f32.
+        vertices: u32,
+        /// Bytes from one vertex to the next.
+        stride: u64,
+        /// Which buffer holds the indices, three a triangle, from its start on.
+        indices: u32,
+        /// Triangles.
+        count: u64,
+        /// Most units in the last place that y may be off, of the greater of |expected| and `scale`. The bits of x and z
+        /// are the same.
+        ulp: f64,
+        /// See `ulp`.
+        scale: f32,
+        /// Nine f32 a triangle: x, y and z of its corners, counter-clockwise from any of them on.
+        expected: Span,
+        /// Who says so.
+        from: From,
+    },
+    /// Compares lists whose places stand in records.
+    Lists {
+        /// For reports.
+        name: String,
+        /// Which buffer holds records and lists.
+        buffer: u32,
+        /// Byte of the first record.
+        offset: u64,
+        /// Bytes from one record to the next.
+        stride: u64,
+        /// Records.
+        count: u64,
+        /// Byte within a record: the word of the buffer at which its list begins.
+        first: u64,
+        /// Byte within a record: how many words its list has.
+        length: u64,
+        /// Of each record in turn: how many words, then these.
         expected: Span,
         /// Who says so.
         from: From,
@@ -211,44 +277,9 @@ pub struct Indirect {
     pub offset: u64,
 }
 
-/// A field of a record.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Field {
-    /// For reports.
-    pub name: String,
-    /// Byte within the record.
-    pub at: u64,
-    /// How many numbers of the type lie there, one after the other.
-    pub count: u64,
-    /// What they are, and how far off they may be.
-    #[serde(flatten)]
-    pub ty: FieldType,
-}
-
-/// What a field holds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "type", rename_all = "kebab-case")]
-pub enum FieldType {
-    /// A word whose bits must be the same.
-    U32,
-    /// A number. Its error is |found − expected| in units in the last place of the greater of |expected| and `scale`.
-    F32 {
-        /// Most units in the last place.
-        ulp: f64,
-        /// Size of the terms that the number is a sum of, in its unit; 0 for functions without cancellation.
-        scale: f32,
-    },
-    /// A normal in 2 × 12 bits, octahedral, and a material in 8: the coordinates may be so many steps apart, the
-    /// material may not.
-    Oct12 {
-        /// Most steps of a coordinate.
-        steps: u32,
-    },
-    /// Two numbers of 16 bits, which may be so many steps apart.
-    Snorm16x2 {
-        /// Most steps.
-        steps: u32,
-    },
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde gives it so")]
+const fn is_false(value: &bool) -> bool {
+    !*value
 }
 
 /// Hash of words: FNV-1a with 32 bits (Fowler, Noll and Vo 1991) over words in place of bytes.

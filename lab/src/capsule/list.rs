@@ -2,17 +2,13 @@
 
 use std::path::Path;
 
-use dolomite_tessellation::layout::StageView;
-use dolomite_tessellation::patches::WHOLE;
-use dolomite_tessellation::tables::Instance;
-use dolomite_tessellation::{
-    Domain, Drawing, Mode, PatchLayout, PatchMesh, Spacing, Tessellator, Winding, shapes,
-};
-use dolomite_testkit::random::Random;
+use dolomite_ground::detail::Metric;
+use dolomite_tessellation::{Domain, Drawing, Mode, Spacing, Tessellator, Winding};
 
 use super::format::Capsule;
-use super::stage::{StageCase, Tolerance, open_view, record};
-use super::{CapsuleError, functions, globe, heights, patches};
+use super::meshes::{globe_case, hostile_mesh, mesh_of, split_mesh};
+use super::stage::{StageCase, record};
+use super::{CapsuleError, detail, functions, heights, patches, plants, skinning, tiles};
 use crate::studies::tessellation::cases::read;
 use crate::studies::tessellation::random::Tuples;
 
@@ -47,6 +43,12 @@ impl Entry {
             about: about.into(),
             make: Box::new(make),
         }
+    }
+
+    /// Whether CI plays it.
+    #[must_use]
+    pub fn is_short(&self) -> bool {
+        SHORT.contains(&self.name.as_str())
     }
 
     /// Makes it.
@@ -134,7 +136,58 @@ pub fn all() -> Vec<Entry> {
         "Height and slope of a terrain with every kind of source, against the f32 CPU reference",
         |name, about, settings| heights::capsule(name, about, settings.seed),
     ));
+    entries.extend(others());
     entries
+}
+
+/// What CI plays: every domain, spacing and mode, and every kind of check; the rest differs by definitions alone.
+const SHORT: &[&str] = &[
+    "stage-triangles-odd-exact",
+    "stage-quads-even-d3d",
+    "stage-isolines-equal-exact",
+    "stage-view",
+    "captures",
+    "heights",
+    "ground-length",
+    "plants",
+    "light-tiles",
+    "crowd",
+];
+
+/// The parts that draw beside the stage.
+fn others() -> Vec<Entry> {
+    let ground = |name: &str, about: &str, metric: Metric| {
+        Entry::new(name, about, move |name, about, settings| {
+            detail::capsule(name, about, (metric, settings.seed))
+        })
+    };
+    vec![
+        ground(
+            "ground-error",
+            "The ground's choice by error in pixels, and its answers to height queries",
+            Metric::ErrorBound { pixels: 6.0 },
+        ),
+        ground(
+            "ground-length",
+            "The ground's choice by length of edges, and its answers to height queries",
+            Metric::EdgeLength { pixels: 60.0 },
+        ),
+        Entry::new(
+            "plants",
+            "Roots of a lattice on triangles: each in one of them, thinned by distance",
+            |name, about, settings| plants::capsule(name, about, settings.seed),
+        ),
+        Entry::new(
+            "light-tiles",
+            "Which lights reach which tile of a picture",
+            |name, about, settings| tiles::capsule(name, about, settings.seed),
+        ),
+        Entry::new(
+            "crowd",
+            "Vertices of a crowd's figures, skinned from its palette",
+            |name, about, settings| skinning::capsule(name, about, settings.seed),
+        ),
+    ]
 }
 
 /// What else the stage can do.
@@ -205,121 +258,14 @@ fn variations() -> Vec<Entry> {
         Entry::new(
             "stage-view",
             "A sphere whose levels follow its size in pixels: lengths, quotients and roots decide",
-            move |name, about, _| record(name, about, &globe_case()),
+            move |name, about, _| record(name, about, &globe_case(2, [1 << 13, 1 << 14], 24.0)),
+        ),
+        Entry::new(
+            "stage-large",
+            "The same with a hundred thousand triangles: what browsers are timed with",
+            move |name, about, _| record(name, about, &globe_case(4, [1 << 17, 1 << 18], 5.4)),
         ),
     ]
-}
-
-/// Patches whose sums of products are exact: unit cells, and an octahedron cut in halves.
-fn mesh_of(domain: Domain, seed: u32, most: f32) -> PatchMesh {
-    let mut random = Random::new(seed);
-    let mut level = || random.range(0.3, most);
-    if domain == Domain::Triangles {
-        let mesh = shapes::octahedron(2);
-        let points = mesh
-            .points()
-            .iter()
-            .map(|[x, y, z, _]| [*x, *y, *z, level()]);
-        let points = points.collect();
-        return PatchMesh::new(PatchLayout::TRIANGLE, points, mesh.indices().to_vec())
-            .expect("whole triangles");
-    }
-    let layout = match domain {
-        Domain::Isolines => PatchLayout::lines(4),
-        _ => PatchLayout::QUAD,
-    };
-    let side = 4_u32;
-    let points = (0..=side)
-        .flat_map(|y| (0..=side).map(move |x| [x as f32, y as f32]))
-        .map(|[x, y]| [x, y, 0.0, level()])
-        .collect();
-    let corner = |x: u32, y: u32| y * (side + 1) + x;
-    let indices = (0..side)
-        .flat_map(|y| (0..side).map(move |x| (x, y)))
-        .flat_map(|(x, y)| {
-            [
-                corner(x, y),
-                corner(x + 1, y),
-                corner(x + 1, y + 1),
-                corner(x, y + 1),
-            ]
-        })
-        .collect();
-    PatchMesh::new(layout, points, indices).expect("whole quads")
-}
-
-/// A quad above two of half its size.
-fn split_mesh() -> PatchMesh {
-    let places: [[f32; 3]; 8] = [
-        [0.0, 0.0, 9.4],
-        [1.0, 0.0, 3.1],
-        [2.0, 0.0, 8.2],
-        [0.0, 2.0, 5.3],
-        [2.0, 2.0, 6.6],
-        [0.0, -1.0, 1.2],
-        [1.0, -1.0, 2.7],
-        [2.0, -1.0, 0.9],
-    ];
-    let points = places.map(|[x, y, w]| [x, y, 0.0, w]).to_vec();
-    let indices = vec![0, 2, 4, 3, 5, 6, 1, 0, 6, 7, 2, 1];
-    let middles = [[WHOLE, 1, WHOLE, WHOLE], [WHOLE; 4], [WHOLE; 4]];
-    let layout = PatchLayout::QUAD.with_split_sides();
-    PatchMesh::with_middles(layout, points, indices, &middles).expect("halves lie along the side")
-}
-
-/// Corners whose levels discard, and one that is beyond all bounds.
-fn hostile_mesh() -> PatchMesh {
-    let mesh = shapes::octahedron(2);
-    let mut points: Vec<_> = mesh
-        .points()
-        .iter()
-        .map(|[x, y, z, _]| [*x, *y, *z, 2.5])
-        .collect();
-    for (k, level) in [(0, f32::NAN), (4, f32::NEG_INFINITY), (9, 31.0), (14, -1e9)] {
-        points[k][3] = level;
-    }
-    PatchMesh::new(PatchLayout::TRIANGLE, points, mesh.indices().to_vec()).expect("whole triangles")
-}
-
-/// A sphere in front of a camera, whose levels are no whole numbers.
-fn globe_case() -> StageCase<'static> {
-    let tessellator = Tessellator {
-        spacing: Spacing::Equal,
-        ..Default::default()
-    };
-    let mut instance = Instance::IDENTITY;
-    instance.rows = [
-        [1.5, 0.0, 0.0, 100.25],
-        [0.0, 1.5, 0.0, 2.0],
-        [0.0, 0.0, 1.5, -7.5],
-    ];
-    instance.params[0][0] = 3.0;
-    let view = StageView {
-        eye: [0.5, 0.75, 5.0],
-        anchor: [100.0, 2.0, -8.0],
-        pixels_per_radian: 800.0,
-        pixels_per_edge: 24.0,
-        camera: 1.0,
-        ..open_view()
-    };
-    StageCase {
-        tessellator,
-        mesh: shapes::octahedron(2),
-        instance,
-        pools: [1 << 13, 1 << 14],
-        view,
-        drawing: Drawing::Stored,
-        amplified: 0,
-        functions: Some(globe::FUNCTIONS),
-        reference: &globe::Globe,
-        // `normalize` is 1 / inverseSqrt of a sum of three squares: 2 for the root, 1.5 for the squares'
-        // halved relative error, 1 for the product; then 1.5 times that and a sum of two terms.
-        tolerance: Tolerance {
-            ulp: 8.0,
-            scale: 1.5,
-            steps: 1,
-        },
-    }
 }
 
 #[cfg(test)]
@@ -340,7 +286,9 @@ mod tests {
         let mut names: Vec<_> = entries.iter().map(|entry| &entry.name).collect();
         names.dedup();
         assert_eq!(names.len(), entries.len());
-        assert!(entries.len() >= 28, "{}", entries.len());
+        assert!(entries.len() >= 34, "{}", entries.len());
+        let short = entries.iter().filter(|entry| entry.is_short()).count();
+        assert_eq!(short, SHORT.len(), "each of them is there");
         for entry in &entries {
             let capsule = entry
                 .make(SETTINGS)

@@ -14,18 +14,30 @@
 //! | [`patches`] | whole patches from their levels: captures and random tuples |
 //! | [`functions`] | WGSL's own functions, one after the other |
 //! | [`heights`] | heights and slopes of a terrain |
+//! | [`detail`] | the ground's choice and its answers |
+//! | [`plants`] | roots on triangles |
+//! | [`tiles`] | lights that reach the tiles of a picture |
+//! | [`skinning`] | crowds from their palettes |
+//! | [`native`] | the passes by wgpu, timed |
 //! | [`list`], [`command`] | what capsules there are, and the command line |
 
 pub mod builder;
 pub mod command;
+pub mod detail;
+mod field;
 pub mod flat;
 pub mod format;
 pub mod functions;
 pub mod globe;
 pub mod heights;
 pub mod list;
+mod meshes;
+pub mod native;
 pub mod patches;
+pub mod plants;
+pub mod skinning;
 pub mod stage;
+pub mod tiles;
 
 use thiserror::Error;
 
@@ -46,6 +58,19 @@ pub enum CapsuleError {
     /// Patches that make no tables.
     #[error("the patches need {0} bytes in one buffer, more than WebGPU promises")]
     TooLarge(u64),
+    /// The adapter on which passes are timed.
+    #[error(transparent)]
+    Gpu(#[from] dolomite_testkit::gpu::GpuError),
+    /// Random inputs of which none is decided the same by every implementation.
+    #[error(
+        "{name}: with the seed {seed} roundings decide in every input that was tried; take another seed (--seed)"
+    )]
+    Undecided {
+        /// Which capsule.
+        name: String,
+        /// Of which seed.
+        seed: u32,
+    },
     /// Captures that cannot be read.
     #[error(transparent)]
     Cases(#[from] crate::studies::tessellation::cases::CaseError),

@@ -161,13 +161,7 @@ impl<'a> DetailStage<'a> {
             empty(4 * ALL_COUNT_WORDS as u64),
             empty(LIST_BYTES * room),
         ];
-        let blocks = &beginning.blocks;
-        let mut lists = vec![0_u32; capacity as usize / 2];
-        let last = lists.len() - 1;
-        for (k, &block) in blocks.iter().enumerate() {
-            lists[k] = block;
-            lists[last - k] = block;
-        }
+        let lists = beginning.lists(capacity);
         gpu.queue()
             .write_buffer(&kept[1], 0, cast_slice(&beginning.links));
         gpu.queue().write_buffer(&kept[4], 0, cast_slice(&lists));

@@ -9,6 +9,7 @@ use bevy::render::RenderApp;
 use bevy::render::render_resource::{PipelineCache, PipelineDescriptor};
 use bevy::shader::{Shader, ShaderDefVal, ShaderImport};
 use dolomite::DolomitePlugins;
+use dolomite::ground::blocks::layout as blocks;
 use dolomite::ground::detail::layout::{
     DEPTH_PASSES, LAST_PASSES, SWEEP_PASS, Second, all_without,
 };
@@ -134,7 +135,18 @@ pub fn all() -> Option<Asked> {
             variants.push(Variant::of_file("passes of the ground", file, &set));
         }
     }
-    variants.push(Variant::of_file("answers", ANSWER_PASS.0, &[]));
+    for (file, _, second, _) in blocks::PASSES {
+        let sets = match second {
+            blocks::Second::Ground => all_without(),
+            _ => vec![Vec::new()],
+        };
+        for set in sets {
+            variants.push(Variant::of_file("blocks of the ground", file, &set));
+        }
+    }
+    for file in [ANSWER_PASS.0, blocks::ANSWER_PASS.0] {
+        variants.push(Variant::of_file("answers", file, &[]));
+    }
     let drawn = crowd::draw(&mut app);
     variants.extend(drawn);
     variants.extend(deferred::draw(&mut app));

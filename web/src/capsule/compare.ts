@@ -38,7 +38,7 @@ export function ulpOf(size: number): number {
 }
 
 /** Numbers of a field, from the words of its record. */
-const parts: Record<Field['type'], number> = { u32: 1, f32: 1, oct12: 2, snorm16x2: 2 };
+const parts: Record<Field['type'], number> = { u32: 1, f32: 1, oct12: 2, snorm16x2: 2, part: 1 };
 
 function difference(field: Field, found: number, expected: number): number[] {
   switch (field.type) {
@@ -55,6 +55,10 @@ function difference(field: Field, found: number, expected: number): number[] {
       const material = found >>> 24 === expected >>> 24 ? 0 : Infinity;
       return [part(0) + material, part(12) + material];
     }
+    case 'part': {
+      const part = (bits: number): number => (bits >>> field.low) & (2 ** field.bits - 1);
+      return [Math.abs(part(found) - part(expected))];
+    }
     case 'snorm16x2': {
       const signed = (bits: number, shift: number): number => ((bits >>> shift) << 16) >> 16;
       return [0, 16].map((shift) => Math.abs(signed(found, shift) - signed(expected, shift)));
@@ -66,7 +70,24 @@ function allowedOf(field: Field): number {
   return field.type === 'u32' ? 0 : field.type === 'f32' ? field.ulp : field.steps;
 }
 
-export function compare(check: Check, found: Uint32Array, expected: Uint32Array): Found[] {
+/** The records in the order of the fields whose bits have to be the same. */
+function ordered(check: Check, words: Uint32Array): Uint32Array {
+  const stride = check.stride / 4;
+  const keys = check.fields.flatMap((field) =>
+    field.type === 'u32' ? Array.from({ length: field.count }, (_, k) => field.at / 4 + k) : [],
+  );
+  const places = Array.from({ length: check.count }, (_, k) => k * stride);
+  places.sort((a, b) => {
+    const key = keys.find((at) => words[a + at] !== words[b + at]) ?? 0;
+    return words[a + key]! - words[b + key]!;
+  });
+  const sorted = new Uint32Array(check.count * stride);
+  places.forEach((from, k) => sorted.set(words.subarray(from, from + stride), k * stride));
+  return sorted;
+}
+
+export function compare(check: Check, as: Uint32Array, wanted: Uint32Array): Found[] {
+  const [found, expected] = check.unordered ? [ordered(check, as), ordered(check, wanted)] : [as, wanted];
   return check.fields.map((field) => {
     const allowed = allowedOf(field);
     const result: Found = {

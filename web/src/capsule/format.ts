@@ -5,7 +5,7 @@ export interface Span {
   length: number;
 }
 
-export type BindingKind = 'uniform' | 'read-only-storage' | 'storage';
+export type BindingKind = 'uniform' | 'read-only-storage' | 'storage' | 'depth-texture';
 
 /** Who says what is expected. */
 export type Source = 'cpu-reference' | 'f64' | 'untouched';
@@ -15,6 +15,7 @@ export type Field = { name: string; at: number; count: number } & (
   | { type: 'f32'; ulp: number; scale: number }
   | { type: 'oct12'; steps: number }
   | { type: 'snorm16x2'; steps: number }
+  | { type: 'part'; low: number; bits: number; steps: number }
 );
 
 export interface Step {
@@ -34,6 +35,33 @@ export interface Check {
   fields: Field[];
   expected: Span;
   from: Source;
+  unordered?: boolean;
+}
+
+export interface Triangles {
+  do: 'triangles';
+  name: string;
+  vertices: number;
+  stride: number;
+  indices: number;
+  count: number;
+  ulp: number;
+  scale: number;
+  expected: Span;
+  from: Source;
+}
+
+export interface Lists {
+  do: 'lists';
+  name: string;
+  buffer: number;
+  offset: number;
+  stride: number;
+  count: number;
+  first: number;
+  length: number;
+  expected: Span;
+  from: Source;
 }
 
 export interface Digest {
@@ -50,6 +78,8 @@ export type Command =
   | { do: 'clear'; buffer: number; offset: number; size: number }
   | { do: 'pass'; steps: Step[] }
   | Check
+  | Triangles
+  | Lists
   | Digest;
 
 export interface BufferOf {
@@ -57,6 +87,13 @@ export interface BufferOf {
   size: number;
   fill: number;
   data?: Span;
+}
+
+export interface TextureOf {
+  name: string;
+  width: number;
+  height: number;
+  data: Span;
 }
 
 export interface Header {
@@ -67,6 +104,7 @@ export interface Header {
   layouts: BindingKind[][];
   pipelines: { module: number; entry: string; layouts: number[] }[];
   buffers: BufferOf[];
+  textures?: TextureOf[];
   groups: { layout: number; buffers: number[] }[];
   commands: Command[];
 }

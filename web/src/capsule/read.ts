@@ -64,9 +64,13 @@ export class Capsule {
       for (const layout of pipeline.layouts) place(layout, header.layouts, 'layout');
     }
     for (const buffer of header.buffers) if (buffer.data) span(buffer.data);
+    for (const texture of header.textures ?? []) span(texture.data);
     for (const group of header.groups) {
       place(group.layout, header.layouts, 'layout');
-      for (const buffer of group.buffers) place(buffer, header.buffers, 'buffer');
+      group.buffers.forEach((bound, binding) => {
+        if (header.layouts[group.layout]![binding] === 'depth-texture') place(bound, header.textures ?? [], 'texture');
+        else place(bound, header.buffers, 'buffer');
+      });
     }
     for (const command of header.commands) {
       switch (command.do) {
@@ -81,7 +85,13 @@ export class Capsule {
           place(command.buffer, header.buffers, 'buffer');
           span(command.data);
           break;
+        case 'triangles':
+          place(command.vertices, header.buffers, 'buffer');
+          place(command.indices, header.buffers, 'buffer');
+          span(command.expected);
+          break;
         case 'check':
+        case 'lists':
         case 'digest':
           place(command.buffer, header.buffers, 'buffer');
           span(command.expected);

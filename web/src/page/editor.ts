@@ -56,11 +56,14 @@ export class Editor {
   set text(text: string) {
     this.area.value = text;
     this.area.scrollTop = 0;
-    this.mark([]);
+    this.wrong = [];
+    this.draw();
+    this.faults.hidden = true;
   }
 
   /** Shows what does not compile. */
   mark(faults: readonly Fault[]): void {
+    if (faults.length === 0 && this.wrong.length === 0) return;
     this.wrong = faults;
     this.draw();
     this.faults.replaceChildren(

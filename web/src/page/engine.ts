@@ -2,9 +2,10 @@
 
 import { compose, type Files } from '../stage/compose.js';
 import {
-  composedOf, type Functions, moduleOf, PASS_NAMES, type PipelineCache, type Rules, ShaderError, StagePipelines, StageRun,
+  composedOf, type Functions, moduleOf, PASS_NAMES, type PipelineCache, type Rules, ShaderError, StagePipelines, StageRun, wordsOf,
 } from '../stage/host.js';
 import { AMPLIFIED_DRAW, type Head, PLAIN_DRAW } from '../stage/layout.js';
+import { guarded, loops } from './guard.js';
 import { tablesOf } from '../stage/tables.js';
 import type { Kind, Scene } from '../scenes/scenes.js';
 import type { Camera } from './camera.js';
@@ -37,6 +38,8 @@ export interface Counted {
   head: Head;
   triangles: number;
   bytes: number;
+  /** A loop of the shown functions that was ended: which kind's file, and its line. */
+  endless?: { kind: Kind; line: number };
 }
 
 const DEPTH: GPUTextureFormat = 'depth32float';
@@ -46,6 +49,8 @@ const FUNCTIONS = 'web::functions';
 const SUN = [0.48, 0.72, 0.5].map((x) => x / Math.hypot(0.48, 0.72, 0.5));
 const DRAW_BYTES = 240;
 const MATERIAL_ROWS = 16;
+/** Lines of a file, at most: above them the number of its kind is written. */
+const LINES = 1 << 16;
 
 interface Ready {
   kind: Kind;
@@ -59,10 +64,13 @@ interface Ready {
 
 export class Engine {
   private ready: Ready[] = [];
+  /** What is drawn: another than what was asked for last, until that is compiled. */
+  shown: Scene | undefined;
   private readonly cache: PipelineCache = new Map();
   private readonly draws = new Map<string, Promise<GPURenderPipeline>>();
   private readonly levels: Required<Functions>['data'];
   private readonly level: GPUBuffer;
+  private readonly stopped: GPUBuffer;
   private readonly layouts: GPUBindGroupLayout[];
   private readonly empty: GPUBindGroup;
   private targets: { colour: GPUTexture; depth: GPUTexture } | undefined;
@@ -75,10 +83,15 @@ export class Engine {
   ) {
     context.configure({ device, format, alphaMode: 'premultiplied' });
     this.level = device.createBuffer({ size: 16, usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST });
+    this.stopped = device.createBuffer({ size: 16, usage: GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC });
     const layout = device.createBindGroupLayout({
-      entries: [{ binding: 0, visibility: GPUShaderStage.COMPUTE, buffer: { type: 'uniform' } }],
+      entries: [
+        { binding: 0, visibility: GPUShaderStage.COMPUTE, buffer: { type: 'uniform' } },
+        { binding: 1, visibility: GPUShaderStage.COMPUTE, buffer: { type: 'storage' } },
+      ],
     });
-    this.levels = { layout, group: device.createBindGroup({ layout, entries: [{ binding: 0, resource: { buffer: this.level } }] }) };
+    const entries = [this.level, this.stopped].map((buffer, binding) => ({ binding, resource: { buffer } }));
+    this.levels = { layout, group: device.createBindGroup({ layout, entries }) };
     const none = device.createBindGroupLayout({ entries: [] });
     this.empty = device.createBindGroup({ layout: none, entries: [] });
     const both = GPUShaderStage.VERTEX | GPUShaderStage.FRAGMENT;
@@ -96,14 +109,14 @@ export class Engine {
     ];
   }
 
-  /** The files with a text of functions in the place of what is shown. */
-  private filesWith(kind: Kind, source: string): Files {
-    return new Map([...this.files, [kind.file, source]]);
+  /** The files with a text of functions in the place of what is shown: for the passes, as the number `kind` of a scene. */
+  private filesFor(kind: Kind, source: string, number: number): Files {
+    return new Map([...this.files, [kind.file, guarded(source, number * LINES)]]);
   }
 
   /** What is wrong with a text of functions, without making pipelines of it; nothing where it compiles. */
   async check(kind: Kind, source: string, settings: Settings): Promise<ShaderError | undefined> {
-    const files = this.filesWith(kind, source);
+    const files = this.filesFor(kind, source, 0);
     const rules: Rules = { domain: kind.layout.domain, spacing: settings.spacing, mode: settings.mode };
     try {
       const { replaced } = this.functions(kind);
@@ -111,7 +124,7 @@ export class Engine {
       for (const [file, more] of [['stage/control.wgsl', []], ['stage/emit_vertices.wgsl', ['STAGE_READ']]] as const) {
         await moduleOf(this.device, file, composedOf(kind.file, () => compose(files, file, [...defs, ...more], replaced)));
       }
-      await this.drawModule(kind, files);
+      await this.drawModule(kind, source);
       return undefined;
     } catch (error) {
       if (error instanceof ShaderError) return error;
@@ -127,19 +140,23 @@ export class Engine {
     return { replaced, data: this.levels, amplified: kind.amplified ?? 0, uvRange: kind.uvRange ?? 1 };
   }
 
-  private drawModule(kind: Kind, files: Files): Promise<GPUShaderModule> {
+  private drawModule(kind: Kind, source: string): Promise<GPUShaderModule> {
+    const files = new Map([...this.files, [kind.file, guarded(source)]]);
     const replaced = new Map<string, string>();
     if (kind.ownMaterial) replaced.set('dolomite::geometry::user_material', kind.file);
     if (kind.amplified) replaced.set('dolomite::geometry::user_amplify', kind.file);
     const defs = kind.amplified ? ['AMPLIFY'] : [];
-    return moduleOf(this.device, 'page/draw.wgsl', composedOf(kind.file, () => compose(files, 'page/draw.wgsl', defs, replaced)));
+    const composed = composedOf(kind.file, () => compose(files, 'page/draw.wgsl', defs, replaced));
+    // A loop that may be ended is not known to go round as often in all four pixels of a slope.
+    const code = loops(source) ? `diagnostic(off, derivative_uniformity); ${composed.code}` : composed.code;
+    return moduleOf(this.device, 'page/draw.wgsl', { ...composed, code });
   }
 
   private async drawPipeline(kind: Kind, source: string): Promise<GPURenderPipeline> {
     const key = `${kind.file} ${kind.doubleSided} ${kind.clockwise} ${source}`;
     let made = this.draws.get(key);
     if (!made) {
-      made = this.drawModule(kind, this.filesWith(kind, source)).then((module) =>
+      made = this.drawModule(kind, source).then((module) =>
         this.device.createRenderPipelineAsync({
           label: 'draw',
           layout: this.device.createPipelineLayout({ bindGroupLayouts: this.layouts }),
@@ -171,7 +188,7 @@ export class Engine {
           clockwise: kind.clockwise ?? false,
         };
         const [pipelines, draw] = await Promise.all([
-          StagePipelines.compile(this.device, this.filesWith(kind, source), rules, this.functions(kind), this.cache),
+          StagePipelines.compile(this.device, this.filesFor(kind, source, k), rules, this.functions(kind), this.cache),
           this.drawPipeline(kind, source),
         ]);
         return { kind, pipelines, draw };
@@ -185,6 +202,7 @@ export class Engine {
       return this.place(kind, pipelines, draw);
     });
     for (const gone of old) if (!this.ready.some((ready) => ready.run === gone.run)) this.free(gone);
+    this.shown = scene;
   }
 
   private place(kind: Kind, pipelines: StagePipelines, draw: GPURenderPipeline): Ready {
@@ -218,6 +236,7 @@ export class Engine {
     const { clip, view } = camera.look(width, height, settings.edge);
     const encoder = this.device.createCommandEncoder();
     this.device.queue.writeBuffer(this.level, 0, new Float32Array([settings.level, 0, 0, 0]));
+    encoder.clearBuffer(this.stopped);
     for (const { kind, run, pipelines, uniform } of this.ready) {
       run.setView(view, pipelines.functions);
       const numbers = new Float32Array(DRAW_BYTES / 4);
@@ -267,14 +286,17 @@ export class Engine {
 
   /** What the last frame counted, of all kinds together. */
   async counted(): Promise<Counted> {
-    const all = await Promise.all(
+    const kinds = this.ready.map(({ kind }) => kind);
+    const stopped = wordsOf(this.device, this.stopped, 4).then(([at = 0]) => ({ kind: kinds[Math.floor(at / LINES)]!, line: at % LINES }));
+    const counts = Promise.all(
       this.ready.map(async ({ kind, run }): Promise<Counted> => {
         const head = await run.head();
         const triangles = head.primitives * (kind.amplified ? kind.amplified / 3 : 1);
         return { patches: run.tables.counts.patches, head, triangles, bytes: run.bytes };
       }),
     );
-    return all.reduce((a, b) => ({
+    const [endless, all] = await Promise.all([stopped, counts]);
+    const sum = all.reduce((a, b) => ({
       patches: a.patches + b.patches,
       head: {
         vertices: a.head.vertices + b.head.vertices,
@@ -286,6 +308,7 @@ export class Engine {
       triangles: a.triangles + b.triangles,
       bytes: a.bytes + b.bytes,
     }));
+    return endless.line > 0 ? { ...sum, endless } : sum;
   }
 
   /** Milliseconds of each pass of all kinds, submitted alone, from the submission until it is done. */

@@ -9,12 +9,15 @@ import { NoDevice, open } from './device.js';
 import drawSource from './draw.wgsl?raw';
 import { Editor } from './editor.js';
 import { Engine } from './engine.js';
+import { MOST_ROUNDS } from './guard.js';
 import { steer } from './input.js';
 import levelSource from './level.wgsl?raw';
 import { isNight, lookOf } from './look.js';
 import { Message } from './message.js';
 
 const FILES = new Map([...LIBRARY, ['page/draw.wgsl', drawSource], ['page/level.wgsl', levelSource]]);
+
+const ENDLESS = `a loop went round more than ${MOST_ROUNDS.toLocaleString('en')} times in one thread and was ended; look at its bound`;
 
 /** Milliseconds of rest after which the passes are timed. */
 const REST = 400;
@@ -31,8 +34,9 @@ let scene: Scene = SCENES[0]!;
 const written = new Map<Scene, string[]>();
 const drawn = new Map<Scene, string[]>();
 let file = 0;
-/** What is asked for, and what is shown of it. */
+/** What is asked for, and what of it is compiled. */
 let asked = 0;
+let compiled = 0;
 let dirty = false;
 let resting: ReturnType<typeof setTimeout> | undefined;
 
@@ -93,7 +97,9 @@ async function show(): Promise<void> {
   try {
     const texts = [...textsOf(drawn)];
     await mine.show(scene, texts, controls.settings);
-    if (number === asked) redraw();
+    if (number !== asked || mine !== engine) return;
+    compiled = number;
+    redraw();
   } catch (error) {
     if (number !== asked || mine !== engine) return;
     if (error instanceof ShaderError) editor.mark(error.faults);
@@ -112,7 +118,11 @@ async function typed(): Promise<void> {
   const kind = scene.kinds[file]!;
   const fault = await engine?.check(kind, text, controls.settings);
   if (editor.text !== text || !engine) return;
-  const own = fault?.faults.map((one) => (one.file === kind.file ? one : { ...one, line: 1, message: `${one.file}: ${one.message}` }));
+  const own = fault?.faults.map((one) => {
+    if (one.file === kind.file) return one;
+    const missing = /^web::functions has no (\w+)$/.exec(one.message)?.[1];
+    return { ...one, line: 1, message: missing ? `the stage calls a function named ${missing}, and there is none` : `${one.file}: ${one.message}` };
+  });
   editor.mark(own ?? []);
   if (fault) {
     state('faulty');
@@ -141,17 +151,30 @@ function frame(): void {
   if (document.body.dataset['state'] === 'no-room') message.hide();
   one('.stage').classList.toggle('night', isNight(scene));
   if (!engine.frame(camera, controls.settings, lookOf(scene))) return;
-  const mine = engine;
-  void mine.counted().then((counted) => {
+  const [mine, number] = [engine, compiled];
+  const counted = mine.counted();
+  void counted.then((counted) => {
     if (mine !== engine) return;
     controls.count(counted);
-    state('drawn');
-  });
+    // Not while something else compiles that was asked for after it.
+    if (number !== asked || mine.shown !== scene) return;
+    document.body.dataset['shown'] = scene.name;
+    // What is written does not compile: its marks stay.
+    if (document.body.dataset['state'] === 'faulty') return;
+    const { endless } = counted;
+    const where = endless && endless.kind !== scene.kinds[file] ? `${endless.kind.file}: ` : '';
+    editor.mark(endless ? [{ file: endless.kind.file, line: endless.line, column: 1, message: where + ENDLESS }] : []);
+    state(endless ? 'endless' : 'drawn');
+  }, () => undefined);
   clearTimeout(resting);
   resting = setTimeout(() => {
-    void mine.measure().then((times) => {
-      if (mine === engine) controls.time(times);
-    });
+    void mine.measure().then(
+      (times) => {
+        if (mine === engine) controls.time(times);
+      },
+      // A device that is lost is told of by its own promise.
+      () => undefined,
+    );
   }, REST);
 }
 

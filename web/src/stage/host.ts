@@ -155,6 +155,18 @@ export class StagePipelines {
   }
 }
 
+/** The first bytes of a buffer, once all that was submitted is done. */
+export async function wordsOf(device: GPUDevice, buffer: GPUBuffer, bytes: number): Promise<Uint32Array> {
+  const staging = device.createBuffer({ size: bytes, usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST });
+  const encoder = device.createCommandEncoder();
+  encoder.copyBufferToBuffer(buffer, 0, staging, 0, bytes);
+  device.queue.submit([encoder.finish()]);
+  await staging.mapAsync(GPUMapMode.READ);
+  const words = new Uint32Array(staging.getMappedRange().slice(0));
+  staging.destroy();
+  return words;
+}
+
 /** Patches on the device, with room for what becomes of them. */
 export class StageRun {
   readonly params: GPUBuffer;
@@ -229,14 +241,7 @@ export class StageRun {
 
   /** What was counted in the last run. */
   async head(): Promise<Head> {
-    const staging = this.device.createBuffer({ size: HEAD_BYTES, usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST });
-    const encoder = this.device.createCommandEncoder();
-    encoder.copyBufferToBuffer(this.work, 0, staging, 0, HEAD_BYTES);
-    this.device.queue.submit([encoder.finish()]);
-    await staging.mapAsync(GPUMapMode.READ);
-    const head = readHead(new Uint32Array(staging.getMappedRange()));
-    staging.destroy();
-    return head;
+    return readHead(await wordsOf(this.device, this.work, HEAD_BYTES));
   }
 
   destroy(): void {

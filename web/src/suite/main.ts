@@ -1,5 +1,7 @@
 // The page that plays capsules: a table of what was found.
 
+import { times } from '../capsule/play.js';
+import { Capsule } from '../capsule/read.js';
 import { NoDevice, open } from '../page/device.js';
 import { type Result, result } from './suite.js';
 
@@ -55,6 +57,13 @@ declare global {
   interface Window {
     /** For tests: plays the capsule at an address. */
     playCapsule: (address: string) => Promise<Result>;
+    /** For measurements: milliseconds of a capsule's passes, so many times. */
+    timeCapsule: (address: string, repeats: number) => Promise<number[]>;
   }
 }
-window.playCapsule = async (address) => play(new Uint8Array(await (await fetch(address)).arrayBuffer()));
+const bytesAt = async (address: string): Promise<Uint8Array> => new Uint8Array(await (await fetch(address)).arrayBuffer());
+window.playCapsule = async (address) => play(await bytesAt(address));
+window.timeCapsule = async (address, repeats) => {
+  opened ??= open();
+  return times((await opened).device, Capsule.read(await bytesAt(address)), repeats);
+};

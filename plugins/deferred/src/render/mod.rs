@@ -26,7 +26,7 @@ use bevy::render::extract_component::ExtractComponentPlugin;
 use bevy::render::{Render, RenderApp, RenderSystems};
 
 pub use blinn_phong::{BlinnPhongMaterial, BlinnPhongPlugin, Lobe};
-pub use prepare::ViewLighting;
+pub use prepare::{LightingUniform, TILE, ViewLighting};
 pub use stats::{DeferredStats, ViewStats};
 
 use crate::components::{DeferredLighting, Way};

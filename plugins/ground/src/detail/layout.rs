@@ -438,6 +438,19 @@ impl Beginning {
         }
     }
 
+    /// Lists of blocks as a ground with room for `capacity` cells begins with them: those to look at from the front on,
+    /// those to make from the back on.
+    #[must_use]
+    pub fn lists(&self, capacity: u32) -> Vec<u32> {
+        let mut lists = vec![0; capacity as usize / 2];
+        let last = lists.len() - 1;
+        for (k, &block) in self.blocks.iter().enumerate() {
+            lists[k] = block;
+            lists[last - k] = block;
+        }
+        lists
+    }
+
     /// The stock before anything is made: the roots are in use, no block is free.
     #[must_use]
     pub fn stock(&self) -> [u32; 4] {

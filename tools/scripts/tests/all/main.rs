@@ -2,6 +2,7 @@
 //! comments and `use` lines say.
 
 mod circles;
+mod kinds;
 mod links;
 mod soak;
 mod support;
