@@ -11,6 +11,8 @@ mod edges;
 #[cfg(feature = "render")]
 mod functions;
 #[cfg(feature = "render")]
+mod images;
+#[cfg(feature = "render")]
 mod place;
 #[cfg(feature = "render")]
 mod roots;
