@@ -96,6 +96,9 @@ struct Sample {
     blade: u32,
 }
 
+/// After so many blades it is looked which heights are still seen.
+const OFTEN: usize = 512;
+
 /// Vertices of the finest strip.
 const MOST_CORNERS: usize = 15;
 
@@ -123,6 +126,8 @@ pub fn draw(
     };
     let mut samples = vec![Sample::default(); field.samples * field.samples];
     let mut tints: Vec<(Tint, f32)> = Vec::new();
+    // Of each row the lowest that is seen: what is below is not looked at.
+    let mut floors = vec![0.0_f32; field.samples];
     let depth = depth_of(blade, growth);
     let limit = threshold(growth.full);
     for k in 0..field.cells * field.cells {
@@ -154,27 +159,42 @@ pub fn draw(
             (k / field.cells) as f32 * growth.lattice.pitch() + part(root.at & 0xFFFF),
         );
         let curve = shape.curve(shape.lean);
-        let mut corners = [(Vec3::ZERO, 0.0); MOST_CORNERS];
-        let corners = &mut corners[..=2 * manner.segments as usize];
-        for (k, corner) in (0..).zip(corners.iter_mut()) {
-            let vertex = shape.vertex(curve, manner.segments, k);
-            let along = vertex.along;
-            let (on_curve, tangent) = curve.row(k / 2, manner.segments);
-            let least = LEAST_SEEN * shape.width_at(along, manner.segments);
-            let off = vertex.place - on_curve;
-            let at = vertex.place + widened(off, tangent.normalize(), to_eye, least);
-            // On the ground along the rays, x away from the eye; the height is the depth.
-            let shadow = Vec3::new(
+        let side = Vec3::new(shape.across.x, 0.0, shape.across.y);
+        // On the ground along the rays, x away from the eye; the height is the depth.
+        let shadow = |at: Vec3| {
+            Vec3::new(
                 (place.x + at.x + at.y * slope) * scale,
                 (place.y + at.z) * scale,
                 at.y.max(1e-6),
-            );
-            *corner = (shadow, along);
+            )
+        };
+        let mut corners = [(Vec3::ZERO, 0.0); MOST_CORNERS];
+        let corners = &mut corners[..=2 * manner.segments as usize];
+        for (row, pair) in (0..).zip(corners.chunks_mut(2)) {
+            let along = row as f32 / manner.segments as f32;
+            let (on_curve, tangent) = curve.row(row, manner.segments);
+            // As the draws have it: two a row, to both sides alike, and the tip.
+            let width = shape.width_at(along, manner.segments);
+            let mut off = side * (0.5 * width);
+            off += widened(off, tangent.normalize(), to_eye, LEAST_SEEN * width);
+            match pair {
+                [left, right] => {
+                    *left = (shadow(on_curve - off), along);
+                    *right = (shadow(on_curve + off), along);
+                }
+                [tip] => *tip = (shadow(on_curve), along),
+                _ => {}
+            }
+        }
+        if tints.len().is_multiple_of(OFTEN) {
+            for (floor, line) in floors.iter_mut().zip(samples.chunks(field.samples)) {
+                *floor = line.iter().map(|s| s.depth).fold(f32::MAX, f32::min);
+            }
         }
         for triangle in corners.windows(3) {
             fill(
                 &mut samples,
-                field.samples,
+                &floors,
                 [triangle[0], triangle[1], triangle[2]],
                 tints.len() as u32 - 1,
             );
@@ -210,7 +230,10 @@ pub fn depth_of(blade: &Blade, growth: &Growth) -> f32 {
 }
 
 /// One triangle of a blade, row by row, around the torus: shadows of its corners, and how far along they are.
-fn fill(samples: &mut [Sample], side: usize, corners: [(Vec3, f32); 3], blade: u32) {
+///
+/// `floors` is for each row a height below which nothing of it is seen any more.
+fn fill(samples: &mut [Sample], floors: &[f32], corners: [(Vec3, f32); 3], blade: u32) {
+    let side = floors.len();
     let [a, b, c] = corners.map(|(place, _)| place);
     let (ab, ac) = (b - a, c - a);
     let area = ab.truncate().perp_dot(ac.truncate());
@@ -226,11 +249,17 @@ fn fill(samples: &mut [Sample], side: usize, corners: [(Vec3, f32); 3], blade: u
     let farther = gradient(corners[1].1 - first, corners[2].1 - first);
     let lowest = a.y.min(b.y).min(c.y);
     let highest = a.y.max(b.y).max(c.y);
+    let tallest = a.z.max(b.z).max(c.z);
     let wrapped = |k: f32| (k as i64).rem_euclid(side as i64) as usize;
     // Samples are at halves.
     let mut row = (lowest - 0.5).ceil();
     while row + 0.5 <= highest {
         let y = row + 0.5;
+        let number = wrapped(row);
+        if tallest <= floors[number] {
+            row += 1.0;
+            continue;
+        }
         let (mut from, mut to) = (f32::MAX, f32::MIN);
         for (p, q) in [(a, b), (b, c), (c, a)] {
             if (p.y <= y) != (q.y <= y) {
@@ -240,7 +269,7 @@ fn fill(samples: &mut [Sample], side: usize, corners: [(Vec3, f32); 3], blade: u
             }
         }
         let mut column = (from - 0.5).ceil();
-        let line = &mut samples[wrapped(row) * side..][..side];
+        let line = &mut samples[number * side..][..side];
         let mut k = wrapped(column);
         while column + 0.5 < to {
             let off = Vec2::new(column + 0.5, y) - a.truncate();
@@ -297,7 +326,7 @@ mod tests {
             let mut seen = vec![Sample::default(); samples * samples];
             let corner = |x: f32, y: f32| (Vec3::new(x + shift, y - shift, 1.0), 1.0);
             let triangle = [corner(0.0, 0.0), corner(100.0, 0.0), corner(0.0, 100.0)];
-            fill(&mut seen, samples, triangle, 0);
+            fill(&mut seen, &vec![0.0; samples], triangle, 0);
             let covered = seen.iter().filter(|sample| sample.depth > 0.0).count();
             assert!((covered as f64 / 5000.0 - 1.0).abs() < 0.02, "{covered}");
         }

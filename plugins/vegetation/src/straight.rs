@@ -34,7 +34,7 @@ pub fn bow(droop: f32, sine: f32, depth: f32) -> f32 {
     let side = 0.25 - 0.63 * droop;
     let above = 0.25 + 0.8 * droop;
     let deep = -0.5 * droop;
-    let hidden = (0.29 * (ops::log2((depth / sine).max(1e-6)) - 2.0)).clamp(0.0, 1.0);
+    let hidden = (0.25 * (ops::log2((depth / sine).max(1e-6)) - 2.0)).clamp(0.0, 1.0);
     side + (above - side) * 0.5 * (square + square * square) + (deep - side) * hidden
 }
 

@@ -8,7 +8,7 @@ const BAND: f32 = 0.25;
 // From this share of the distance of the fade on colours settle.
 const SETTLE_FROM: f32 = 0.7;
 // How much more of the ground fewer and wider blades hide, by how much wider they are in the distances between roots.
-const EVEN: f32 = 0.18;
+const EVEN: f32 = 0.165;
 // Share of the ranks that is still drawn where all end: the rest of the way goes by width.
 const LAST: f32 = 0.25;
 

@@ -15,7 +15,7 @@ fn straight_bow(droop: f32, sine: f32, depth: f32) -> f32 {
     let side = 0.25 - 0.63 * droop;
     let above = 0.25 + 0.8 * droop;
     let deep = -0.5 * droop;
-    let hidden = clamp(0.29 * (log2(max(depth / sine, 1e-6)) - 2.0), 0.0, 1.0);
+    let hidden = clamp(0.25 * (log2(max(depth / sine, 1e-6)) - 2.0), 0.0, 1.0);
     return side + (above - side) * 0.5 * (square + square * square) + (deep - side) * hidden;
 }
 

@@ -1,18 +1,14 @@
 //! Cover and colour by distance, and how fast widths change: by the law, the shapes and the colours that are drawn.
 
-use std::hint::black_box;
-use std::time::Instant;
-
 use bevy::math::ops;
-use dolomite_testkit::metrics::median;
 use dolomite_vegetation::blade::SEGMENTS;
 use dolomite_vegetation::colour::calm_at;
 use dolomite_vegetation::density::NO_CLUMPS;
-use dolomite_vegetation::kind::{Blade, Kind, Shape};
+use dolomite_vegetation::kind::Blade;
 use dolomite_vegetation::law::evened;
 use dolomite_vegetation::reference::{Manner, Seen, crowding_of, draw, field_of, mean};
 use dolomite_vegetation::shade::FarField;
-use dolomite_vegetation::{Band, Growth, Law};
+use dolomite_vegetation::{Growth, Law};
 use serde_json::{Value, json};
 
 use super::rows::row;
@@ -35,65 +31,6 @@ const RINGS: [f64; 8] = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
 
 /// Heights of the eye, metres.
 const EYES: [f64; 3] = [1.7, 8.0, 60.0];
-
-/// A kind that the law was not fitted to.
-pub struct Other {
-    pub length: (f32, f32),
-    pub width: f32,
-    pub lean: f32,
-    pub droop: f32,
-    pub density: f32,
-}
-
-const fn kind(length: (f32, f32), width: f32, lean: f32, droop: f32, density: f32) -> Other {
-    Other {
-        length,
-        width,
-        lean,
-        droop,
-        density,
-    }
-}
-
-/// Sparse and upright, reeds, a mat that lies on the ground, and fine grass.
-pub const OTHERS: [Other; 4] = [
-    kind((0.3, 0.6), 0.02, 0.5, 0.3, 20.0),
-    kind((1.0, 1.8), 0.018, 0.3, 0.25, 40.0),
-    kind((0.08, 0.2), 0.012, 1.2, 0.8, 300.0),
-    kind((0.25, 0.5), 0.006, 0.8, 0.7, 400.0),
-];
-
-/// It as a kind, with the colours of a blade.
-pub fn other(of: &Other, colours: Blade) -> (Kind, Blade) {
-    let blade = Blade {
-        length: of.length,
-        width: of.width,
-        lean: of.lean,
-        droop: of.droop,
-        ..colours
-    };
-    let kind = Kind {
-        name: format!("other {}", of.density),
-        shape: Shape::Blade(blade),
-        density: of.density,
-        height: Band::default(),
-        slope: Band::default(),
-        clumps: None,
-        keeps_off: Vec::new(),
-        reach: 130.0,
-    };
-    (kind, blade)
-}
-
-/// Milliseconds in which the far-field term of a kind is fitted, on one core.
-pub fn fit_ms(blade: &Blade, growth: &Growth, repeats: usize) -> f64 {
-    let times = (0..repeats.clamp(1, 3)).map(|_| {
-        let start = Instant::now();
-        black_box(FarField::fit(blade, growth));
-        start.elapsed().as_secs_f64() * 1e3
-    });
-    median(times.collect()).unwrap_or(f64::NAN)
-}
 
 pub struct Ring {
     eye: f64,

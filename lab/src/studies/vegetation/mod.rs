@@ -1,7 +1,6 @@
 //! Study `vegetation`: roots, density, cover and colour by distance, popping and speed, on the CPU.
 
 mod look;
-mod rivals;
 mod roots;
 mod rows;
 
@@ -21,7 +20,7 @@ pub const STUDY: Study = Study {
 };
 
 /// What its measured table says.
-const ASKED: [Asked; 21] = [
+const ASKED: [Asked; 13] = [
     asked("Roots moved by 10⁴ cameras", "0", "/roots/moved", ""),
     asked("Roots outside of their bands", "0", "/density/outside", ""),
     asked(
@@ -62,24 +61,6 @@ const ASKED: [Asked; 21] = [
         "1/255",
     ),
     asked(
-        "Cover by ring of four other kinds, largest difference",
-        "≤ 1 %",
-        "/others/cover_percent",
-        "%",
-    ),
-    asked(
-        "Their mean colour by ring, largest difference",
-        "≤ 1",
-        "/others/colour_255",
-        "1/255",
-    ),
-    asked(
-        "The far-field term of a kind is fitted in",
-        "",
-        "/fit/ms",
-        "ms",
-    ),
-    asked(
         "Width that changes in a frame at 2 m/s",
         "≤ 0.1",
         "/popping/walking_px",
@@ -87,31 +68,6 @@ const ASKED: [Asked; 21] = [
     ),
     asked("The same at 50 m/s", "≤ 0.5", "/popping/flying_px", "px"),
     asked("Candidates on one core", "", "/speed/candidates_ms", "a ms"),
-    asked(
-        "Placing 10⁶ blades on the CPU",
-        "",
-        "/on_cpu/placed_ms",
-        "ms",
-    ),
-    asked("Bytes of that list", "", "/on_cpu/placed_bytes", "bytes"),
-    asked(
-        "What the CPU computes a frame here, whatever the number of blades",
-        "",
-        "/on_cpu/told_ms",
-        "ms",
-    ),
-    asked(
-        "Bytes that are uploaded a frame here",
-        "",
-        "/on_cpu/told_bytes",
-        "bytes",
-    ),
-    asked(
-        "The list against these bytes",
-        "≥ 10",
-        "/on_cpu/bytes_ratio",
-        "times",
-    ),
     asked(
         "Bytes stored for what does not stand",
         "0",
@@ -161,25 +117,11 @@ fn run(options: &Options) -> Report {
     let fields = FIELDS[usize::from(cameras < 10_000)];
     let rings = look::rings(&blade, (growth, law), options.seed, fields);
     let popping = look::popping(&blade, law);
-    eprintln!("vegetation: other kinds");
-    let others: Vec<look::Ring> = look::OTHERS
-        .iter()
-        .flat_map(|other| {
-            let kind = look::other(other, blade);
-            let grown = Growth::new(&kind.0, options.seed);
-            let law = Law::new(kind.1.width, look::PIXELS, kind.0.reach);
-            look::rings(&kind.1, (grown, law), options.seed, fields)
-        })
-        .collect();
-    let fit = look::fit_ms(&blade, &growth, options.repeats);
-    let on_cpu = rivals::on_the_cpu(growth, law, options.repeats);
     let mut rows: Vec<Row> = rings.iter().map(look::Ring::row).collect();
     rows.extend(share.iter().map(roots::Share::row));
     let mut hash = Hash64::default();
     hash.add(moved.hash);
-    let most =
-        |rings: &[look::Ring], of: fn(&look::Ring) -> f64| rings.iter().map(of).fold(0.0, f64::max);
-    let largest = |of: fn(&look::Ring) -> f64| most(&rings, of);
+    let largest = |of: fn(&look::Ring) -> f64| rings.iter().map(of).fold(0.0, f64::max);
     let near = rings.iter().filter(|ring| ring.is_near(law));
     let near = near.map(look::Ring::blades_error).fold(0.0, f64::max);
     let lost = |of: fn(&roots::Share) -> f64| share.iter().map(of).fold(0.0, f64::max);
@@ -197,15 +139,8 @@ fn run(options: &Options) -> Report {
             ),
             "rings under an elevation of 0.29° (sine 0.005) are measured at that one: all of the ground is covered".into(),
             "law, shapes and colours are the functions in Rust that tests hold those in WGSL to; no wind, level ground, no light".into(),
-            format!(
-                "other kinds (blade lengths, width, lean, droop, roots a square metre): {}; the law is fitted to none of these four",
-                look::OTHERS.map(|o| format!("{:?}, {}, {}, {}, {}", o.length, o.width, o.lean, o.droop, o.density)).join("; ")
-            ),
-            "instances on the CPU: a list of 8 bytes a blade on level ground, against rings and wind of one kind and a copy of both \
-             uniforms; systems and commands of a frame are part of neither"
-                .into(),
-            "what is drawn by the GPU, floating roots, draws and dispatches are counted by tests of the crate; the geometry \
-             shader's blades are not measured"
+            "what is drawn by the GPU, floating roots, draws and dispatches are not part of this study yet; neither are \
+             the geometry shader's blades and instances placed on the CPU"
                 .into(),
         ],
         summary: json!({
@@ -231,21 +166,6 @@ fn run(options: &Options) -> Report {
                 "blades_percent": 100.0 * largest(look::Ring::blades_error),
                 "colour_255": 255.0 * largest(look::Ring::colour_error),
                 "each": rings.iter().map(look::Ring::summary).collect::<Vec<_>>(),
-            },
-            "others": {
-                "cover_percent": 100.0 * most(&others, look::Ring::cover_error),
-                "colour_255": 255.0 * most(&others, look::Ring::colour_error),
-                "each": others.iter().map(look::Ring::summary).collect::<Vec<_>>(),
-            },
-            "fit": {"ms": fit},
-            "on_cpu": {
-                "blades": rivals::BLADES,
-                "placed_ms": on_cpu.placed_ms,
-                "placed_bytes": on_cpu.placed_bytes,
-                "told_ms": on_cpu.told_ms,
-                "told_bytes": on_cpu.told_bytes,
-                "bytes_ratio": on_cpu.placed_bytes as f64 / on_cpu.told_bytes as f64,
-                "time_ratio": on_cpu.placed_ms / on_cpu.told_ms,
             },
             "popping": {
                 "walking_px": popping.walking,

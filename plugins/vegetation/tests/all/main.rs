@@ -14,6 +14,7 @@ mod functions;
 mod images;
 #[cfg(feature = "render")]
 mod place;
+mod rings;
 #[cfg(feature = "render")]
 mod roots;
 #[cfg(feature = "render")]
