@@ -35,7 +35,7 @@ fn errors(even: bool, fields: i32) -> (f64, f64) {
         for distance in [
             5.0, 10.0, 20.0, 50.0, 80.0, 90.0, 100.0, 110.0, 120.0, 200.0,
         ] {
-            let away = f32::hypot(eye, distance);
+            let away = (eye * eye + distance * distance).sqrt();
             let sine = (eye / away).max(0.005);
             let all = mean(field, fields, |field| {
                 draw(field, &blade, &growth, sine, |_| 1.0, Manner::FINEST)
