@@ -222,6 +222,7 @@ pub const ALL: &[ShaderFile] = files![
     "vegetation/shape.wgsl",
     "vegetation/stem.wgsl",
     "vegetation/steps.wgsl",
+    "vegetation/straight.wgsl",
     "vegetation/surface.wgsl",
     "vegetation/triangle.wgsl",
     "vegetation/types.wgsl",

@@ -2,6 +2,10 @@
 //!
 //! Nodes are a function of the root, the depth of the water and the swell; a segment is a ribbon between two of them.
 //! Segments that follow each other share their node, and so both the corners there: there is no gap at any sway.
+//!
+//! What is longer than the water is deep *floats*, as the fronds of giant kelp do (*Macrocystis pyrifera*): its nodes lie
+//! on the surface, and the chain winds to where the wind drives the water. There it has leaves. The surface that the ground
+//! draws is level, so that what floats goes to and fro with the swell and not up and down.
 
 use bevy::math::{Vec2, Vec3, ops};
 
@@ -10,8 +14,19 @@ use crate::kind::Chain;
 use crate::place::unit;
 use crate::wind::WindField;
 
+/// How high what floats lies above the surface, metres: it is seen from above, not through it.
+pub const FLOAT: f32 = 0.03;
+
+/// A leaf of what floats is so many times as wide as the ribbon under water; between two leaves it is [`STEM`] times.
+pub const LEAF: f32 = 2.4;
+/// See [`LEAF`].
+pub const STEM: f32 = 0.5;
+
 /// How much of a tilt is left after a segment: floats pull each one upright.
 const UPRIGHT: f32 = 0.75;
+
+/// How much what floats winds, by the tilt that it would have under water.
+const WINDING: f32 = 3.0;
 
 /// A chain at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,17 +43,33 @@ pub struct ChainShape {
     pub hash: u32,
     /// Depth of the water at the root, metres.
     pub depth: f32,
+    /// Where what floats goes, of length 1: x and z.
+    pub ahead: Vec2,
+}
+
+/// A node of a chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChainNode {
+    /// Relative to the root, metres.
+    pub place: Vec3,
+    /// Unit vector of the segment that ends there.
+    pub along: Vec3,
+    /// Whether it lies on the surface.
+    pub floats: bool,
 }
 
 impl ChainShape {
-    /// Of a plant in water of some depth, metres. It has as many whole segments as reach its height.
+    /// Of a plant in water of some depth, metres, where the wind blows towards `wind`. It has as many whole segments as make
+    /// up its length.
     #[must_use]
-    pub fn new(chain: &Chain, hash: u32, depth: f32) -> Self {
+    pub fn new(chain: &Chain, hash: u32, depth: f32, wind: Vec2) -> Self {
         let (low, high) = chain.rise;
         let rise = low + (high - low) * number(hash, 4);
         let wanted = (depth * rise).max(0.0);
         let count = (wanted / chain.segment).clamp(2.0, chain.segments.max(2) as f32);
         let segments = count as u32;
+        let (sin, cos) = ops::sin_cos(std::f32::consts::TAU * number(hash, 9));
+        let wind = wind.normalize_or_zero() + 0.45 * Vec2::new(cos, sin);
         Self {
             segments,
             // Shallow water holds two short ones.
@@ -47,14 +78,16 @@ impl ChainShape {
             width: chain.width * (0.7 + 0.6 * number(hash, 7)),
             hash,
             depth,
+            ahead: wind.normalize_or(Vec2::X),
         }
     }
 
-    /// Node `number` at rest, 0 the root, relative to the root, and the unit vector of the segment that ends there.
+    /// Node `number` at rest, 0 the root.
     #[must_use]
-    pub fn at_rest(&self, number: u32) -> (Vec3, Vec3) {
+    pub fn at_rest(&self, number: u32) -> ChainNode {
         let (mut place, mut along) = (Vec3::ZERO, Vec3::Y);
         let mut tilt = Vec2::ZERO;
+        let mut floats = false;
         for k in 0..number.min(self.segments) {
             let word = word(self.hash, 16 + k);
             let turn = Vec2::new(unit(word), unit(word << 12)) - 0.5;
@@ -62,9 +95,22 @@ impl ChainShape {
             let (sin_x, cos_x) = ops::sin_cos(tilt.x);
             let (sin_z, cos_z) = ops::sin_cos(tilt.y);
             along = Vec3::new(sin_x * cos_z, cos_x * cos_z, sin_z);
+            let left = self.depth - place.y;
+            floats = self.segment * along.y >= left;
+            if floats {
+                // As far up as there is water, the rest of the segment along the surface; it winds as it does below.
+                let up = (left / self.segment).clamp(0.0, 1.0);
+                let winding = self.ahead + self.ahead.perp() * (WINDING * (tilt.x + tilt.y));
+                let flat = winding.normalize_or(self.ahead) * (1.0 - up * up).max(0.0).sqrt();
+                along = Vec3::new(flat.x, up, flat.y);
+            }
             place += self.segment * along;
         }
-        (place, along)
+        ChainNode {
+            place,
+            along,
+            floats,
+        }
     }
 
     /// Node `number`; `at` is the root relative to the field's anchor.
@@ -73,28 +119,45 @@ impl ChainShape {
     /// chain; the root stays.
     #[must_use]
     pub fn node(&self, number: u32, at: Vec2, field: &WindField) -> Vec3 {
-        let (rest, _) = self.at_rest(number);
+        let rest = self.at_rest(number);
         let way = number.min(self.segments) as f32 / self.segments as f32;
-        let below = self.depth - rest.y;
-        let moved = field.in_water(at + Vec2::new(rest.x, rest.z), below);
+        let below = self.depth - rest.place.y;
+        let moved = field.in_water(at + Vec2::new(rest.place.x, rest.place.z), below);
         // Held at its foot: with the square of the way, so that the lowest segment hardly turns.
-        rest + moved * (way * way)
+        let mut place = rest.place + moved * (way * way);
+        place.y = if rest.floats {
+            self.depth + FLOAT
+        } else {
+            place.y.min(self.depth)
+        };
+        place
     }
 
-    /// Unit vector across the ribbon at a node: it turns on the way up.
+    /// Unit vector across the ribbon at a node: it turns on the way up, and lies flat where it floats.
     #[must_use]
-    pub fn across(&self, node: u32) -> Vec3 {
+    pub fn across(&self, node: u32, rest: &ChainNode) -> Vec3 {
+        if rest.floats {
+            let flat = Vec2::new(-rest.along.z, rest.along.x).normalize_or(Vec2::X);
+            return Vec3::new(flat.x, 0.0, flat.y);
+        }
         let turn = node as f32 * 0.5 * (number(self.hash, 8) - 0.5);
         let (sin, cos) = ops::sin_cos(std::f32::consts::TAU * number(self.hash, 5) + turn);
         Vec3::new(cos, 0.0, sin)
     }
 
-    /// The width of the ribbon at a node: narrow at the root and at the end.
+    /// The width of the ribbon at a node: narrow at the root and at the end, and wide and narrow by turns where it floats,
+    /// as leaves are on a stem. Where only each `step`-th node is drawn it has the mean of both.
     #[inline]
     #[must_use]
-    pub fn width_at(&self, number: u32) -> f32 {
+    pub fn width_at(&self, number: u32, floats: bool, step: u32) -> f32 {
         let along = number as f32 / self.segments as f32;
-        self.width * (0.25 + 3.0 * along * (1.0 - along)).min(1.0)
+        let leaf = match (floats, step, number % 2) {
+            (false, ..) => 1.0,
+            (true, 1, 0) => STEM,
+            (true, 1, _) => LEAF,
+            _ => 0.5 * (STEM + LEAF),
+        };
+        self.width * leaf * (0.25 + 3.0 * along * (1.0 - along)).min(1.0)
     }
 }
 
@@ -102,6 +165,7 @@ impl ChainShape {
 mod tests {
     use super::*;
     use crate::wind::Wind;
+    use bevy::math::Vec3Swizzles as _;
     use dolomite_terrain::GroundPoint;
 
     fn chain() -> Chain {
@@ -113,9 +177,11 @@ mod tests {
         chain
     }
 
-    /// In 2 to 80 m of water: no node above the surface at rest, angles within the limit, nothing that is no number.
+    /// In 2 to 80 m of water: no node above the surface at rest but what floats, segments that keep their length, angles under
+    /// water within the limit, nothing that is no number; and some that floats.
     #[test]
-    fn chains_stay_under_water() {
+    fn chains_reach_the_surface_and_no_farther() {
+        let mut floating = 0;
         let still = WindField::new(
             &Wind {
                 swell: 0.0,
@@ -126,31 +192,39 @@ mod tests {
         );
         for depth in [2.0, 5.0, 20.0, 80.0] {
             for k in 0..100 {
-                let shape = ChainShape::new(&chain(), word(k, 3), depth);
+                let shape = ChainShape::new(&chain(), word(k, 3), depth, Vec2::new(3.0, 1.0));
                 let nodes: Vec<Vec3> = (0..=shape.segments)
                     .map(|k| shape.node(k, Vec2::ZERO, &still))
                     .collect();
-                assert!(nodes.iter().all(|node| node.y <= depth && node.is_finite()));
-                assert!(nodes[1].y > 0.0 && shape.segments <= 24);
-                let ways: Vec<Vec3> = nodes.windows(2).map(|n| n[1] - n[0]).collect();
-                for way in &ways {
-                    assert!((way.length() / shape.segment - 1.0).abs() < 1e-4);
+                let rests: Vec<ChainNode> =
+                    (0..=shape.segments).map(|k| shape.at_rest(k)).collect();
+                let under = rests.iter().filter(|rest| !rest.floats).count();
+                floating += rests.len() - under;
+                assert!(nodes[..under].iter().all(|node| node.y <= depth));
+                assert!(nodes[under..].iter().all(|node| node.y == depth + FLOAT));
+                assert!(nodes.iter().all(|node| node.is_finite()));
+                assert!(nodes[1].y > 0.0 && shape.segments <= chain().segments);
+                for pair in rests.windows(2) {
+                    let length = pair[0].place.distance(pair[1].place);
+                    assert!((length / shape.segment - 1.0).abs() < 1e-3);
                 }
-                for pair in ways.windows(2) {
-                    assert!(
-                        pair[0].angle_between(pair[1]) < shape.twist,
-                        "{}",
-                        pair[0].angle_between(pair[1])
-                    );
+                for pair in rests[1..under.max(1)].windows(2) {
+                    let angle = pair[0].along.angle_between(pair[1].along);
+                    assert!(angle < shape.twist, "{angle}");
                 }
+                // What floats goes on, to where the wind blows.
+                let ahead =
+                    nodes.last().expect("some").xz() - nodes[under.min(nodes.len() - 1)].xz();
+                assert!(ahead.dot(shape.ahead) >= 0.0 && shape.ahead.x > 0.0);
             }
         }
+        assert!(floating > 200, "{floating}");
     }
 
     /// The root stays, the end goes with the water.
     #[test]
     fn chains_follow_the_swell() {
-        let shape = ChainShape::new(&chain(), 8, 6.0);
+        let shape = ChainShape::new(&chain(), 8, 6.0, Vec2::X);
         let (mut least, mut most) = (Vec3::MAX, Vec3::MIN);
         for k in 0..200 {
             let field =
@@ -160,5 +234,18 @@ mod tests {
             (least, most) = (least.min(end), most.max(end));
         }
         assert!((most - least).length() > 0.15, "{}", most - least);
+    }
+
+    /// Leaves and stem by turns; of fewer nodes the mean.
+    #[test]
+    fn what_floats_has_leaves() {
+        let shape = ChainShape::new(&chain(), 8, 6.0, Vec2::X);
+        let middle = shape.segments / 2 / 2 * 2;
+        let [stem, leaf] = [middle, middle + 1].map(|k| shape.width_at(k, true, 1));
+        assert!(leaf > 4.0 * stem);
+        let means = [2, 4].map(|step| shape.width_at(middle, true, step));
+        assert!(means.iter().all(|mean| *mean > stem && *mean < leaf));
+        let under = [1, 2].map(|step| shape.width_at(middle, false, step));
+        assert!(under[0] == under[1] && under[0] > 0.98 * shape.width);
     }
 }

@@ -146,7 +146,8 @@ pub struct Flower {
     pub middle: [f32; 3],
 }
 
-/// Kelp. Segments are as many as its length asks for.
+/// Kelp. Segments are as many as its length asks for. What is longer than the water is deep lies on the surface, and goes
+/// where the wind blows: the canopy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chain {
@@ -154,9 +155,9 @@ pub struct Chain {
     pub segment: f32,
     /// Most segments, 2 to 64.
     pub segments: u32,
-    /// Share of the depth of the water that the longest and the shortest reach, 0.05 to 1.
+    /// Length of the shortest and the longest as a share of the depth of the water, 0.05 to 3.
     pub rise: (f32, f32),
-    /// Width of the ribbon, 0.001 to 2.
+    /// Width of the ribbon under water, 0.001 to 2; on the surface it has leaves that are [`crate::chain::LEAF`] times as wide.
     pub width: f32,
     /// Greatest angle between segments that follow each other, 0 to 0.8.
     pub twist: f32,

@@ -156,7 +156,7 @@ impl Checked<'_> {
             Shape::Chain(chain) => {
                 self.within("segment", chain.segment, 0.05, 2.0)?;
                 self.within("segments", chain.segments as f32, 2.0, 64.0)?;
-                self.pair("rise", chain.rise, 0.05, 1.0)?;
+                self.pair("rise", chain.rise, 0.05, 3.0)?;
                 self.within("width", chain.width, 0.001, 2.0)?;
                 self.within("twist", chain.twist, 0.0, 0.8)?;
                 self.look(&chain.look)

@@ -24,6 +24,7 @@
 //! | [`density`] | how densely a kind grows at a place |
 //! | [`law`] | how many are drawn at a distance, and how wide |
 //! | [`blade`], [`blossom`], [`chain`] | the geometry of a blade, of the head of a flower, and of kelp |
+//! | [`straight`] | what a blade of three vertices makes up for |
 //! | [`colour`] | colours before light |
 //! | [`wind`], [`bend`] | what moves it |
 //! | [`mod@reference`], [`shade`] | what a field of blades looks like from afar: by brute force, and as a table |
@@ -52,6 +53,7 @@ pub mod reference;
 pub mod render;
 mod sets;
 pub mod shade;
+pub mod straight;
 pub mod wind;
 
 pub use band::Band;

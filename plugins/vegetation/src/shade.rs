@@ -15,12 +15,22 @@ use crate::reference::{Manner, draw, field_of, mean};
 /// Entries: sines of 1/256 to 1, by powers of √2.
 pub const ENTRIES: usize = 17;
 
-/// Fields that the table is the mean of.
-const FIELDS: i32 = 12;
+/// Blades that the table is the mean of, at least: as many fields are drawn as hold them.
+const BLADES: f32 = 20_000.0;
 
-/// Side of a field, metres, and its samples along a side: a blade is a sample wide or so.
+/// Side of a field, metres, and its samples along a side: a blade is half a sample wide or so. What falls between samples
+/// is as likely to be met as what does not.
 const SIDE: f32 = 8.0;
-const SAMPLES: usize = 512;
+const SAMPLES: usize = 256;
+
+/// As it is drawn: what differs from blade to blade is its mean, so that fewer blades are enough.
+const MANNER: Manner = Manner {
+    segments: 7,
+    calm: 1.0,
+};
+
+/// Most fields: of what is that thin few are enough to be seen at all.
+const MOST_FIELDS: f32 = 32.0;
 
 /// From this cover on fields differ by less than what is asked for, and one of them is as good as many.
 const WHOLE: f64 = 0.999;
@@ -46,7 +56,7 @@ pub struct Cover {
 }
 
 impl FarField {
-    /// Fits the table to a picture of the kind's blades. Seconds; once a kind, for a task.
+    /// Fits the table to a picture of the kind's blades: some tenths of a second, for a task.
     #[must_use]
     pub fn fit(blade: &Blade, growth: &Growth) -> Self {
         // A clump is one of many: their mean is a field without any.
@@ -56,11 +66,12 @@ impl FarField {
         };
         let field = field_of(growth, SIDE, SAMPLES, [1 << 20, 1 << 20]);
         let mut entries = [[0.0; 4]; ENTRIES];
-        let mut fields = FIELDS;
+        let each = growth.full * growth.lattice.density() * SIDE * SIDE;
+        let mut fields = (BLADES / each.max(1.0)).ceil().clamp(1.0, MOST_FIELDS) as i32;
         for (k, entry) in entries.iter_mut().enumerate().rev() {
             let sine = FIRST * ops::exp2(0.5 * k as f32);
             let seen = mean(field, fields, |field| {
-                draw(field, blade, growth, sine.min(1.0), |_| 1.0, Manner::FINEST)
+                draw(field, blade, growth, sine.min(1.0), |_| 1.0, MANNER)
             });
             // Where all samples are covered the depth is at least that of half a sample.
             let all = f64::from(fields) * (SAMPLES * SAMPLES) as f64;
@@ -79,9 +90,7 @@ impl FarField {
     #[must_use]
     pub fn at(&self, sine: f32, share: f32) -> Cover {
         let sine = if sine > FIRST { sine.min(1.0) } else { FIRST };
-        let place = (2.0 * ops::log2(sine / FIRST)).clamp(0.0, (ENTRIES - 1) as f32);
-        let k = (place as usize).min(ENTRIES - 2);
-        let part = place - k as f32;
+        let (k, part) = entry_of(sine);
         let [low, high] = [self.entries[k], self.entries[k + 1]];
         let mixed = [0, 1, 2, 3].map(|n| low[n] + (high[n] - low[n]) * part);
         Cover {
@@ -89,6 +98,15 @@ impl FarField {
             colour: [mixed[1], mixed[2], mixed[3]],
         }
     }
+}
+
+/// Where among the entries a sine lies: entry, and share of the way to the next.
+#[must_use]
+pub fn entry_of(sine: f32) -> (usize, f32) {
+    let sine = if sine > FIRST { sine.min(1.0) } else { FIRST };
+    let place = (2.0 * ops::log2(sine / FIRST)).clamp(0.0, (ENTRIES - 1) as f32);
+    let entry = (place as usize).min(ENTRIES - 2);
+    (entry, place - entry as f32)
 }
 
 #[cfg(test)]
@@ -105,9 +123,9 @@ mod tests {
             ..growth
         };
         let far = FarField::fit(&blade, &growth);
-        let field = field_of(&growth, SIDE, SAMPLES, [-5000, 777]);
+        let field = field_of(&growth, SIDE, 2 * SAMPLES, [-5000, 777]);
         for sine in [0.93, 0.6, 0.3, 0.15, 0.07, 0.03] {
-            let seen = mean(field, FIELDS, |field| {
+            let seen = mean(field, 8, |field| {
                 draw(field, &blade, &growth, sine, |_| 1.0, Manner::FINEST)
             });
             let ours = far.at(sine, 1.0);

@@ -34,6 +34,16 @@ fn place_at(curve: Curve, along: f32) -> vec3<f32> {
     return curve.middle * (2.0 * (1.0 - along) * along) + curve.tip * (along * along);
 }
 
+// Where a strip of so many segments ends: such that its area, as a vector, is that of the curve.
+fn drawn_tip(curve: Curve, segments: u32) -> vec3<f32> {
+    return curve.tip + (curve.middle - 0.5 * curve.tip) / f32(4u * segments - 2u);
+}
+
+// Middle of a row of such a strip.
+fn row_at(curve: Curve, row: u32, segments: u32) -> vec3<f32> {
+    return select(place_at(curve, f32(row) / f32(segments)), drawn_tip(curve, segments), row >= segments);
+}
+
 fn tangent_at(curve: Curve, along: f32) -> vec3<f32> {
     return curve.middle * (2.0 * (1.0 - 2.0 * along)) + curve.tip * (2.0 * along);
 }

@@ -5,16 +5,26 @@
 #import dolomite::vegetation::draw_types::Look
 #import dolomite::vegetation::shape::own
 
-// At a share `t` of the way from the root to the tip. `near` and `wide` are smooth noises of the place, 0 to 1. `calm`:
-// how much of what differs from blade to blade is drawn as its mean, 0 to 1.
-fn blade_colour(look: Look, hash: u32, clump: u32, noise: vec2<f32>, calm: f32, t: f32) -> vec3<f32> {
+// What differs from blade to blade: a factor of the colour, and how dry the tip is. `noise`: two smooth noises of the place,
+// 0 to 1. `calm`: how much of what differs is drawn as its mean, 0 to 1.
+fn blade_tint(look: Look, hash: u32, clump: u32, noise: vec2<f32>, calm: f32) -> vec2<f32> {
     let of_clump = own(clump, 10u) - 0.5;
     let dryness = clamp(0.5 * noise.x + 0.8 * noise.y - 0.35 + 0.4 * of_clump, 0.0, 1.0);
     let is_dry = select(0.0, 1.0, own(hash, 11u) < look.dry.w);
     let dry = clamp(1.4 * dryness * sqrt(look.dry.w) + 0.7 * mix(is_dry, look.dry.w, calm), 0.0, 1.0);
     let value = mix(0.75 + 0.5 * own(hash, 12u), 1.0, 0.8 * calm) * (0.9 + 0.25 * noise.x + 0.2 * of_clump);
+    return vec2(value, dry);
+}
+
+// At a share `t` of the way from the root to the tip.
+fn blade_colour(look: Look, tint: vec2<f32>, t: f32) -> vec3<f32> {
     let green = mix(look.root.xyz, look.tip.xyz, t * (1.6 - 0.6 * t));
-    return value * mix(green, look.dry.xyz, dry * smoothstep(0.05, 0.9, t));
+    return tint.x * mix(green, look.dry.xyz, tint.y * smoothstep(0.05, 0.9, t));
+}
+
+// Where among the entries of a far field the sine of an elevation lies.
+fn far_place(sine: f32) -> f32 {
+    return clamp(2.0 * log2(max(sine, 0.00390625)) + 16.0, 0.0, 16.0);
 }
 
 // Light stands above: what is below is in the shade of the others.

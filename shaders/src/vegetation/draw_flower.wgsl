@@ -7,7 +7,7 @@
 #else
 #import dolomite::vegetation::blossom::head_near
 #endif
-#import dolomite::vegetation::colour::{blade_colour, calm_at}
+#import dolomite::vegetation::colour::{blade_tint, calm_at}
 #import dolomite::vegetation::draw_view::{records, view}
 #import dolomite::vegetation::law::widened
 #import dolomite::vegetation::noise::smooth_noise
@@ -58,8 +58,8 @@ fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) instance:
         normal = normalize(cross(along, across));
         normal = select(-normal, normal, dot(normal, seen) >= 0.0);
         normal = mix(normal, record.normal, 0.45 + 0.45 * calm);
-        out.place = vec2(t, side);
-        out.colour = blade_colour(look, record.hash, record.clump, noise, calm, t);
+        out.place = vec3(t, side, 0.0);
+        out.given = vec4(0.0);
     } else {
         let petals = u32(look.middle.w);
 #ifdef FLOWER_FAR
@@ -80,10 +80,11 @@ fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) instance:
         normal = frame.axis;
         normal = select(-normal, normal, dot(normal, seen) >= 0.0) + 0.35 * point.petal * (1.0 - calm) * outward;
         normal = mix(normal, record.normal, 0.6 * calm);
-        out.place = vec2(1.0, 0.0);
+        out.place = vec3(1.0, 0.0, 0.0);
         // Darker towards the middle, so that petals are told apart.
         let petal = look.head.xyz * mix(0.8, 1.05, clamp(length(point.at), 0.0, 1.0));
-        out.colour = mix(look.middle.xyz, petal, point.petal) * mix(0.9 + 0.2 * own(record.hash, 12u), 1.0, calm);
+        let head = mix(look.middle.xyz, petal, point.petal) * mix(0.9 + 0.2 * own(record.hash, 12u), 1.0, calm);
+        out.given = vec4(head, 1.0);
     }
     let place = record.position + place_at(curve, t) + off;
     out.clip = view.clip * vec4(place, 1.0);
@@ -93,12 +94,13 @@ fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) instance:
     out.clip_before = view.previous_clip * vec4(record.position + place_at(before, t) + off, 1.0);
 #endif
     out.normal = normalize(normal);
+    out.tint = vec3(blade_tint(look, record.hash, record.clump, noise, calm), calm);
     out.across = vec4(across, look.size.w);
-    out.calm = calm;
+    out.layer = record.layer;
     return out;
 }
 
 @fragment
 fn fragment(in: Varying) -> GBuffer {
-    return stored(in, view.sun);
+    return stored(in, view.looks[in.layer], view.sun);
 }

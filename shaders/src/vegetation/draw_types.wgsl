@@ -15,7 +15,8 @@ struct Look {
     dry: vec4<f32>,
     // Least and greatest length, width at the root, metres; share of the light that comes through.
     size: vec4<f32>,
-    // How far the tip moves in 1 m/s as a share of the length; how much clumps differ.
+    // How far the tip moves in 1 m/s as a share of the length; how much clumps differ; width in mean distances of roots;
+    // optical depth of all from the side.
     sway: vec4<f32>,
     // As Layer.reach.
     reach: vec4<f32>,
@@ -24,6 +25,11 @@ struct Look {
     head: vec4<f32>,
     // A flower's: colour of its middle, and number of petals.
     middle: vec4<f32>,
+}
+
+// What the ground shows of a kind where it ends: depth and colour at the sines 2^(k/2 - 8); 0 where that is not known.
+struct Far {
+    entries: array<vec4<f32>, 17>,
 }
 
 struct BladeView {
@@ -44,5 +50,6 @@ struct BladeView {
     wind: WindField,
     previous_wind: WindField,
     looks: array<Look, 8>,
+    far: array<Far, 8>,
     presses: array<Press, 64>,
 }

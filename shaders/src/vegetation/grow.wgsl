@@ -19,6 +19,11 @@ const SIDE: i32 = 8;
 var<workgroup> looked_count: atomic<u32>;
 var<workgroup> standing_count: atomic<u32>;
 
+// A corner at the height of the ground there, which below water is not where it is drawn.
+fn with_height(corner: vec3<f32>, height: f32) -> vec3<f32> {
+    return vec3(corner.x, height, corner.z);
+}
+
 // Whether a root stands and may be seen: its record goes to the list of its level of detail. Gives whether it stands.
 fn grow_root(t: Triangle, layer: u32, level: u32, square: vec2<i32>) -> bool {
     let pitch = params.layers[layer].pitch;
@@ -29,9 +34,9 @@ fn grow_root(t: Triangle, layer: u32, level: u32, square: vec2<i32>) -> bool {
     }
     let at = to_metres(place);
     // The plane of the corners as they are drawn, not as they are rounded to steps.
-    let pa = corner_position(t.corners.x);
-    let ab = corner_position(t.corners.y) - pa;
-    let ac = corner_position(t.corners.z) - pa;
+    let pa = with_height(corner_position(t.corners.x), t.heights.x);
+    let ab = with_height(corner_position(t.corners.y), t.heights.y) - pa;
+    let ac = with_height(corner_position(t.corners.z), t.heights.z) - pa;
     let across = ab.x * ac.z - ab.z * ac.x;
     let slope = vec2(ab.y * ac.z - ac.y * ab.z, ac.y * ab.x - ab.y * ac.x) / across;
     let low = min(min(t.heights.x, t.heights.y), t.heights.z);

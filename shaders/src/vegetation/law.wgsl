@@ -5,6 +5,10 @@
 
 // Ranks between this share of the greatest that is drawn and the greatest are on their way in.
 const BAND: f32 = 0.25;
+// From this share of the distance of the fade on colours settle.
+const SETTLE_FROM: f32 = 0.7;
+// How much more of the ground fewer and wider blades hide, by how much wider they are in the distances between roots.
+const EVEN: f32 = 0.165;
 // Share of the ranks that is still drawn where all end: the rest of the way goes by width.
 const LAST: f32 = 0.25;
 
@@ -53,6 +57,18 @@ fn mean_entered(drawn: f32) -> f32 {
 fn widened(reach: vec4<f32>, distance: f32, come: f32) -> f32 {
     let left = left_share(reach, distance);
     return come / mean_entered(kept_share(reach, distance) / (1.0 - BAND)) * left / left_ranks(left);
+}
+
+// A factor of the widths where so much is kept; `crowding`: width of a blade in mean distances of roots.
+fn evened(crowding: f32, kept: f32) -> f32 {
+    return 1.0 / (1.0 + EVEN * crowding * (1.0 / sqrt(max(kept, 1e-6)) - 1.0));
+}
+
+// How far the colours of blades have settled to those that the ground shows beyond them.
+fn settled_share(reach: vec4<f32>, distance: f32) -> f32 {
+    let begin = SETTLE_FROM * reach.z;
+    let t = clamp((distance - begin) / max(reach.z - begin, 1e-3), 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
 }
 
 // The share of the whole cover's optical depth that is drawn: the rest is the ground's.

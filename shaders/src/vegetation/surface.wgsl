@@ -4,19 +4,24 @@
 
 #import bevy_pbr::utils::octahedral_encode
 #import bevy_pbr::pbr_deferred_types::{pack_unorm4x8_, pack_24bit_normal_and_flags, DEFERRED_FLAGS_FOG_ENABLED_BIT, DEFERRED_MESH_FLAGS_SHADOW_RECEIVER_BIT}
-#import dolomite::vegetation::colour::shade_at
+#import dolomite::vegetation::colour::{blade_colour, shade_at}
+#import dolomite::vegetation::draw_types::Look
+#import dolomite::vegetation::straight::straight_along
 
 struct Varying {
     @builtin(position) clip: vec4<f32>,
 #ifndef SHADOW
     @location(0) normal: vec3<f32>,
-    // From the root to the tip, 0 to 1; across, -1 to 1.
-    @location(1) place: vec2<f32>,
-    @location(2) colour: vec3<f32>,
+    // From the root to the tip, 0 to 1; across, -1 to 1; the bow of a strip of one segment.
+    @location(1) place: vec3<f32>,
+    // A colour that is not the blade's own; w: its share.
+    @location(2) given: vec4<f32>,
     // Across the blade; w: how much of the light comes through.
     @location(3) across: vec4<f32>,
-    // How calm the shading is, for what is far.
-    @location(4) calm: f32,
+    // What differs from blade to blade, and how calm the shading is, for what is far.
+    @location(4) tint: vec3<f32>,
+    // Which kind it is.
+    @location(7) @interpolate(flat) layer: u32,
 #endif
 #ifdef MOTION_VECTORS
     @location(5) clip_now: vec4<f32>,
@@ -36,12 +41,12 @@ struct GBuffer {
     @location(3) lighting_pass: u32,
 }
 
-fn stored(in: Varying, sun: vec3<f32>) -> GBuffer {
-    let calm = in.calm;
-    let t = in.place.x;
+fn stored(in: Varying, look: Look, sun: vec3<f32>) -> GBuffer {
+    let calm = in.tint.z;
+    let t = straight_along(in.place.x, in.place.z);
     // A blade is folded along its middle: its halves look to different sides.
     var normal = normalize(in.normal + in.across.xyz * (0.55 * (1.0 - calm) * in.place.y));
-    var colour = in.colour * shade_at(t);
+    var colour = mix(blade_colour(look, in.tint.xy, t) * shade_at(t), in.given.xyz, in.given.w);
     let from_sun = dot(normal, sun);
     if from_sun < 0.0 {
         // Lit from behind: what comes through is yellower, and has the sun's direction on the other side. The share is

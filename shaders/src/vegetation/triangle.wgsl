@@ -2,7 +2,7 @@
 
 // A drawn triangle as roots see it: from above, in steps, going round the positive way.
 
-#import dolomite::vegetation::bindings::corner_position
+#import dolomite::vegetation::bindings::{corner_bed, corner_position}
 #import dolomite::vegetation::edges::{side_of, to_steps}
 
 struct Triangle {
@@ -11,6 +11,7 @@ struct Triangle {
     a: vec2<i32>,
     b: vec2<i32>,
     c: vec2<i32>,
+    // Of the ground: below water those of its bed.
     heights: vec3<f32>,
     // Whether it has an area.
     exists: bool,
@@ -24,10 +25,11 @@ fn triangle_at(first: u32) -> Triangle {
     let b = to_steps(pb.xz);
     let c = to_steps(pc.xz);
     let side = side_of(a, b, c);
+    let heights = vec3(corner_bed(first, pa.y), corner_bed(first + 1u, pb.y), corner_bed(first + 2u, pc.y));
     if side < 0 {
-        return Triangle(vec3(first, first + 2u, first + 1u), a, c, b, vec3(pa.y, pc.y, pb.y), true);
+        return Triangle(vec3(first, first + 2u, first + 1u), a, c, b, heights.xzy, true);
     }
-    return Triangle(vec3(first, first + 1u, first + 2u), a, b, c, vec3(pa.y, pb.y, pc.y), side > 0);
+    return Triangle(vec3(first, first + 1u, first + 2u), a, b, c, heights, side > 0);
 }
 
 fn least_of(t: Triangle) -> vec2<i32> {

@@ -78,7 +78,8 @@ struct GrowParams {
     vertices: array<vec4<u32>, 2>,
     // Room for pieces.
     piece_room: u32,
-    pad_a: u32,
+    // What the first texture coordinate of the ground's vertices is multiplied by: under water it is the depth.
+    depth_range: f32,
     pad_b: u32,
     pad_c: u32,
     layers: array<Layer, 8>,

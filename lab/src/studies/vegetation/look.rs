@@ -5,7 +5,8 @@ use dolomite_vegetation::blade::SEGMENTS;
 use dolomite_vegetation::colour::calm_at;
 use dolomite_vegetation::density::NO_CLUMPS;
 use dolomite_vegetation::kind::Blade;
-use dolomite_vegetation::reference::{Manner, Seen, draw, field_of, mean};
+use dolomite_vegetation::law::evened;
+use dolomite_vegetation::reference::{Manner, Seen, crowding_of, draw, field_of, mean};
 use dolomite_vegetation::shade::FarField;
 use dolomite_vegetation::{Growth, Law};
 use serde_json::{Value, json};
@@ -125,8 +126,9 @@ pub fn rings(blade: &Blade, (growth, law): (Growth, Law), seed: u32, fields: i32
                 segments: SEGMENTS[lod],
                 calm: calm_at(law.first, away),
             };
-            let width = |rank| law.width_of(rank, away);
-            let blades = mean(field, fields, |field| {
+            let even = evened(crowding_of(blade, &growth), law.kept(away));
+            let width = |rank| law.width_of(rank, away) * even;
+            let mut blades = mean(field, fields, |field| {
                 draw(field, blade, &growth, sine, width, manner)
             });
             let cover = far.at(sine, 1.0 - law.cover(away));
@@ -134,6 +136,10 @@ pub fn rings(blade: &Blade, (growth, law): (Growth, Law), seed: u32, fields: i32
                 cover: f64::from(cover.share),
                 colour: cover.colour.map(f64::from),
             };
+            let settled = f64::from(law.settled(away));
+            for (own, far) in blades.colour.iter_mut().zip(ground.colour) {
+                *own += (far - *own) * settled;
+            }
             rings.push(Ring {
                 eye,
                 distance,

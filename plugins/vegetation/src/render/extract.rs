@@ -9,10 +9,12 @@ use bevy::render::Extract;
 use bevy::render::sync_world::RenderEntity;
 use dolomite_terrain::{GroundPoint, Terrain};
 
+use super::far::FarFields;
 use super::state::VegetationPool;
 use crate::bend::{Press, Presses};
 use crate::components::{Vegetation, VegetationState, VegetationView};
 use crate::kind::Kinds;
+use crate::shade::FarField;
 use crate::wind::Wind;
 
 /// A camera that sees what grows, in the render world.
@@ -24,6 +26,8 @@ pub struct ExtractedVegetationView;
 pub struct ExtractedVegetation {
     /// The kinds, if any grow.
     pub kinds: Option<Arc<Kinds>>,
+    /// Far fields in the order of the kinds, of those that have one; none while they are being fitted.
+    pub far: Arc<[Option<FarField>]>,
     /// [`Vegetation::density`].
     pub density: f32,
     /// [`Vegetation::reach`].
@@ -62,6 +66,7 @@ type GrownItem<'a> = (
     &'a VegetationState,
     Option<&'a Terrain>,
     Option<&'a Wind>,
+    Option<&'a FarFields>,
 );
 
 /// What else it depends on in the main world.
@@ -84,11 +89,12 @@ pub(super) fn vegetation(
     let now = now.map_or(0.0, |time| time.elapsed_secs_f64());
     extracted.time = [now, extracted.time[0]];
     let first = grown.iter().min_by_key(|(entity, ..)| entity.index_u32());
-    let Some((_, vegetation, state, terrain, wind)) = first else {
+    let Some((_, vegetation, state, terrain, wind, fields)) = first else {
         extracted.kinds = None;
         return;
     };
     extracted.kinds.clone_from(&state.kinds);
+    extracted.far = fields.map_or_else(Arc::default, |fields| Arc::clone(&fields.fitted));
     extracted.density = vegetation.density;
     extracted.reach = vegetation.reach;
     extracted.seed = vegetation.seed;

@@ -22,7 +22,7 @@ use crate::shade::FarField;
 pub(super) struct FarFields {
     of: Option<(Arc<Kinds>, u32)>,
     task: Option<Task<Vec<Option<FarField>>>>,
-    fitted: Vec<Option<FarField>>,
+    pub(super) fitted: Arc<[Option<FarField>]>,
 }
 
 /// Adds the systems.
@@ -83,7 +83,7 @@ fn follow(mut commands: Commands, mut all: Query<Grown>) {
         let known = fields.of.as_ref();
         if known.is_none_or(|(of, seed)| !Arc::ptr_eq(of, kinds) || *seed != grown.seed) {
             fields.of = Some((Arc::clone(kinds), grown.seed));
-            fields.fitted.clear();
+            fields.fitted = Arc::default();
             let (kinds, seed) = (Arc::clone(kinds), grown.seed);
             let task = AsyncComputeTaskPool::get().spawn(async move { fit(&kinds, seed) });
             fields.task = Some(task);
@@ -91,7 +91,7 @@ fn follow(mut commands: Commands, mut all: Query<Grown>) {
         let found = fields.task.as_mut().map(|task| block_on(poll_once(task)));
         let is_new = match found {
             Some(Some(fitted)) => {
-                fields.fitted = fitted;
+                fields.fitted = fitted.into();
                 fields.task = None;
                 true
             }
@@ -100,7 +100,7 @@ fn follow(mut commands: Commands, mut all: Query<Grown>) {
         };
         if is_new {
             let sea = terrain.sea_level().unwrap_or(0.0);
-            let layers = kinds.kinds.iter().zip(&fields.fitted);
+            let layers = kinds.kinds.iter().zip(fields.fitted.iter());
             let layers =
                 layers.filter_map(|(kind, far)| Some(layer(kind, far.as_ref()?, &grown, sea)));
             commands.entity(entity).insert(GroundCanopy {

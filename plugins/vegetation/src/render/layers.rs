@@ -11,6 +11,7 @@ use super::rings::set_rings;
 use crate::density::Growth;
 use crate::kind::{Blade, Chain, Flower, Kind, Look, Shape};
 use crate::law::Law;
+use crate::reference::{crowding_of, depth_of};
 
 /// Height of a blade in pixels below which it has 7 vertices, and 3.
 const BLADE_PIXELS: [f32; 2] = [48.0, 14.0];
@@ -145,15 +146,19 @@ fn chain_look(chain: &Chain) -> LookParams {
     }
 }
 
-/// What the draws are told of a kind, whose law is that of its layer.
-pub fn look(kind: &Kind, reach: Law) -> LookParams {
+/// What the draws are told of a kind, whose law and growth are those of its layer.
+pub fn look(kind: &Kind, layer: &LayerParams) -> LookParams {
     let mut look = match &kind.shape {
         Shape::Blade(blade) => blade_look(blade),
         Shape::Flower(flower) => flower_look(flower),
         Shape::Chain(chain) => chain_look(chain),
         Shape::Mesh(_) => LookParams::default(),
     };
-    look.reach = reach;
+    look.reach = layer.reach;
+    if let Shape::Blade(blade) = &kind.shape {
+        look.sway[2] = crowding_of(blade, &layer.growth);
+        look.sway[3] = depth_of(blade, &layer.growth);
+    }
     look.sway[1] = kind.clumps.as_ref().map_or(0.0, |clumps| clumps.uneven);
     look
 }

@@ -8,6 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use crate::bend::{MOST_PRESSES, Press};
 use crate::density::Growth;
 use crate::law::Law;
+use crate::shade::FarField;
 use crate::wind::WindField;
 
 /// Kinds that are drawn at a time.
@@ -70,7 +71,8 @@ pub struct GrowParams {
     pub bases: [u32; LISTS],
     pub vertices: [u32; LISTS],
     pub piece_room: u32,
-    pub pad: [u32; 3],
+    pub depth_range: f32,
+    pub pad: [u32; 2],
     pub layers: [LayerParams; MOST_LAYERS],
 }
 
@@ -156,6 +158,7 @@ pub struct BladeView {
     pub wind: WindField,
     pub previous_wind: WindField,
     pub looks: [LookParams; MOST_LAYERS],
+    pub far: [FarField; MOST_LAYERS],
     pub presses: [Press; MOST_PRESSES],
 }
 

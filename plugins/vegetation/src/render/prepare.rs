@@ -27,6 +27,7 @@ use super::state::{VegetationPool, ViewState};
 use super::stats::VegetationStats;
 use crate::bend::Press;
 use crate::kind::Kind;
+use crate::shade::FarField;
 use crate::wind::{Wind, WindField};
 
 /// The producers on whose triangles things grow, in order. A resource of the render world.
@@ -59,12 +60,13 @@ fn params(
     grown: &ExtractedVegetation,
     kinds: &[Kind],
     frame: &ViewFrame,
-    pool: VegetationPool,
+    (pool, depth_range): (VegetationPool, f32),
 ) -> Box<GrowParams> {
     let mut params: Box<GrowParams> = Box::new(GrowParams::zeroed());
     params.vertices = vertices_of(layers(kinds));
     (params.rooms, params.bases) = rooms_of(pool.records, params.vertices);
     params.piece_room = pool.pieces;
+    params.depth_range = depth_range;
     params.planes = frame.planes;
     params.eye = (frame.position - frame.anchor).as_vec3().to_array();
     params.pixels_per_radian = frame.pixels_per_radian;
@@ -116,7 +118,15 @@ fn blade_view(
     }
     let drawn = layers(kinds).zip(&state.params.layers);
     for (slot, (kind, layer)) in view.looks.iter_mut().zip(drawn) {
-        *slot = look(kind, layer.reach);
+        *slot = look(kind, layer);
+    }
+    // Of the whole list, where those of meshes have none.
+    let known = kinds.iter().zip(grown.far.iter());
+    for (slot, kind) in view.far.iter_mut().zip(layers(kinds)) {
+        let found = known.clone().find(|(of, _)| std::ptr::eq(*of, kind));
+        *slot = found
+            .and_then(|(_, far)| *far)
+            .unwrap_or_else(FarField::zeroed);
     }
     view
 }
@@ -162,12 +172,12 @@ pub fn prepare(
             let producer = producers.get(*key);
             views.iter().filter_map(move |item| {
                 let ground = ground_of(producer?, item.0)?;
-                Some(((item.0, place), item, ground))
+                Some(((item.0, place), item, (ground, producer?.traits.uv_range)))
             })
         })
     };
     states.retain(|key, _| sources().any(|(known, ..)| known == *key));
-    for (key, (_, view, prepass, jitter), ground) in sources() {
+    for (key, (_, view, prepass, jitter), (ground, depth_range)) in sources() {
         let Some(draw) = prepass.and_then(DrawKey::new) else {
             continue;
         };
@@ -192,7 +202,7 @@ pub fn prepare(
             ..grown.pool
         };
         state.fit(&device, pool, vertices);
-        let now = params(&grown, kinds, frame, pool);
+        let now = params(&grown, kinds, frame, (pool, depth_range));
         if *now != *state.params {
             queue.write_buffer(&state.buffers.params, 0, bytes_of(&*now));
             state.params = now;

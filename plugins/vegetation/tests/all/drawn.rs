@@ -6,7 +6,7 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::render::render_resource::{PipelineCache, PipelineDescriptor};
-use dolomite_ground::{GroundCanopy, GroundMaterial, GroundPlugin, TerrainView};
+use dolomite_ground::{GroundCanopy, GroundMaterial, GroundPlugin, Sea, TerrainView};
 use dolomite_terrain::{Fractal, GroundRect, Layer, Source, Terrain, TerrainData};
 use dolomite_vegetation::render::lists::{CHAINS, FLOWERS};
 use dolomite_vegetation::render::{
@@ -38,6 +38,11 @@ fn hills() -> Option<(App, Handle<Image>)> {
 
 /// Hills about a height.
 fn hills_at(base: f32) -> Option<(App, Handle<Image>)> {
+    hills_in(base, None)
+}
+
+/// Hills about a height, in a sea of some height.
+fn hills_in(base: f32, sea_level: Option<f32>) -> Option<(App, Handle<Image>)> {
     let mut app = app::app(|app| {
         app::bevys(app);
         app.insert_resource(bevy::pbr::DefaultOpaqueRendererMethod::deferred())
@@ -57,12 +62,15 @@ fn hills_at(base: f32) -> Option<(App, Handle<Image>)> {
             mask: None,
         }],
         base,
-        sea_level: None,
+        sea_level,
     })
     .expect("in range");
     let height = terrain.sample_f64(DVec2::ZERO).height as f32;
     let world = app.world_mut();
-    world.spawn((terrain, GroundMaterial::default()));
+    let terrain = world.spawn((terrain, GroundMaterial::default())).id();
+    if sea_level.is_some() {
+        world.entity_mut(terrain).insert(Sea::default());
+    }
     world.spawn((
         // With shadows the ground beside the picture is kept.
         DirectionalLight {
@@ -175,27 +183,49 @@ fn it_rests_and_nothing_is_there_without_it_gpu() {
     assert_eq!((count(&app).bytes, count(&app).views), (0, 0));
 }
 
+/// Turns the eye about the vertical, and up or down.
+fn look(app: &mut App, turn: f32, up: f32) {
+    let world = app.world_mut();
+    let mut cameras = world.query_filtered::<&mut Transform, With<Camera3d>>();
+    for mut eye in cameras.iter_mut(world) {
+        eye.rotation = Quat::from_euler(EulerRot::YXZ, turn, up, 0.0);
+    }
+}
+
+/// What is culled is not seen, to whichever side one looks: the pictures are the same to the byte. That a thousandth of the
+/// blades were missing would be seen: with so many fewer the pictures are others.
 #[test]
 fn what_is_left_out_is_not_seen_gpu() {
     let Some((mut app, target)) = hills() else {
         return;
     };
-    plant(&mut app);
+    let terrain = plant(&mut app);
     settle(&mut app);
-    let culled = app::picture(&mut app, &target);
-    let few = count(&app).wanted;
-    app.insert_resource(VegetationCulling(false));
-    app::frames(&mut app, 3);
-    settle(&mut app);
-    let all = app::picture(&mut app, &target);
-    let many = count(&app).wanted;
-    println!("{few} of {many} records");
+    let (mut few, mut many, mut differ) = (0, 0, 0);
+    for k in 0..8 {
+        let turn = 0.3 + k as f32 * std::f32::consts::TAU / 8.0;
+        look(&mut app, turn, 0.3 - 0.12 * k as f32);
+        let with = |app: &mut App, culled, density| {
+            app.insert_resource(VegetationCulling(culled));
+            let mut all = app.world_mut().query::<&mut Vegetation>();
+            let mut grown = all.get_mut(app.world_mut(), terrain).expect("there");
+            grown.density = density;
+            app::frames(app, 3);
+            settle(app);
+            let records = count(app).wanted;
+            (app::picture(app, &target), records)
+        };
+        let (culled, less) = with(&mut app, true, 1.0);
+        let (all, more) = with(&mut app, false, 1.0);
+        let (thinner, _) = with(&mut app, false, 0.999);
+        assert!(culled.data == all.data, "looking {turn} rad to the left");
+        differ += u32::from(thinner.data != all.data);
+        (few, many) = (few + less, many + more);
+    }
+    println!("{few} of {many} records; {differ} of 8 pictures show that a thousandth is missing");
     // The ground has left out most of what is beside the picture; what it keeps for shadows is culled here.
     assert!(4 * many > 5 * few, "{few} of {many}");
-    assert!(
-        culled.data == all.data,
-        "the picture is the same to the byte"
-    );
+    assert!(differ >= 6, "{differ}");
 }
 
 #[test]
@@ -307,4 +337,33 @@ fn kelp_follows_the_swell_gpu() {
     assert_eq!(count(&app).dispatches, rests);
     let [_, last] = pictures;
     app::keep(last, "kelp.png");
+}
+
+/// Kelp that is longer than the water is deep lies on the opaque surface of a sea, and is seen from above; shorter kelp is
+/// below it, and is not.
+#[test]
+fn kelp_floats_on_an_opaque_sea_gpu() {
+    let mut blue = Vec::new();
+    for rise in ["(1.3, 2.0)", "(0.3, 0.8)"] {
+        let Some((mut app, target)) = hills_in(-7.0, Some(0.0)) else {
+            return;
+        };
+        let world = app.world_mut();
+        let mut cameras = world.query_filtered::<&mut Transform, With<Camera3d>>();
+        for mut eye in cameras.iter_mut(world) {
+            *eye =
+                Transform::from_xyz(0.0, 5.0, 0.0).looking_to(Vec3::new(0.3, -0.5, -1.0), Vec3::Y);
+        }
+        let kinds = SHAPES.replace("rise: (0.3, 0.8)", &format!("rise: {rise}"));
+        plant_kinds(&mut app, &kinds.replace("segments: 16", "segments: 64"));
+        settle(&mut app);
+        let records = count(&app).records;
+        let picture = app::picture(&mut app, &target);
+        println!("{records:?}");
+        assert!(records[CHAINS..].iter().sum::<u32>() > 200, "{records:?}");
+        blue.push(of_part(&picture, 2));
+        app::keep(picture, &format!("kelp {}.png", blue.len()));
+    }
+    println!("blue pixels {blue:?}");
+    assert!(blue[0] > 500 && blue[1] == 0, "{blue:?}");
 }

@@ -5,7 +5,7 @@ use dolomite_terrain::GroundPoint;
 use dolomite_testkit::gpu;
 use dolomite_vegetation::band::ramp;
 use dolomite_vegetation::law::{self, Law};
-use dolomite_vegetation::{Press, Wind, WindField};
+use dolomite_vegetation::{Press, Wind, WindField, shade, straight};
 
 use super::support::{Random, probe, run};
 
@@ -48,19 +48,21 @@ fn what_differs_is_found() {
 
 const LAW: &str = "
 #import dolomite::vegetation::density::ramp
-#import dolomite::vegetation::law::{cover_share, drawn_share, entered, kept_share, left_share, mean_entered, widened}
+#import dolomite::vegetation::law::{cover_share, drawn_share, entered, evened, kept_share, left_share, mean_entered}
+#import dolomite::vegetation::law::{settled_share, widened}
 struct Case { reach: vec4<f32>, distance: f32, part: f32, pad: vec2<f32> }
 @group(0) @binding(0) var<storage, read> given: array<Case>;
 @group(0) @binding(1) var<storage, read_write> found: array<f32>;
 @compute @workgroup_size(64)
 fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
-    if 8u * id.x >= arrayLength(&found) { return; }
+    if 10u * id.x >= arrayLength(&found) { return; }
     let case_ = given[id.x];
     let d = case_.distance;
     let out = array(kept_share(case_.reach, d), left_share(case_.reach, d), drawn_share(case_.reach, d),
         entered(case_.part), mean_entered(case_.part), widened(case_.reach, d, entered(case_.part)),
-        cover_share(case_.reach, d), ramp(d, case_.reach.x, case_.reach.w, case_.part));
-    for (var k = 0u; k < 8u; k++) { found[8u * id.x + k] = out[k]; }
+        cover_share(case_.reach, d), ramp(d, case_.reach.x, case_.reach.w, case_.part),
+        evened(case_.part, kept_share(case_.reach, d)), settled_share(case_.reach, d));
+    for (var k = 0u; k < 10u; k++) { found[10u * id.x + k] = out[k]; }
 }
 ";
 
@@ -89,6 +91,8 @@ fn the_law_is_that_of_rust_gpu() {
                 law.widened(distance, come),
                 law.cover(distance),
                 ramp(distance, law.first, law.reach, part),
+                law::evened(part, law.kept(distance)),
+                law.settled(distance),
             ];
             (words(&given), expected)
         })
@@ -96,6 +100,44 @@ fn the_law_is_that_of_rust_gpu() {
     // Up to five divisions in a row, of which WGSL grants 2.5 ulp each, and as many products: 2e-6 of a number; where one
     // less the other is small, of the greater. A fade of which a metre is all multiplies it by some ten.
     compare(LAW, &cases, 2e-5);
+}
+
+const STRAIGHT: &str = "
+#import dolomite::vegetation::colour::far_place
+#import dolomite::vegetation::straight::{straight_along, straight_bow, straight_wider}
+@group(0) @binding(0) var<storage, read> given: array<vec4<f32>>;
+@group(0) @binding(1) var<storage, read_write> found: array<f32>;
+@compute @workgroup_size(64)
+fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
+    if 4u * id.x >= arrayLength(&found) { return; }
+    let g = given[id.x];
+    let bow = straight_bow(g.x, g.y, g.z);
+    let out = array(straight_wider(g.x, g.y), bow, straight_along(g.w, bow), far_place(g.y));
+    for (var k = 0u; k < 4u; k++) { found[4u * id.x + k] = out[k]; }
+}
+";
+
+#[test]
+fn straight_strips_are_those_of_rust_gpu() {
+    let mut random = Random(34);
+    let mut unit = || random.unit() as f32;
+    let cases: Vec<_> = (0..4096)
+        .map(|_| {
+            let [droop, sine, depth, place] =
+                [unit(), 0.003 + 0.997 * unit(), 2.0 * unit(), unit()];
+            let bow = straight::bow(droop, sine, depth);
+            let (entry, part) = shade::entry_of(sine);
+            let expected = vec![
+                straight::wider(droop, sine),
+                bow,
+                straight::along(place, bow),
+                entry as f32 + part,
+            ];
+            (words(&[droop, sine, depth, place]), expected)
+        })
+        .collect();
+    // The logarithm's error, 3 ulp of up to 8, and a quotient's; a fourth of that in the bow.
+    compare(STRAIGHT, &cases, 1e-5);
 }
 
 const WIND: &str = "

@@ -11,7 +11,10 @@ mod edges;
 #[cfg(feature = "render")]
 mod functions;
 #[cfg(feature = "render")]
+mod images;
+#[cfg(feature = "render")]
 mod place;
+mod rings;
 #[cfg(feature = "render")]
 mod roots;
 #[cfg(feature = "render")]

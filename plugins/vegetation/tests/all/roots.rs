@@ -29,6 +29,8 @@ const PITCH_LOG2: i32 = -3;
 struct Ground {
     vertices: Vec<bevy::math::Vec3>,
     indices: Vec<u32>,
+    /// Depth below the surface at each vertex, as a share of the greatest; none on dry land.
+    depths: Vec<f32>,
 }
 
 impl Ground {
@@ -61,7 +63,11 @@ impl Ground {
                 _ => indices.extend([a, d, c, a, b, d]),
             }
         }
-        Self { vertices, indices }
+        Self {
+            vertices,
+            indices,
+            depths: Vec::new(),
+        }
     }
 
     fn triangles(&self) -> impl Iterator<Item = [bevy::math::Vec3; 3]> + '_ {
@@ -155,7 +161,11 @@ fn grow(gpu: &Gpu, ground: &Ground, params: &GrowParams) -> Grown {
     let vertices: Vec<[u32; 5]> = ground
         .vertices
         .iter()
-        .map(|at| pack(*at, bevy::math::Vec3::Y, bevy::math::Vec2::ZERO, 0))
+        .zip(ground.depths.iter().chain(std::iter::repeat(&0.0)))
+        .map(|(at, depth)| {
+            let uv = bevy::math::Vec2::new(*depth, 0.0);
+            pack(*at, bevy::math::Vec3::Y, uv, 0)
+        })
         .collect();
     let rooms: u32 = params.rooms.iter().sum();
     let buffers = [
@@ -260,6 +270,59 @@ fn roots(lattice: Lattice, half: i64) -> Vec<[i32; 2]> {
         [0, 1].map(|axis| ((place[axis] >> 20) - (ANCHOR[axis] << 12)) as i32)
     });
     all.collect()
+}
+
+/// Where the ground draws the surface of water, roots stand on the bed, whose depth its vertices carry; where it draws the bed
+/// itself (at another height than the sea's) they stand on what is drawn.
+#[test]
+fn roots_under_water_stand_on_the_bed() {
+    let Some(gpu) = gpu::for_test() else { return };
+    let mut random = Random(23);
+    let mut ground = Ground::new(&mut random, 20, 8.0);
+    ground.depths = ground
+        .vertices
+        .iter()
+        .map(|_| 0.1 + 0.2 * random.unit() as f32)
+        .collect();
+    let mut params = params(60.0, [1 << 15, 1 << 15, 1 << 15, 1 << 14]);
+    params.depth_range = 32.0;
+    for sea in [0.0, 0.5] {
+        // The surface lies at 0.5 m; in the first round the sea does not.
+        for vertex in &mut ground.vertices {
+            vertex.y = 0.5;
+        }
+        params.layers[0].above = -sea;
+        let grown = grow(&gpu, &ground, &params);
+        let bed = |k: u32| {
+            let at = ground.vertices[k as usize];
+            let stored = (ground.depths[k as usize] * 32767.0 + 0.5).floor() / 32767.0;
+            let depth = if sea == 0.5 { 32.0 * stored } else { 0.0 };
+            at - depth * bevy::math::Vec3::Y
+        };
+        let mut count = 0;
+        for (lod, records) in grown.counts.records.iter().enumerate() {
+            let first = params.bases[lod] as usize;
+            for record in &grown.records[first..first + *records as usize] {
+                let (place, height) = place_of(*record);
+                let [x, z] = place.map(|k| f64::from(k) / 4096.0);
+                let below = ground
+                    .indices
+                    .chunks(3)
+                    .map(|t| [t[0], t[1], t[2]].map(bed));
+                let holding = below
+                    .into_iter()
+                    .find(|t| holds(t.map(|p| to_steps(bevy::math::Vec2::new(p.x, p.z))), place));
+                let expected = height_at(holding.expect("one").map(|p| p.as_dvec3()), x, z);
+                // A slope of up to 10 over a step of the place, and f32.
+                assert!(
+                    (expected - f64::from(height)).abs() < 5e-3,
+                    "{expected} {height}"
+                );
+                count += 1;
+            }
+        }
+        assert!(count > 10_000, "{count}");
+    }
 }
 
 #[test]

@@ -171,6 +171,7 @@ fn what_draws_are_told_lies_as_in_rust() {
             wind,
             previous_wind,
             looks,
+            far,
             presses
         }
     );
