@@ -5,6 +5,7 @@
 //! | [`textures`] | the ground's texture arrays |
 //! | [`hero`] | what the figure looks like |
 //! | [`things`], [`shapes`] | what things look like; what collision knows, as lines |
+//! | [`senses`], [`lines`] | what logic senses, as lines; lines as a mesh |
 //! | [`panel`], [`passes`] | figures over the picture; times of render passes |
 //! | [`start`], [`progress`] | the start screen; what has been made of the first picture |
 //! | [`sharpen`] | the first ground in a window is coarse |
@@ -25,12 +26,14 @@ pub mod daylight;
 pub mod hero;
 pub mod lamps;
 pub mod level;
+pub mod lines;
 pub mod panel;
 pub mod passes;
 pub mod progress;
 pub mod quality;
 pub mod renderer;
 pub mod scaled;
+pub mod senses;
 pub mod shapes;
 pub mod sharpen;
 pub mod start;
@@ -68,6 +71,7 @@ use lamps::LampsPlugin;
 use quality::QualityPlugin;
 use renderer::RendererPlugin;
 use scaled::{Scaled, ScaledPlugin};
+use senses::SensesPlugin;
 use shapes::ShapesPlugin;
 use sharpen::Widened;
 use things::ThingViewPlugin;
@@ -144,6 +148,7 @@ impl Plugin for ViewPlugin {
                 QualityPlugin,
                 ScaledPlugin,
                 ThingViewPlugin,
+                SensesPlugin,
                 ShapesPlugin,
                 RendererPlugin,
                 LampsPlugin,

@@ -135,6 +135,10 @@ pub fn all() -> Option<Asked> {
         }
     }
     variants.push(Variant::of_file("answers", ANSWER_PASS.0, &[]));
+    for defines in dolomite::inspector::picture::variants(&dolomite::WAYS) {
+        let file = "inspector/picture.wgsl";
+        variants.push(Variant::of_file("pictures of the frame", file, &defines));
+    }
     let drawn = crowd::draw(&mut app);
     variants.extend(drawn);
     variants.extend(deferred::draw(&mut app));
