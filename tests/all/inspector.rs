@@ -7,7 +7,6 @@ use crate::support::picture;
 
 use std::time::{Duration, Instant};
 
-use bevy::camera::RenderTarget;
 use bevy::pbr::DefaultOpaqueRendererMethod;
 use bevy::pbr::wireframe::WireframePlugin;
 use bevy::prelude::*;

@@ -5,6 +5,7 @@ use dolomite_inspector::entities::ReadComponents;
 use dolomite_inspector::settings::described::{Describe, Description, Field};
 use dolomite_logic::behaviour::ThoughtCounters;
 use dolomite_logic::movement::{Patrol, WalkCounters, WalkSettings, WalkTimes, Walker};
+use dolomite_logic::parts::Shots;
 use dolomite_logic::senses::{Ear, SightCounters, SightSettings};
 use dolomite_logic::{
     Attention, AttentionSettings, Button, Door, Health, Lift, LogicClock, LogicCounters,
@@ -150,6 +151,7 @@ fn shared(app: &mut App) {
     )
     .describe::<LogicClock>(Description::answer("Steps of logic so far"))
     .describe::<LogicCounters>(Description::answer("What logic did in the last step"))
+    .describe::<Shots>(Description::answer("Shots that fly"))
     .describe::<SightCounters>(Description::answer("What sight did in the last step"))
     .describe::<ThoughtCounters>(Description::answer("What behaviours did in the last step"))
     .describe::<WalkCounters>(Description::answer("What walkers did in the last step"))

@@ -51,6 +51,7 @@ pub(crate) fn build(app: &mut App) {
         .register_type::<LogicTimer>()
         .register_type::<Mission>()
         .register_type::<Objective>()
+        .register_type::<Shots>()
         .register_type::<Slide>()
         .register_type::<Team>()
         .register_type::<Weapon>()

@@ -81,7 +81,8 @@ impl Weapon {
 }
 
 /// A shot that flies.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Clone, PartialEq)]
 pub struct Shot {
     /// Who shot.
     pub shooter: Entity,
@@ -115,7 +116,8 @@ pub struct ShotMessage {
 }
 
 /// All shots that fly.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Reflect, Clone, Debug, Default)]
+#[reflect(Resource, Default, Clone)]
 pub struct Shots(pub Vec<Shot>);
 
 /// Whether one flies, or a weapon could shoot: a run condition.
