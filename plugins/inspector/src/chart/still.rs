@@ -125,7 +125,7 @@ fn difference(a: &[u8], b: &[u8]) -> Option<f64> {
     Some(mean.sqrt() / 255.0)
 }
 
-/// Leaves the inspector out of the picture, or puts it back.
+/// Keeps the inspector from being drawn, or draws it again.
 #[cfg(feature = "panel")]
 fn veil(world: &mut World, hidden: bool) {
     let mut cameras = world.query_filtered::<&mut Camera, With<crate::panel::InspectorCamera>>();
