@@ -162,6 +162,8 @@ pub const ALL: &[ShaderFile] = files![
     "ground/texturing.wgsl",
     "ground/types.wgsl",
     "ground/water.wgsl",
+    "inspector/colours.wgsl",
+    "inspector/picture.wgsl",
     "sky/moon.wgsl",
     "sky/star.wgsl",
     "stage/api.wgsl",

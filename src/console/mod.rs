@@ -10,8 +10,12 @@ pub mod bot;
 pub mod commands;
 pub mod script;
 
+use bevy::core_pipeline::Core3d;
 use bevy::prelude::*;
+use bevy::render::RenderApp;
+use bevy::ui_render::ui_pass;
 use dolomite::inspector::console::table::Table;
+use dolomite::inspector::picture::FramePictureSystems;
 use dolomite::inspector::views::{AddFrameView, FrameView};
 use dolomite::inspector::{Console, InspectorPlugin};
 
@@ -28,6 +32,11 @@ impl Plugin for ConsolePlugin {
         app.add_plugins((InspectorPlugin, BotPlugin, ScriptPlugin));
         commands::add(&mut app.world_mut().resource_mut::<Console>().table);
         dolomite::describe(app);
+        dolomite::pictures(app);
+        if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
+            // What is said over a frame is said over its pictures too.
+            render_app.configure_sets(Core3d, FramePictureSystems.before(ui_pass));
+        }
         for view in [
             switch(
                 "lines",
@@ -43,6 +52,11 @@ impl Plugin for ConsolePlugin {
                 "shapes",
                 "what collision knows: shapes, contacts, tiles (key B)",
                 |switches| &mut switches.shapes,
+            ),
+            switch(
+                "senses",
+                "what logic senses: fields of view, who is seen, memories, ways",
+                |switches| &mut switches.senses,
             ),
             FrameView::new(
                 "panel",

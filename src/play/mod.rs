@@ -52,6 +52,8 @@ pub struct Switches {
     pub keys: bool,
     /// What collision knows is drawn: shapes, contacts, tiles.
     pub shapes: bool,
+    /// What logic senses is drawn: fields of view, who is seen, what is remembered, ways.
+    pub senses: bool,
     /// The camera follows the figure, which then walks by the keys that else fly the camera.
     pub follow: bool,
     /// The figure holds a torch.
@@ -66,6 +68,7 @@ impl Default for Switches {
             focus: DetailFocus::Camera,
             keys: false,
             shapes: false,
+            senses: false,
             follow: false,
             torch: false,
         }
@@ -139,6 +142,7 @@ fn switch(input: Res<PlayerInput>, mut switches: ResMut<Switches>) {
         },
         keys: old.keys ^ input.switch_keys,
         shapes: old.shapes ^ input.switch_shapes,
+        senses: old.senses,
         follow: old.follow ^ input.switch_follow,
         torch: old.torch ^ input.switch_torch,
     };

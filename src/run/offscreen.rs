@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use bevy::asset::AssetPlugin;
+use bevy::camera::RenderTarget;
 use bevy::gilrs::GilrsPlugin;
 use bevy::prelude::*;
 use bevy::render::error_handler::{RenderErrorHandler, RenderErrorPolicy};
@@ -18,6 +19,7 @@ use bevy::winit::WinitPlugin;
 use dolomite::ground::detail::MakingBudget;
 use dolomite::ground::render::TerrainRelief;
 use dolomite::inspector::Console;
+use dolomite::inspector::panel::InspectorTarget;
 use dolomite::tessellation::render::GeometryStats;
 use thiserror::Error;
 
@@ -158,7 +160,8 @@ impl Offscreen {
                     TextureFormat::Rgba8UnormSrgb,
                     None,
                 ));
-        app.insert_resource(OffscreenTarget(target.clone()));
+        app.insert_resource(InspectorTarget(RenderTarget::Image(target.clone().into())))
+            .insert_resource(OffscreenTarget(target.clone()));
         setup.add_to(&mut app)?;
         unseen::add(&mut app);
         app.finish();

@@ -13,6 +13,7 @@ use std::task::{Context, Poll};
 use std::time::{Duration, Instant};
 
 use bevy::app::{Main, SubApp};
+use bevy::ecs::message::MessageCursor;
 use bevy::ecs::schedule::{MainThreadExecutor, ScheduleLabel, SingleThreadedExecutor};
 use bevy::input::ButtonState;
 use bevy::input::keyboard::KeyboardInput;
@@ -20,6 +21,7 @@ use bevy::prelude::*;
 use bevy::render::pipelined_rendering::{RenderAppChannels, RenderExtractApp};
 use bevy::tasks::{ComputeTaskPool, futures_lite::future};
 use bevy::window::WindowCloseRequested;
+use dolomite::inspector::Inspector;
 
 use crate::view::start::Starting;
 
@@ -45,6 +47,10 @@ struct PatientMain;
 #[derive(Resource, Default)]
 struct Returned(Mutex<Option<SubApp>>);
 
+/// Keys that systems had a chance to see: what those mean is theirs.
+#[derive(Resource, Default)]
+struct SeenKeys(MessageCursor<KeyboardInput>);
+
 impl Returned {
     fn put(&self, renderer: SubApp) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(renderer);
@@ -63,6 +69,7 @@ impl Plugin for PatientRenderingPlugin {
         };
         extraction.set_extract(|world, _| extract(world));
         app.init_resource::<Returned>()
+            .init_resource::<SeenKeys>()
             .add_systems(PatientMain, frame)
             // As Bevy's `Main`: what waits for the renderer here is then in no scope of an executor's.
             .edit_schedule(PatientMain, |schedule| {
@@ -93,6 +100,11 @@ fn frame(world: &mut World) {
         }
     }
     world.run_schedule(Main);
+    world.resource_scope(|world, mut seen: Mut<SeenKeys>| {
+        if let Some(keys) = world.get_resource::<Messages<KeyboardInput>>() {
+            seen.0.clear(keys);
+        }
+    });
 }
 
 /// Hands the frame to the renderer, which is there already or waited for.
@@ -190,13 +202,17 @@ impl Future for Alarm {
     }
 }
 
-/// Ends the program where the player has asked for it: the renderer cannot be asked to stop within a frame.
+/// Ends the program where the player has asked for it: the renderer cannot be asked to stop within a frame. An Escape that
+/// is to close the inspector asks for nothing else.
 fn leave_if_asked(world: &World) {
     let keys = world.get_resource::<Messages<KeyboardInput>>();
-    let escape = keys.is_some_and(|keys| {
-        keys.iter_current_update_messages()
-            .any(|key| key.key_code == KeyCode::Escape && key.state == ButtonState::Pressed)
-    });
+    let inspected = world.get_resource::<Inspector>();
+    let escape = !inspected.is_some_and(|inspector| inspector.is_open())
+        && keys.is_some_and(|keys| {
+            let mut new = world.resource::<SeenKeys>().0.clone();
+            new.read(keys)
+                .any(|key| key.key_code == KeyCode::Escape && key.state == ButtonState::Pressed)
+        });
     let closed = world.get_resource::<Messages<WindowCloseRequested>>();
     let closed = closed.is_some_and(|closed| !closed.is_empty());
     if escape || closed {

@@ -5,6 +5,7 @@
 //! | [`textures`] | the ground's texture arrays |
 //! | [`person`], [`hero`] | persons from their files; what the figure looks like |
 //! | [`things`], [`shapes`] | what things look like; what collision knows, as lines |
+//! | [`senses`], [`lines`] | what logic senses, as lines; lines as a mesh |
 //! | [`panel`], [`passes`] | figures over the picture; times of render passes |
 //! | [`start`], [`progress`] | the start screen; what has been made of the first picture |
 //! | [`sharpen`] | the first ground in a window is coarse |
@@ -25,6 +26,7 @@ pub mod daylight;
 pub mod hero;
 pub mod lamps;
 pub mod level;
+pub mod lines;
 pub mod panel;
 pub mod passes;
 pub mod person;
@@ -32,6 +34,7 @@ pub mod progress;
 pub mod quality;
 pub mod renderer;
 pub mod scaled;
+pub mod senses;
 pub mod shapes;
 pub mod sharpen;
 pub mod start;
@@ -69,6 +72,7 @@ use lamps::LampsPlugin;
 use quality::QualityPlugin;
 use renderer::RendererPlugin;
 use scaled::{Scaled, ScaledPlugin};
+use senses::SensesPlugin;
 use shapes::ShapesPlugin;
 use sharpen::Widened;
 use things::ThingViewPlugin;
@@ -145,6 +149,7 @@ impl Plugin for ViewPlugin {
                 QualityPlugin,
                 ScaledPlugin,
                 ThingViewPlugin,
+                SensesPlugin,
                 ShapesPlugin,
                 RendererPlugin,
                 LampsPlugin,

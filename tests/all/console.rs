@@ -182,7 +182,8 @@ mod gpu {
     use super::*;
     use crate::support::adapter;
     use crate::support::display::Display;
-    use std::process::Stdio;
+    use image::RgbImage;
+    use std::process::{Child, Stdio};
     use std::time::Instant;
 
     /// Software Vulkan on two busy cores compiles the passes of the first picture within this.
@@ -259,27 +260,174 @@ mod gpu {
     }
 
     /// Ground and sky: few pixels are as dark as the start screen.
-    fn has_scene(display: &Display) -> bool {
-        let picture = display.picture();
+    fn has_scene(picture: &RgbImage) -> bool {
         let dark = picture.pixels().filter(|p| p.0.iter().all(|c| *c < 60));
         dark.count() < picture.pixels().len() / 2
     }
 
-    /// The window as a person has it: F10, a slider pulled, the console opened, a line typed. With `DOLOMITE_PICTURES`
-    /// its pictures are kept in that folder.
-    #[test]
-    #[ignore = "minutes of software Vulkan; `--run-ignored only` runs it"]
-    fn in_the_window_a_command_is_typed_and_the_panel_opens_and_closes() {
-        if !adapter::is_there() {
-            return;
-        }
-        let Some(display) = Display::open("inspector", 800, 500) else {
-            return;
+    /// The grey of what the inspector's windows are filled with, by egui's dark style.
+    fn is_filled(picture: &RgbImage, x: u32, y: u32) -> bool {
+        picture
+            .get_pixel(x, y)
+            .0
+            .iter()
+            .all(|c| (20..=34).contains(c))
+    }
+
+    /// The inspector's panel is open: it lies over the left of the window, from top to bottom.
+    fn has_panel(picture: &RgbImage) -> bool {
+        let share = |x: u32| {
+            let rows = 60..picture.height() - 80;
+            let count = rows.len();
+            rows.filter(|y| is_filled(picture, x, *y)).count() as f32 / count as f32
         };
+        // Left of its text.
+        share(16) > 0.8
+    }
+
+    /// The console is open: it lies over the foot of the window, from side to side.
+    fn has_console(picture: &RgbImage) -> bool {
+        let y = picture.height() - 60;
+        let columns = picture.width() * 2 / 3..picture.width() - 40;
+        let count = columns.len();
+        columns.filter(|x| is_filled(picture, *x, y)).count() * 10 > count * 8
+    }
+
+    /// Middles of the rails of sliders, as egui's dark style draws them: bars of one grey that are thinner than a button.
+    fn rails(picture: &RgbImage) -> Vec<(u32, u32)> {
+        let is_rail = |x: u32, y: u32| picture.get_pixel(x, y).0 == [60, 60, 60];
+        // The first and the last row of the grey above and below a pixel.
+        let rows = |x: u32, y: u32| {
+            let up = (0..y).rev().take_while(|y| is_rail(x, *y)).count() as u32;
+            let down = (y..picture.height()).take_while(|y| is_rail(x, *y)).count() as u32;
+            (y - up, y + down)
+        };
+        let mut found: Vec<(u32, u32)> = Vec::new();
+        for y in 0..picture.height() {
+            let mut x = 0;
+            while x < picture.width() {
+                let run = (x..picture.width()).take_while(|x| is_rail(*x, y)).count() as u32;
+                if run >= 30 {
+                    let [one, middle, three] =
+                        [1, 2, 3].map(|quarter| rows(x + quarter * run / 4, y));
+                    let height = one.1 - one.0;
+                    if one == middle && middle == three && one.0 == y && (5..=10).contains(&height)
+                    {
+                        found.push((x + run / 2, y + height / 2));
+                    }
+                }
+                x += run.max(1);
+            }
+        }
+        found
+    }
+
+    /// A game in a window, its hand, and what it says.
+    struct Played {
+        game: Child,
+        display: Display,
+        said: PathBuf,
+        began: Instant,
+    }
+
+    impl Drop for Played {
+        fn drop(&mut self) {
+            // It may have left by itself.
+            let _ = self.game.kill();
+            let _ = self.game.wait();
+        }
+    }
+
+    impl Played {
+        fn said(&self) -> String {
+            std::fs::read_to_string(&self.said).unwrap_or_default()
+        }
+
+        /// Waits for something; nothing here is timed, since the machine may do other work.
+        fn until(&mut self, what: &str, mut is: impl FnMut(&Self) -> bool) {
+            let asked = Instant::now();
+            while !is(self) {
+                let ended = self.game.try_wait().expect("it is our child");
+                assert!(
+                    asked.elapsed() < PICTURE && ended.is_none(),
+                    "{what}: not after {:?}, of {:?} in all; ended: {ended:?}\n{}",
+                    asked.elapsed(),
+                    self.began.elapsed(),
+                    self.said()
+                );
+                std::thread::sleep(Duration::from_millis(50));
+            }
+            eprintln!("{what} after {:?}", self.began.elapsed());
+        }
+
+        /// Waits until the picture is so.
+        fn shows(&mut self, what: &str, is: impl Fn(&RgbImage) -> bool) {
+            self.until(what, |played| is(&played.display.picture()));
+        }
+
+        fn hand(&self, arguments: &[&str]) {
+            let done = self.display.hand(arguments);
+            assert!(done.is_some(), "xdotool {arguments:?}");
+        }
+
+        /// With `DOLOMITE_PICTURES` pictures are kept in that folder.
+        fn keep(&self, name: &str) {
+            if let Some(folder) = std::env::var_os("DOLOMITE_PICTURES") {
+                let file = Path::new(&folder).join(name);
+                let kept = self.display.picture().save(file);
+                kept.expect("the folder can be written");
+            }
+        }
+
+        /// The newest answer about the sun: azimuth and elevation, degrees.
+        fn sun(&self) -> (usize, [f32; 2]) {
+            let said = self.said();
+            let answers = |name: &str| -> Vec<f32> {
+                let lines = said.lines().filter(|line| line.starts_with("Sun@"));
+                let lines = lines.filter(|line| line.contains(name));
+                let numbers = lines.filter_map(|line| line.split(' ').nth(1)?.parse().ok());
+                numbers.collect()
+            };
+            let (azimuth, elevation) = (answers(".azimuth"), answers(".elevation"));
+            let newest = |list: &[f32]| list.last().copied().unwrap_or(f32::NAN);
+            (
+                azimuth.len() + elevation.len(),
+                [newest(&azimuth), newest(&elevation)],
+            )
+        }
+
+        /// Types a line into the open console, again where keys were lost.
+        fn types(&mut self, line: &str) {
+            let (before, _) = self.sun();
+            for _ in 0..5 {
+                self.hand(&["type", "--delay", "60", line]);
+                self.hand(&["key", "Return"]);
+                let asked = Instant::now();
+                while asked.elapsed() < Duration::from_secs(20) {
+                    if self.sun().0 > before {
+                        return;
+                    }
+                    std::thread::sleep(Duration::from_millis(50));
+                }
+                self.hand(&["key", "ctrl+a", "BackSpace"]);
+            }
+            panic!("{line}: no answer\n{}", self.said());
+        }
+    }
+
+    fn play() -> Option<Played> {
+        if !adapter::is_there() {
+            return None;
+        }
+        let display = Display::open("inspector", 800, 500)?;
         let folder = folder("window");
         let script = folder.join("start.txt");
         // The panel opens on what is registered; a filter shows the sun alone.
-        std::fs::write(&script, "views panel off\n").expect("the folder is ours");
+        std::fs::write(
+            &script,
+            "views panel off\ninspect settings --filter components::Sun\ninspect off\nget Sun.azimuth\nget Sun.elevation\n",
+        )
+        .expect("the folder is ours");
         let said = folder.join("said.txt");
         let out = std::fs::File::create(&said).expect("the folder is ours");
         let words = [
@@ -288,97 +436,91 @@ mod gpu {
             "--size",
             "800x500",
             "--max-error",
-            "8",
+            "16",
+            "--preset",
+            "software",
+            "--resolution",
+            "0.25",
         ];
-        let mut game = dolomite(&words, &script)
+        let game = dolomite(&words, &script)
             .env("DISPLAY", display.name())
             .env_remove("WAYLAND_DISPLAY")
             .stdout(Stdio::from(out))
             .spawn()
             .expect("it is built");
-        let began = Instant::now();
-        let mut until = |what: &str, is: &mut dyn FnMut() -> bool| {
-            while !is() {
-                let late = began.elapsed() > 2 * PICTURE;
-                let ended = game.try_wait().expect("it is our child");
-                if late || ended.is_some() {
-                    let _ = game.kill();
-                    let said = std::fs::read_to_string(&said).unwrap_or_default();
-                    panic!("{what}: {ended:?} after {:?}\n{said}", began.elapsed());
-                }
-                std::thread::sleep(Duration::from_millis(100));
-            }
-        };
-        let keep = |name: &str| {
-            if let Some(folder) = std::env::var_os("DOLOMITE_PICTURES") {
-                let file = Path::new(&folder).join(name);
-                display
-                    .picture()
-                    .save(file)
-                    .expect("the folder can be written");
-            }
-        };
+        Some(Played {
+            game,
+            display,
+            said,
+            began: Instant::now(),
+        })
+    }
+
+    /// The window as a person has it: F10, a slider pulled, the console opened, a line typed. With `DOLOMITE_PICTURES`
+    /// its pictures are kept in that folder.
+    #[test]
+    fn in_the_window_a_slider_is_pulled_and_a_command_typed() {
+        let Some(mut played) = play() else { return };
         let mut id = None;
-        until("a window", &mut || {
-            id = display.hand(&["search", "--onlyvisible", "--name", "Dolomite"]);
+        played.until("a window", |played| {
+            id = played
+                .display
+                .hand(&["search", "--onlyvisible", "--name", "Dolomite"]);
             id.is_some()
         });
-        display.hand(&["windowfocus", &id.expect("found")]);
-        until("the scene", &mut || has_scene(&display));
-        let text = || std::fs::read_to_string(&said).unwrap_or_default();
-        until("the script", &mut || text().contains("panel off"));
-        let key = |key: &str| assert!(display.hand(&["key", key]).is_some(), "{key}");
-        let typed = |text: &str| {
-            let typed = display.hand(&["type", "--delay", "120", text]);
-            assert!(typed.is_some(), "{text}");
-        };
-        // The console: what it says goes to standard output, since there was a script.
-        key("grave");
-        std::thread::sleep(Duration::from_secs(3));
-        typed("get Sun.azimuth");
-        keep("console.png");
-        key("Return");
-        let azimuth = |text: &str| {
-            let line = text.lines().rfind(|line| line.starts_with("Sun@"));
-            line.and_then(|line| line.split(' ').nth(1)?.parse::<f32>().ok())
-        };
-        until("an answer", &mut || azimuth(&text()).is_some());
-        assert!((-360.0..=360.0).contains(&azimuth(&text()).expect("just now")));
-        key("grave");
-        let at = |x: i32, y: i32| {
-            display.hand(&["mousemove", &x.to_string(), &y.to_string()]);
-            std::thread::sleep(Duration::from_millis(250));
-        };
-        // Where the panel lies grass is brighter than any part of it between its rows. Sliders are pulled without a
-        // window, in the tests of `dolomite_inspector`: on software Vulkan each pull takes seconds.
-        let dark = || {
-            let picture = display.picture();
-            let [r, g, b] = picture.get_pixel(40, 420).0;
-            r.max(g).max(b) < 40
-        };
-        until("grass where the panel will be", &mut || !dark());
-        key("F10");
-        until("the panel", &mut dark.clone());
-        at(130, 80);
-        display.hand(&["click", "1"]);
-        std::thread::sleep(Duration::from_millis(500));
-        typed("components::Sun");
-        std::thread::sleep(Duration::from_secs(2));
-        keep("panel.png");
-        key("Escape");
-        until("the panel is gone", &mut || !dark());
+        // Nobody manages windows here who would do it.
+        played.hand(&["windowfocus", &id.expect("found")]);
+        played.until("the script", |played| played.sun().0 == 2);
+        played.shows("the scene", has_scene);
+        let (_, before) = played.sun();
+
+        played.hand(&["key", "F10"]);
+        played.shows("the panel", |picture| {
+            has_panel(picture) && rails(picture).len() >= 2
+        });
+        played.keep("panel.png");
+        let (x, y) = rails(&played.display.picture())[0];
+        let to =
+            |played: &Played, x: u32| played.hand(&["mousemove", &x.to_string(), &y.to_string()]);
+        // Each step is seen by some frame: egui knows a place only once a frame was there.
+        let frames = Duration::from_millis(700);
+        to(&played, x - 20);
+        std::thread::sleep(frames);
+        played.hand(&["mousedown", "1"]);
+        for step in 0..4 {
+            to(&played, x - 10 + 5 * step);
+            std::thread::sleep(frames);
+        }
+        played.hand(&["mouseup", "1"]);
+        std::thread::sleep(frames);
+
+        played.hand(&["key", "F10"]);
+        played.shows("no panel", |picture| !has_panel(picture));
+        played.hand(&["key", "grave"]);
+        played.shows("the console", has_console);
+        played.types("get Sun.azimuth");
+        played.types("get Sun.elevation");
+        played.keep("console.png");
+        let (answers, after) = played.sun();
+        assert!(answers >= 4);
+        assert_ne!(before, after, "the slider was pulled\n{}", played.said());
+        // It is a range.
+        assert!((-360.0..=360.0).contains(&after[0]) && (-90.0..=90.0).contains(&after[1]));
+
+        played.hand(&["key", "Escape"]);
+        played.shows("no console", |picture| !has_console(picture));
         assert_eq!(
-            game.try_wait().expect("it is our child"),
+            played.game.try_wait().expect("it is our child"),
             None,
-            "Escape closes the panel first"
+            "Escape closes the console first"
         );
-        key("Escape");
+        played.hand(&["key", "Escape"]);
         let asked = Instant::now();
-        while game.try_wait().expect("it is our child").is_none() {
-            if asked.elapsed() > Duration::from_secs(20) {
-                let _ = game.kill();
-                panic!("it did not leave");
-            }
+        while played.game.try_wait().expect("it is our child").is_none() {
+            assert!(
+                asked.elapsed() < Duration::from_secs(60),
+                "it does not leave"
+            );
             std::thread::sleep(Duration::from_millis(20));
         }
     }

@@ -385,6 +385,7 @@ fn switches_switch_and_switch_back() {
             focus: DetailFocus::Figure,
             keys: true,
             shapes: true,
+            senses: false,
             follow: true,
             torch: true,
         }

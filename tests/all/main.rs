@@ -13,6 +13,7 @@ mod headless;
 mod hero;
 mod hostile;
 mod images;
+mod inspector;
 mod lamps;
 mod level;
 mod night;

@@ -11,7 +11,8 @@ use crate::rules_error::RulesError;
 /// the entity is not used.
 ///
 /// Of several, the one of the lowest entity is drawn.
-#[derive(Component, Clone, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform, CityBlocks)]
 pub struct City {
     /// What it is made by. Rules by which none can be made are named in [`CityBlocks::fault`]; the last good ones
@@ -40,7 +41,8 @@ impl Default for City {
 /// On a camera that sees the city.
 ///
 /// With the `render` feature it requires a `GeometryCamera`; the camera needs `Msaa::Off`.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform)]
 #[cfg_attr(feature = "render", require(dolomite_geometry::GeometryCamera))]
 pub struct CityView {

@@ -11,6 +11,7 @@
 //! Sides of borders take a and k of the whole city, so that both faces of an edge ask for the same level.
 
 use bevy::math::Vec3;
+use bevy::reflect::prelude::*;
 
 use crate::map::{DisplacementMap, TEXELS_PER_METRE};
 use crate::relief::CityPatch;
@@ -148,7 +149,8 @@ impl ErrorBound {
 }
 
 /// Levels by distance, as the literature has them.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 pub struct Classic {
     /// Greatest and least level.
     pub levels: (f32, f32),
@@ -234,7 +236,8 @@ impl Classic {
 }
 
 /// How levels are chosen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 pub enum CityDetail {
     /// The same for every patch, wherever the eye is.
     Static(f32),

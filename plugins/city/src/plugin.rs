@@ -19,6 +19,8 @@ impl Plugin for CityPlugin {
             return;
         }
         app.insert_resource(Added)
+            .register_type::<City>()
+            .register_type::<CityView>()
             .configure_sets(
                 PostUpdate,
                 (CitySystems::Look, CitySystems::Draw)

@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use bevy::reflect::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::rules_error::{RulesError, line_of};
@@ -13,7 +14,8 @@ use crate::rules_error::{RulesError, line_of};
 pub const MAX_BLOCKS: u64 = 1 << 30;
 
 /// What a city is made by; the same rules make the same city everywhere.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct CityRules {
     /// Seed of all random choices.
@@ -49,7 +51,8 @@ pub struct CityRules {
 }
 
 /// Which lines of the grid are streets; the others are grass.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 pub enum Streets {
     /// Every line.
     #[default]
@@ -59,7 +62,8 @@ pub enum Streets {
 }
 
 /// Roofs are truncated pyramids.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct RoofRules {
     /// From eaves to top, 0.1 to 20.
@@ -69,7 +73,8 @@ pub struct RoofRules {
 }
 
 /// Hedges along the sides of a block.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct HedgeRules {
     /// Share of sides with a hedge, 0 to 1.
@@ -81,7 +86,8 @@ pub struct HedgeRules {
 }
 
 /// Lamps along the kerbs.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct LampRules {
     /// Along a kerb, 4 to 1000 and at least the width of a street.
@@ -101,7 +107,8 @@ pub struct LampRules {
 }
 
 /// Windows of the walls.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct WindowRules {
     /// From one window to the next, 1 to 10.
@@ -111,7 +118,8 @@ pub struct WindowRules {
 }
 
 /// Displacement along the normals.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub struct ReliefRules {
     /// Over which length displacement fades to nothing towards a border, 0.02 to 0.25.

@@ -1,19 +1,18 @@
 //! What the inspector is told of the settings of all plugins: ranges and units, as their documentation has them.
 
+mod logic;
+mod places;
+
 use bevy::app::App;
 use dolomite_character::{CharacterCounters, CharacterEye, CharacterJoints, CharacterLod};
 use dolomite_collision::{Blocker, CharacterBody, CollisionCounters, MoveState, Trigger};
-use dolomite_deferred::DeferredLighting;
-use dolomite_geometry::GeometryCamera;
+use dolomite_deferred::{AmbientOcclusion, DeferredLighting};
 use dolomite_geometry::budget::{Budget, BudgetReport};
+use dolomite_geometry::{GeometryCamera, GeometryStats};
 use dolomite_ground::detail::{DrawnProbes, MakingBudget, TerrainLod};
 use dolomite_ground::{GroundMaterial, PatchDetail, Sea, TerrainView};
 use dolomite_inspector::entities::ReadComponents;
 use dolomite_inspector::settings::described::{Describe, Description, Field};
-use dolomite_logic::{
-    Attention, Button, Door, Health, Lamp, Lift, LogicTimer, Mind, Mission, Names, Objective,
-    PickUp, Team, Values, Weapon, Wires, Zone,
-};
 use dolomite_sky::{Sky, Sun};
 use dolomite_terrain::ProbeBatch;
 
@@ -29,36 +28,8 @@ pub fn describe(app: &mut App) {
     ground(app);
     geometry(app);
     figures(app);
-    logic(app);
-}
-
-/// Logic keeps its state in forms that reflection does not know: it is shown as text.
-fn logic(app: &mut App) {
-    app.read_component::<Values>(|world, values| {
-        let names = world.get_resource::<Names>();
-        let sorted = values.sorted();
-        let parts = sorted.iter().map(|(number, value)| {
-            let name = names.map_or("", |names| names.text_of(*number));
-            format!("{name}: {value:?}")
-        });
-        parts.collect::<Vec<_>>().join(", ")
-    })
-    .read_debug::<Mind>()
-    .read_debug::<Attention>()
-    .read_debug::<Button>()
-    .read_debug::<Door>()
-    .read_debug::<Health>()
-    .read_debug::<Lamp>()
-    .read_debug::<Lift>()
-    .read_debug::<LogicTimer>()
-    .read_debug::<Mission>()
-    .read_debug::<Objective>()
-    .read_debug::<PickUp>()
-    .read_debug::<Team>()
-    .read_debug::<Weapon>()
-    .read_debug::<Wires>()
-    .read_debug::<Zone>()
-    .read_debug::<MoveState>();
+    places::describe(app);
+    logic::describe(app);
 }
 
 fn sky(app: &mut App) {
@@ -255,7 +226,19 @@ fn geometry(app: &mut App) {
             .field("greatest", pixels("The coarsest tolerance")),
     )
     .describe::<BudgetReport>(Description::answer("What a budget does"))
-    .describe::<DeferredLighting>(Description::new("Dolomite's lighting in place of Bevy's"));
+    .describe::<DeferredLighting>(Description::new("Dolomite's lighting in place of Bevy's"))
+    .describe::<AmbientOcclusion>(
+        Description::new("Objects near by block the light from everywhere").field(
+            "radius",
+            Field::new("What is farther away blocks nothing")
+                .range(LEAST..=LARGEST)
+                .unit("m")
+                .logarithmic(),
+        ),
+    )
+    .describe::<GeometryStats>(Description::answer(
+        "What producers of triangles made and hold",
+    ));
 }
 
 fn figures(app: &mut App) {
@@ -310,5 +293,15 @@ fn figures(app: &mut App) {
         Description::new("A box that says who enters it")
             .field("half_size", metres("Half of its size")),
     )
-    .describe::<CollisionCounters>(Description::answer("What collision did in the last step"));
+    .describe::<CollisionCounters>(Description::answer("What collision did in the last step"))
+    .read_debug::<MoveState>();
+    #[cfg(feature = "rapier")]
+    app.describe::<dolomite_collision::rapier::Pusher>(
+        Description::new("A mover that pushes bodies of Rapier's").field(
+            "force",
+            Field::new("How hard at most; not above 0: not at all")
+                .range(-LARGEST..=LARGEST)
+                .unit("N"),
+        ),
+    );
 }

@@ -50,11 +50,15 @@ pub use dolomite_vegetation as vegetation;
 
 #[cfg(feature = "inspector")]
 mod described;
+#[cfg(feature = "inspector")]
+mod pictures;
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 
 #[cfg(feature = "inspector")]
 pub use described::describe;
+#[cfg(feature = "inspector")]
+pub use pictures::{WAYS, pictures};
 
 /// Every plugin of Dolomite. Add after Bevy's `DefaultPlugins`.
 pub struct DolomitePlugins;

@@ -16,21 +16,26 @@
 //! |---|---|
 //! | [`console`], [`commands`] | lines, scripts, help and completion from one table; the commands of every app |
 //! | [`settings`] | values by reflection: found, read, written within ranges, taken back |
+//! | [`chart`] | charts of the running scene |
 //! | [`entities`] | their tree; render, physics and logic answers |
 //! | [`measures`] | diagnostics by plugin, histories, sums, what was skipped |
 //! | [`views`] | views of the frame, a switch each |
+//! | `picture` | channels of the G-buffer, depth, motion in place of the frame (feature `picture`) |
 //! | `panel` | what is drawn of all that (feature `panel`) |
 //!
 //! Without a renderer, or without the feature `panel`, the console works all the same, by [`Console::enter`] and by
 //! scripts. **Closed, nothing is done**: no system of this crate or of `bevy_egui`'s main world runs, there is no camera,
 //! no pass, no buffer and no pipeline of theirs.
 
+pub mod chart;
 pub mod commands;
 pub mod console;
 pub mod entities;
 pub mod measures;
 #[cfg(feature = "panel")]
 pub mod panel;
+#[cfg(feature = "picture")]
+pub mod picture;
 pub mod settings;
 pub mod views;
 
@@ -138,6 +143,8 @@ impl Plugin for InspectorPlugin {
                     .chain()
                     .in_set(InspectorSystems),
             );
+        #[cfg(feature = "picture")]
+        picture::build(app);
         #[cfg(feature = "panel")]
         panel::build(app);
     }

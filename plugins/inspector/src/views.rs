@@ -12,8 +12,10 @@ pub struct FrameView {
     pub name: &'static str,
     /// What it shows.
     pub about: &'static str,
+    /// Of the views of a group one alone is on.
+    pub group: Option<&'static str>,
     is_on: Arc<dyn Fn(&World) -> bool + Send + Sync>,
-    switch: Arc<dyn Fn(&mut World, bool) + Send + Sync>,
+    switch: Arc<dyn Fn(&mut World, bool) -> Result<(), String> + Send + Sync>,
 }
 
 impl FrameView {
@@ -24,12 +26,33 @@ impl FrameView {
         is_on: impl Fn(&World) -> bool + Send + Sync + 'static,
         switch: impl Fn(&mut World, bool) + Send + Sync + 'static,
     ) -> Self {
+        Self::refusing(name, about, is_on, move |world, on| {
+            switch(world, on);
+            Ok(())
+        })
+    }
+
+    /// A view that may refuse to be switched, and says why.
+    pub fn refusing(
+        name: &'static str,
+        about: &'static str,
+        is_on: impl Fn(&World) -> bool + Send + Sync + 'static,
+        switch: impl Fn(&mut World, bool) -> Result<(), String> + Send + Sync + 'static,
+    ) -> Self {
         Self {
             name,
             about,
+            group: None,
             is_on: Arc::new(is_on),
             switch: Arc::new(switch),
         }
+    }
+
+    /// It is one of those of a group of which one alone is on, by how they are switched.
+    #[must_use]
+    pub const fn in_group(mut self, group: &'static str) -> Self {
+        self.group = Some(group);
+        self
     }
 
     /// Whether it is on.
@@ -39,8 +62,11 @@ impl FrameView {
     }
 
     /// Switches it.
-    pub fn switch(&self, world: &mut World, on: bool) {
-        (self.switch)(world, on);
+    ///
+    /// # Errors
+    /// Why it is not switched, in words for whoever asked.
+    pub fn switch(&self, world: &mut World, on: bool) -> Result<(), String> {
+        (self.switch)(world, on)
     }
 }
 

@@ -6,10 +6,12 @@ use bevy::app::{App, FixedUpdate};
 use bevy::ecs::prelude::*;
 use bevy::ecs::schedule::IntoScheduleConfigs;
 use bevy::ecs::system::ScheduleSystem;
+use bevy::reflect::prelude::*;
 use bevy::time::Time;
 
 /// How many steps there were. Steps are those of `FixedUpdate`; while nothing has logic, none is counted.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct LogicClock {
     /// Of the step that runs, from 1 on.
     pub step: u64,

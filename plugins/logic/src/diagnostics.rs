@@ -9,9 +9,11 @@ use crate::values::Logic;
 use bevy::app::App;
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy::ecs::prelude::*;
+use bevy::reflect::prelude::*;
 
 /// The last step; also under `dolomite/logic/…` in Bevy's diagnostics.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct LogicCounters {
     /// Entities with logic: `…/entities`.
     pub entities: u32,
@@ -35,7 +37,8 @@ const WALKING: DiagnosticPath = DiagnosticPath::const_new("dolomite/logic/walkin
 const SHOTS: DiagnosticPath = DiagnosticPath::const_new("dolomite/logic/shots");
 
 pub(crate) fn build(app: &mut App) {
-    app.init_resource::<LogicCounters>();
+    app.init_resource::<LogicCounters>()
+        .register_type::<LogicCounters>();
     for path in [ENTITIES, ASLEEP, THINKING, RAYS, WALKING, SHOTS] {
         app.register_diagnostic(Diagnostic::new(path));
     }

@@ -9,10 +9,12 @@ use crate::names::Key;
 use crate::values::Logic;
 use bevy::ecs::prelude::*;
 use bevy::math::Vec3;
+use bevy::reflect::prelude::*;
 use bevy::transform::components::Transform;
 
 /// What attention is paid around: the player, a camera.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone)]
 #[require(Logic, Transform)]
 pub struct Focus;
 
@@ -69,12 +71,14 @@ impl Attention {
 }
 
 /// Works on nothing until an action or a noise wakes it.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone)]
 #[require(Logic)]
 pub struct Asleep;
 
 /// What distance means.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct AttentionSettings {
     /// Metres to a focus up to which every step counts; twice as far every second one does, and so on.
     pub near: f32,

@@ -28,6 +28,11 @@ impl Plugin for LogicPlugin {
             .init_resource::<Names>()
             .init_resource::<AttentionSettings>()
             .init_resource::<action::DelayedActions>()
+            .register_type::<AttentionSettings>()
+            .register_type::<need::Asleep>()
+            .register_type::<need::Focus>()
+            .register_type::<Logic>()
+            .register_type::<LogicClock>()
             .add_message::<Action>()
             .add_message::<Output>()
             .configure_sets(

@@ -8,9 +8,11 @@
 use crate::names::Key;
 use crate::value::{Typed, Value, ValueError};
 use bevy::ecs::prelude::*;
+use bevy::reflect::prelude::*;
 
 /// Marks entities that logic works on; every component of this crate brings it along.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone)]
 pub struct Logic;
 
 /// The number of no name.

@@ -22,7 +22,8 @@ const GONE: f32 = 1e-3;
 const OVER: f32 = 1.0;
 
 /// On a character or anything else that presses grass aside, with its foot at the entity's place.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform)]
 pub struct PressesGrass {
     /// Radius of its capsule, metres.

@@ -8,10 +8,12 @@ use crate::kind::Kinds;
 use crate::kind_error::KindError;
 
 /// What grows on the terrain of the same entity.
-#[derive(Component, Clone, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(VegetationState)]
 pub struct Vegetation {
     /// What grows. A list that cannot be drawn is named in [`VegetationState::fault`]; the last good one holds on.
+    #[reflect(ignore)]
     pub kinds: Arc<Kinds>,
     /// Share of all densities, 0 to 1: at 0 nothing is computed. Of all roots those of the lowest ranks are kept.
     pub density: f32,
@@ -37,7 +39,8 @@ impl Default for Vegetation {
 }
 
 /// On a camera that sees what grows.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 pub struct VegetationView;
 
 /// What the plugin knows of a [`Vegetation`].

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use crate::bend::{Presses, gather};
-use crate::components::{Vegetation, VegetationState};
+use crate::bend::{Presses, PressesGrass, gather};
+use crate::components::{Vegetation, VegetationState, VegetationView};
 use crate::sets::VegetationSystems;
+use crate::wind::Wind;
 
 /// Life on the ground. May be added before Bevy's plugins or after them, with a renderer or without; added again it
 /// does nothing.
@@ -22,6 +23,10 @@ impl Plugin for VegetationPlugin {
         }
         app.insert_resource(Added)
             .init_resource::<Presses>()
+            .register_type::<PressesGrass>()
+            .register_type::<Vegetation>()
+            .register_type::<VegetationView>()
+            .register_type::<Wind>()
             .configure_sets(
                 PostUpdate,
                 (VegetationSystems::Check, VegetationSystems::Place)

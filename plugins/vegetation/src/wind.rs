@@ -35,7 +35,8 @@ const FLUTTER_RATE: f64 = 1.3;
 const GRAVITY: f64 = 9.806_65;
 
 /// Wind over the terrain of the same entity, and the swell of its water.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 pub struct Wind {
     /// Where it blows to: angle from +x towards +z, radians.
     pub towards: f64,

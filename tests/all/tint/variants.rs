@@ -147,6 +147,10 @@ pub fn all() -> Option<Asked> {
     for file in [ANSWER_PASS.0, blocks::ANSWER_PASS.0] {
         variants.push(Variant::of_file("answers", file, &[]));
     }
+    for defines in dolomite::inspector::picture::variants(&dolomite::WAYS) {
+        let file = "inspector/picture.wgsl";
+        variants.push(Variant::of_file("pictures of the frame", file, &defines));
+    }
     let drawn = crowd::draw(&mut app);
     variants.extend(drawn);
     variants.extend(deferred::draw(&mut app));

@@ -17,7 +17,7 @@ pub struct Collider(pub Arc<TriangleTree>);
 /// A box around an entity that whoever walks into it slides along. It stands upright: a turn of the entity is not
 /// used. A size that is not finite, or 0 or less along an axis, blocks nothing.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, PartialEq)]
+#[reflect(Component, Default, PartialEq)]
 #[require(Transform)]
 pub struct Blocker {
     /// Half of its size, metres.

@@ -11,7 +11,7 @@ use bevy::transform::components::Transform;
 
 /// An upright ellipsoid that moves by its [`MoveWish`]. Its entity's translation is its centre.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, PartialEq)]
+#[reflect(Component, Default, PartialEq)]
 #[require(Transform, MoveWish, MoveState)]
 pub struct CharacterBody {
     /// Along the coordinate axes, metres, above 0.

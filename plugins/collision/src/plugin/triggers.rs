@@ -13,7 +13,7 @@ use bevy::transform::components::Transform;
 
 /// An upright box around an entity. A size that is not finite, or 0 or less along an axis, reports nothing.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, PartialEq)]
+#[reflect(Component, Default, PartialEq)]
 #[require(Transform)]
 pub struct Trigger {
     /// Half of its size, metres.

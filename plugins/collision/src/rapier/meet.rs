@@ -6,13 +6,15 @@ use crate::plugin::Collider;
 use crate::tree::{TreeKind, TreeSettings, TriangleTree};
 use bevy::ecs::prelude::*;
 use bevy::math::{DVec3, Vec3};
+use bevy::reflect::prelude::*;
 use bevy_rapier3d::geometry::Collider as RapierCollider;
 use bevy_rapier3d::parry::shape::{Shape, TypedShape};
 use std::sync::Arc;
 
 /// On a body of Rapier's: movers meet its own shape, stand on it and are pushed by it. Round shapes are met as
 /// polyhedra whose corners lie on them; shapes of several parts as their box.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone)]
 pub struct MeetsMovers;
 
 /// Divisions of a full turn of round shapes: corners lie on them, faces up to 1 − cos(π / 24) = 0.9 % of a radius

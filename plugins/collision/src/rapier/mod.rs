@@ -72,7 +72,9 @@ impl Plugin for RapierBridgePlugin {
             add_rapier(app);
         }
         counters::build(app);
-        app.init_resource::<tiles::Tiles>()
+        app.register_type::<MeetsMovers>()
+            .register_type::<Pusher>()
+            .init_resource::<tiles::Tiles>()
             .init_resource::<surfaces::Surfaces>()
             .configure_sets(
                 FixedUpdate,

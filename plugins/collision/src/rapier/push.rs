@@ -3,6 +3,7 @@
 use crate::plugin::{CharacterBody, MoveState};
 use bevy::ecs::prelude::*;
 use bevy::math::Vec3;
+use bevy::reflect::prelude::*;
 use bevy::time::Time;
 use bevy::transform::components::Transform;
 use bevy_rapier3d::prelude::{
@@ -13,7 +14,8 @@ use bevy_rapier3d::prelude::{
 /// On a mover: it pushes bodies of Rapier's that it walks into (those that have
 /// [`MeetsMovers`](super::MeetsMovers)), and an upright capsule as wide and as high as the mover stands in its place
 /// for Rapier.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 pub struct Pusher {
     /// How hard it pushes at most, newtons. What is not above 0 pushes nothing.
     pub force: f32,

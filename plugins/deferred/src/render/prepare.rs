@@ -95,6 +95,19 @@ impl ViewLighting {
         light + u32::from(self.occlusion.is_some())
     }
 
+    /// Lists of lights of the tiles: from the second word on, three words a tile, of which the third says how many lights it
+    /// has. `None` unless the view is lit by tiles.
+    #[must_use]
+    pub fn tile_lists(&self) -> Option<&Buffer> {
+        self.tiles.as_ref().map(|tiles| &tiles.lists)
+    }
+
+    /// The share of the light from everywhere that reaches each pixel; `None` without ambient occlusion.
+    #[must_use]
+    pub fn visible_share(&self) -> Option<&CachedTexture> {
+        self.occlusion.as_ref().map(|occlusion| &occlusion.visible)
+    }
+
     /// Takes the wanted variation, or keeps the last one until the wanted one is compiled.
     fn take(&mut self, wanted: Variation, view: &ExtractedView, maker: &mut Maker) -> Variation {
         // Of the workgroup's memory.

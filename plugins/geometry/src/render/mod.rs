@@ -87,6 +87,7 @@ impl Plugin for GeometryPlugin {
         app.init_resource::<GeometryStats>()
             .init_resource::<GeometryShared>()
             .register_type::<GeometryCamera>()
+            .register_type::<GeometryStats>()
             .add_systems(PreUpdate, stats::publish.run_if(stats::are_counted));
         stats::register(app);
     }

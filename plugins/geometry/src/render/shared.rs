@@ -6,7 +6,8 @@ use bevy::prelude::*;
 use thiserror::Error;
 
 /// What producers made and hold, two or three frames ago; all producers and views together.
-#[derive(Resource, Clone, Debug, Default, PartialEq)]
+#[derive(Resource, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct GeometryStats {
     /// Vertices emitted.
     pub vertices: u32,
@@ -29,6 +30,7 @@ pub struct GeometryStats {
     /// Vertices and indices that the CPU made and uploaded in the last frame, bytes.
     pub uploaded: u64,
     /// Each producer in each view.
+    #[reflect(ignore)]
     pub pools: Arc<[PoolStats]>,
     /// Producers whose functions cannot be used; they are not drawn until their file is corrected.
     pub faults: Vec<GeometryFault>,
@@ -55,7 +57,7 @@ impl GeometryStats {
 }
 
 /// Why a producer is not drawn.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Eq, Error, Reflect)]
 #[error(
     "the shader of {kind} cannot be used: {reason}; correct its control, evaluate, amplify or material function"
 )]

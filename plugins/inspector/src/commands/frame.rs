@@ -93,7 +93,7 @@ pub(super) fn add(table: &mut Table) {
                 .get(name)
                 .ok_or_else(|| Mistake(format!("no view `{name}`; `views` lists them")))?;
             let on = text(matches, "state").map_or_else(|| !view.is_on(world), |on| on == "on");
-            view.switch(world, on);
+            view.switch(world, on).map_err(Mistake)?;
             let state = if view.is_on(world) { "on" } else { "off" };
             Ok(Step::Said(format!("{name} {state}")))
         },

@@ -5,11 +5,16 @@
 //! | [`settings`] | `get`, `set`, `copy`, `undo`, `redo`, `settings` |
 //! | [`entities`] | `entities`, `entity`, `spawn`, `despawn` |
 //! | [`frame`] | `stat`, `watch`, `views` |
+//! | [`chart`] | `chart` |
+//! | `panel` | `inspect` (feature `panel`) |
 //! | [`own`] | `exec`, `wait`, `history`, `clear` |
 
+pub mod chart;
 pub mod entities;
 pub mod frame;
 pub mod own;
+#[cfg(feature = "panel")]
+pub mod panel;
 pub mod settings;
 
 use bevy::diagnostic::DiagnosticsStore;
@@ -27,6 +32,9 @@ pub fn add(console: &mut Console) {
     settings::add(table);
     entities::add(table);
     frame::add(table);
+    chart::add(table);
+    #[cfg(feature = "panel")]
+    panel::add(table);
     own::add(table);
 }
 

@@ -31,6 +31,10 @@ pub(super) fn show(ui: &mut egui::Ui, world: &mut World, shell: &Shell) {
         let width = ui.available_width().clamp(60.0, 600.0);
         line(ui, &history(store, &path), egui::vec2(width, 64.0));
     }
+    super::chart::show(ui, world);
+    let Some(store) = world.get_resource::<DiagnosticsStore>() else {
+        return;
+    };
     passes(ui, store);
     sums(ui, store);
     egui::CollapsingHeader::new("Skipped").show(ui, |ui| {

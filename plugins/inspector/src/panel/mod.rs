@@ -9,10 +9,11 @@
 //! | [`state`] | what they remember, and what widgets ask for |
 //! | `values` | a value by reflection as widgets |
 //! | `settings`, `entities`, `measures`, `frame` | a tab each |
-//! | `plot` | a history as a line |
+//! | `plot`, `chart` | a history as a line; charts of the running scene |
 //! | `console` | the console |
 //! | `clip` | text for other programs |
 
+mod chart;
 mod clip;
 mod console;
 mod entities;

@@ -43,7 +43,7 @@ fn panel(context: &egui::Context, world: &mut World, shell: &mut Shell) {
     egui::Window::new("Inspector")
         .default_pos([8.0, 8.0])
         .default_width(380.0)
-        .default_height((height - 60.0).max(120.0))
+        .default_height((height - 110.0).max(120.0))
         .fade_in(false)
         .show(context, |ui| {
             ui.horizontal_wrapped(|ui| {

@@ -99,11 +99,14 @@ impl Description {
         self.fields.get(path)
     }
 
-    /// The same for a value that stands in an optional one, or in a variant: what is known of that.
+    /// The same for a value that stands in an optional one, in a variant or in a tuple: what is known of that.
     #[must_use]
     pub fn of_value(&self, path: &str) -> Option<&Field> {
-        self.get(path)
-            .or_else(|| path.strip_suffix(".0").and_then(|outer| self.get(outer)))
+        self.get(path).or_else(|| {
+            let (outer, place) = path.rsplit_once('.')?;
+            place.parse::<u8>().ok()?;
+            self.get(outer)
+        })
     }
 
     /// Paths of all fields of which something is known.

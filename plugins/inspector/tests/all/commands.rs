@@ -206,7 +206,7 @@ fn every_command_has_a_purpose_and_help_and_names_are_completed() {
         complete(table, line, |name| known(world, name)).candidates
     };
     assert_eq!(candidates("set Fog.du"), ["Fog.dust"]);
-    assert_eq!(candidates("views f"), ["fog_lines"]);
+    assert_eq!(candidates("views fog"), ["fog_lines"]);
     assert_eq!(candidates("watch fog"), ["fog/drawn"]);
     assert!(candidates("des").contains(&"despawn".to_owned()));
 }

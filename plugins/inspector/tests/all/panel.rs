@@ -1,22 +1,10 @@
 //! The panel, drawn into an image without a window.
 use crate::support::{Fog, add_fog};
 
-use std::time::Duration;
+use crate::drawn::{self, HEIGHT, Target, differing, frames, picture, pipelines};
 
 use bevy::camera::RenderTarget;
-use bevy::log::LogPlugin;
 use bevy::prelude::*;
-use bevy::render::RenderPlugin;
-use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
-use bevy::render::render_resource::{PipelineCache, PollType, TextureFormat};
-use bevy::render::renderer::RenderDevice;
-use bevy::render::settings::{Backends, WgpuSettings};
-use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
-use bevy::render::{RenderApp, render_resource::PipelineDescriptor};
-use bevy::tasks::block_on;
-use bevy::time::TimeUpdateStrategy;
-use bevy::window::{ExitCondition, WindowPlugin};
-use bevy::winit::WinitPlugin;
 use bevy_egui::{
     EguiContext, EguiInput, EguiManagedTextures, EguiPostUpdateSet, EguiPreUpdateSet, egui,
 };
@@ -25,68 +13,17 @@ use dolomite_inspector::panel::{InspectorCamera, InspectorPass, InspectorTarget}
 use dolomite_inspector::settings::edit::undo;
 use dolomite_inspector::{Console, Inspector, InspectorPlugin, InspectorWants};
 
-const WIDTH: u32 = 640;
-const HEIGHT: u32 = 400;
-
 /// What ran while nobody looked.
 #[derive(Resource, Default)]
 struct Ran(u32);
 
-#[derive(Resource, Default)]
-struct Captured(Option<Image>);
-
-#[derive(Resource)]
-struct Target(Handle<Image>);
-
-fn adapter_is_there() -> bool {
-    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    descriptor.backends = wgpu::Backends::VULKAN;
-    let instance = wgpu::Instance::new(descriptor);
-    let Err(error) = block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-    else {
-        return true;
-    };
-    assert!(
-        std::env::var_os("CI").is_none(),
-        "CI must not skip GPU tests: {error}"
-    );
-    eprintln!("skipped, no Vulkan device: {error}");
-    false
-}
-
 /// A stranger's app with a camera that draws a colour into an image.
 fn app() -> Option<App> {
-    if !adapter_is_there() {
-        return None;
-    }
-    let mut app = App::new();
-    let settings = WgpuSettings {
-        backends: Some(Backends::VULKAN),
-        ..default()
-    };
-    app.add_plugins(
-        DefaultPlugins
-            .build()
-            .set(WindowPlugin {
-                primary_window: None,
-                exit_condition: ExitCondition::DontExit,
-                ..default()
-            })
-            .set(RenderPlugin {
-                render_creation: settings.into(),
-                synchronous_pipeline_compilation: true,
-                ..default()
-            })
-            .disable::<LogPlugin>()
-            .disable::<WinitPlugin>()
-            .disable::<PipelinedRenderingPlugin>(),
-    )
-    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(16)))
-    .init_resource::<Ran>()
-    .init_resource::<Captured>()
-    // Twice, as two plugins of a stranger may do it.
-    .add_plugins(InspectorPlugin)
-    .add_plugins(InspectorPlugin);
+    let mut app = drawn::app()?;
+    app.init_resource::<Ran>()
+        // Twice, as two plugins of a stranger may do it.
+        .add_plugins(InspectorPlugin)
+        .add_plugins(InspectorPlugin);
     add_fog(&mut app);
     let count = |mut ran: ResMut<Ran>| ran.0 += 1;
     app.add_systems(
@@ -106,66 +43,14 @@ fn app() -> Option<App> {
         ),
     )
     .add_systems(InspectorPass, count);
-    let image = Image::new_target_texture(WIDTH, HEIGHT, TextureFormat::Rgba8UnormSrgb, None);
-    let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
-    let target = RenderTarget::Image(image.clone().into());
-    app.insert_resource(Target(image))
-        .insert_resource(InspectorTarget(target.clone()))
+    let target = RenderTarget::Image(app.world().resource::<Target>().0.clone().into());
+    app.insert_resource(InspectorTarget(target.clone()))
         .insert_resource(ClearColor(Color::srgb(0.1, 0.5, 0.2)));
     app.finish();
     app.cleanup();
     app.world_mut().spawn((Camera3d::default(), target));
     app.world_mut().spawn((Fog::default(), Name::new("valley")));
     Some(app)
-}
-
-fn frames(app: &mut App, count: u32) {
-    for _ in 0..count {
-        app.update();
-        assert_eq!(app.should_exit(), None, "rendering stopped");
-        let device = app.world().resource::<RenderDevice>();
-        device.poll(PollType::wait_indefinitely()).expect("drawn");
-    }
-}
-
-fn picture(app: &mut App) -> Vec<[u8; 4]> {
-    let target = app.world().resource::<Target>().0.clone();
-    app.world_mut().spawn(Screenshot::image(target)).observe(
-        |shot: On<ScreenshotCaptured>, mut captured: ResMut<Captured>| {
-            captured.0 = Some(shot.image.clone());
-        },
-    );
-    for _ in 0..60 {
-        frames(app, 1);
-        if let Some(image) = app.world_mut().resource_mut::<Captured>().0.take() {
-            let bytes = image.data.expect("it was read back");
-            if let Some(folder) = std::env::var_os("DOLOMITE_PICTURES") {
-                let name = format!("inspector-{}.ppm", app.world().resource::<Ran>().0);
-                let mut file = format!("P6 {WIDTH} {HEIGHT} 255\n").into_bytes();
-                file.extend(bytes.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]));
-                std::fs::write(std::path::Path::new(&folder).join(name), file)
-                    .expect("the folder can be written");
-            }
-            return bytes
-                .chunks_exact(4)
-                .map(|pixel| [pixel[0], pixel[1], pixel[2], pixel[3]])
-                .collect();
-        }
-    }
-    panic!("no picture");
-}
-
-fn pipelines(app: &App, label: &str) -> usize {
-    let cache = app.sub_app(RenderApp).world().resource::<PipelineCache>();
-    cache
-        .pipelines()
-        .filter(|pipeline| match &pipeline.descriptor {
-            PipelineDescriptor::RenderPipelineDescriptor(descriptor) => {
-                descriptor.label.as_deref() == Some(label)
-            }
-            PipelineDescriptor::ComputePipelineDescriptor(_) => false,
-        })
-        .count()
 }
 
 fn contexts(app: &mut App) -> usize {
@@ -187,11 +72,6 @@ fn hand(app: &mut App, events: Vec<egui::Event>) {
         .events
         .extend(events);
     frames(app, 1);
-}
-
-/// How many pixels two pictures have that differ.
-fn differing(a: &[[u8; 4]], b: &[[u8; 4]]) -> usize {
-    a.iter().zip(b).filter(|(a, b)| a != b).count()
 }
 
 mod gpu {

@@ -37,6 +37,7 @@ pub(crate) fn build(app: &mut App) {
     app.init_resource::<Leaves>()
         .init_resource::<Behaviours>()
         .init_resource::<ThoughtCounters>()
+        .register_type::<ThoughtCounters>()
         .add_message::<BehaviourMessage>()
         .add_systems(
             FixedUpdate,

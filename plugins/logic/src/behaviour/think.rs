@@ -16,10 +16,12 @@ use crate::need::{Asleep, Attention};
 use crate::value::Value;
 use crate::values::Values;
 use bevy::ecs::prelude::*;
+use bevy::reflect::prelude::*;
 use std::sync::Arc;
 
 /// What the last step of behaviours did.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct ThoughtCounters {
     /// Agents that were due.
     pub agents: u32,

@@ -33,6 +33,11 @@ pub(crate) fn build(app: &mut App) {
         .init_resource::<WalkSettings>()
         .init_resource::<WalkCounters>()
         .init_resource::<WalkTimes>()
+        .register_type::<Patrol>()
+        .register_type::<WalkCounters>()
+        .register_type::<WalkSettings>()
+        .register_type::<WalkTimes>()
+        .register_type::<Walker>()
         .add_systems(
             FixedUpdate,
             (

@@ -9,6 +9,7 @@ use crate::need::Asleep;
 use crate::values::Logic;
 use bevy::ecs::prelude::*;
 use bevy::math::{Quat, Vec3, ops};
+use bevy::reflect::prelude::*;
 use bevy::transform::components::Transform;
 use std::sync::Arc;
 use thiserror::Error;
@@ -113,10 +114,13 @@ impl Route {
 }
 
 /// Moves its entity along a route, looking where it goes.
-#[derive(Component, Clone, Debug)]
+#[derive(Component, Reflect, Clone, Debug)]
+#[reflect(Component, Clone)]
+#[reflect(from_reflect = false)]
 #[require(Logic, Transform)]
 pub struct Patrol {
     /// The way.
+    #[reflect(ignore)]
     pub route: Arc<Route>,
     /// Metres a second; below 0 it goes the other way around. What is not finite stands.
     pub speed: f32,

@@ -14,14 +14,21 @@ use crate::need::{Asleep, Attention};
 use crate::values::Logic;
 use bevy::ecs::prelude::*;
 use bevy::math::{Vec2, Vec3Swizzles};
+use bevy::reflect::prelude::*;
 use bevy::tasks::{ComputeTaskPool, ParallelSliceMut, TaskPool};
 use bevy::transform::components::Transform;
 use std::sync::Arc;
 use std::time::Instant;
 
 /// One of a crowd. Its entity's `Transform`, if it has one, follows it, at the height of the ground.
+<<<<<<< HEAD
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[require(Logic, Rank)]
+=======
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
+#[require(Logic)]
+>>>>>>> inspector
 pub struct Walker {
     /// Where it is: x and z.
     pub place: Vec2,
@@ -68,7 +75,8 @@ impl Walker {
 pub struct FlowFields(pub Vec<Arc<FlowField>>);
 
 /// How walkers avoid each other.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct WalkSettings {
     /// Steps from one decision of a walker to the next; twice as many of one whom nobody hindered.
     pub every: u32,
@@ -93,7 +101,8 @@ impl Default for WalkSettings {
 }
 
 /// What the last step of walkers did.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct WalkCounters {
     /// Walkers.
     pub walkers: u32,
@@ -104,7 +113,8 @@ pub struct WalkCounters {
 }
 
 /// What the stages of the last step took, milliseconds.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct WalkTimes {
     /// From the world.
     pub gather: f32,

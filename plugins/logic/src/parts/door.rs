@@ -6,10 +6,12 @@ use crate::names::Key;
 use crate::values::Logic;
 use bevy::ecs::prelude::*;
 use bevy::math::Vec3;
+use bevy::reflect::prelude::*;
 use bevy::transform::components::Transform;
 
 /// Where a door is on its way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 pub enum DoorState {
     /// Wholly closed.
     #[default]
@@ -24,7 +26,8 @@ pub enum DoorState {
 
 /// A door. Actions: [`Key::OPEN`], [`Key::CLOSE`], [`Key::TOGGLE`], [`Key::LOCK`], [`Key::UNLOCK`], and [`Key::BLOCK`]
 /// when something is in its way, which opens it again. Outputs: [`Key::OPENED`], [`Key::CLOSED`].
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(Logic)]
 pub struct Door {
     /// Where it is on its way.
@@ -112,7 +115,8 @@ impl Door {
 }
 
 /// Moves the entity between two places as its [`Door`] opens.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(Transform, Door)]
 pub struct Slide {
     /// Where it is closed.

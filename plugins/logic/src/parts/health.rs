@@ -5,15 +5,18 @@ use crate::names::Key;
 use crate::value::Value;
 use crate::values::{Logic, Values};
 use bevy::ecs::prelude::*;
+use bevy::reflect::prelude::*;
 
 /// Who belongs together. Nobody of a team is an enemy of its own; who has no team is everybody's.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(Logic)]
 pub struct Team(pub u8);
 
 /// Health. Actions: [`Key::DAMAGE`] and [`Key::HEAL`] with a number. Outputs: [`Key::HURT`] with the number,
 /// [`Key::DIED`] once, with who did it. An entity with [`Values`] gets the part that is left as [`Key::HEALTH`].
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(Logic)]
 pub struct Health {
     /// What is left.

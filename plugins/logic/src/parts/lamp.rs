@@ -5,9 +5,11 @@ use crate::clock::LogicClock;
 use crate::names::Key;
 use crate::values::Logic;
 use bevy::ecs::prelude::*;
+use bevy::reflect::prelude::*;
 
 /// A lamp; a renderer looks at whether it is lit. Actions: [`Key::ON`], [`Key::OFF`], [`Key::TOGGLE`].
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(Logic)]
 pub struct Lamp {
     /// Whether it is lit.

@@ -8,6 +8,7 @@ use crate::value::Value;
 use crate::values::Values;
 use bevy::ecs::prelude::*;
 use bevy::math::Vec3;
+use bevy::reflect::prelude::*;
 
 /// Who enters its [`Zone`] and is a [`Collector`] has `amount` more of `name`. Output: [`Key::TAKEN`] with who took it.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
@@ -40,7 +41,8 @@ impl PickUp {
 }
 
 /// Takes what it comes to.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone)]
 #[require(super::zone::Visitor, Values)]
 pub struct Collector;
 

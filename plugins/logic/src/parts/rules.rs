@@ -5,9 +5,11 @@ use crate::names::Key;
 use crate::value::Value;
 use crate::values::Logic;
 use bevy::ecs::prelude::*;
+use bevy::reflect::prelude::*;
 
 /// What became of an objective or a mission.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 pub enum Outcome {
     /// Nothing yet.
     #[default]
@@ -20,7 +22,8 @@ pub enum Outcome {
 
 /// Something to be reached so many times. Actions: [`Key::PROGRESS`] (by a whole number, or 1), [`Key::FAIL`],
 /// [`Key::RESET`]. Outputs: [`Key::DONE`], [`Key::FAILED`]. What is decided stays so until it is reset.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, Clone, PartialEq)]
 #[require(Logic)]
 pub struct Objective {
     /// How often.
@@ -48,7 +51,8 @@ impl Objective {
 
 /// Won when all its objectives that are not optional are reached; lost when one of them is lost or gone, or by
 /// [`Key::FAIL`]. Outputs: [`Key::WON`], [`Key::LOST`]. One without objectives stays open. [`Key::RESET`] opens it.
-#[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(Logic)]
 pub struct Mission {
     /// Entities with an [`Objective`].

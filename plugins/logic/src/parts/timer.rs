@@ -5,9 +5,11 @@ use crate::clock::LogicClock;
 use crate::names::Key;
 use crate::values::Logic;
 use bevy::ecs::prelude::*;
+use bevy::reflect::prelude::*;
 
 /// Says [`Key::ELAPSED`] when its time is over. Actions: [`Key::START`], [`Key::STOP`], [`Key::RESET`].
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Clone, PartialEq)]
 #[require(Logic)]
 pub struct LogicTimer {
     /// Seconds; a time that is not above 0 or not finite never elapses.

@@ -13,6 +13,7 @@ use crate::value::Value;
 use crate::values::Logic;
 use bevy::ecs::prelude::*;
 use bevy::math::{DVec3, Vec3};
+use bevy::reflect::prelude::*;
 use bevy::transform::components::Transform;
 
 use super::health::Team;
@@ -21,7 +22,8 @@ use super::health::Team;
 /// [`Key::RESET`]. Outputs: [`Key::FIRED`], [`Key::EMPTY`].
 ///
 /// A number in it that is not finite or has no meaning means: no shot.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(Logic, Transform)]
 pub struct Weapon {
     /// Taken from the health of who is hit.
@@ -79,7 +81,8 @@ impl Weapon {
 }
 
 /// A shot that flies.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Clone, PartialEq)]
 pub struct Shot {
     /// Who shot.
     pub shooter: Entity,
@@ -113,7 +116,8 @@ pub struct ShotMessage {
 }
 
 /// All shots that fly.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Reflect, Clone, Debug, Default)]
+#[reflect(Resource, Default, Clone)]
 pub struct Shots(pub Vec<Shot>);
 
 /// Whether one flies, or a weapon could shoot: a run condition.

@@ -8,6 +8,7 @@ use crate::rays::RayWorld;
 use crate::values::Logic;
 use bevy::ecs::prelude::*;
 use bevy::math::{Vec2, Vec3, Vec3Swizzles};
+use bevy::reflect::prelude::*;
 use bevy::transform::components::Transform;
 
 /// A noise in this step.
@@ -22,7 +23,8 @@ pub struct Noise {
 }
 
 /// Hears noises: they go into its [`Memory`], less surely the farther away, and wake it.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(Logic, Transform, Memory)]
 pub struct Ear {
     /// Ranges are this many times as long to it.

@@ -23,6 +23,10 @@ use bevy::ecs::prelude::*;
 pub(crate) fn build(app: &mut App) {
     app.init_resource::<SightSettings>()
         .init_resource::<SightCounters>()
+        .register_type::<Ear>()
+        .register_type::<SightCounters>()
+        .register_type::<SightSettings>()
+        .register_type::<Visible>()
         .add_message::<Noise>()
         .add_systems(
             FixedUpdate,

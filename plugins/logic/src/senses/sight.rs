@@ -16,10 +16,12 @@ use crate::rays::{RayWorld, Rays};
 use crate::values::Logic;
 use bevy::ecs::prelude::*;
 use bevy::math::{Vec2, Vec3, Vec3Swizzles, ops};
+use bevy::reflect::prelude::*;
 use bevy::transform::components::Transform;
 
 /// Can be seen, by everybody but its own [`Team`].
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
 #[require(Logic, Transform)]
 pub struct Visible {
     /// The point that is looked for, from the entity's place, in world axes, metres.
@@ -92,7 +94,8 @@ impl Sight {
 }
 
 /// How sight is shared out.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct SightSettings {
     /// Steps from one look of an observer to the next: who comes into view is seen at most so much later.
     pub every: u32,
@@ -114,7 +117,8 @@ impl Default for SightSettings {
 }
 
 /// What the last step of sight did.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct SightCounters {
     /// Observers that looked.
     pub looks: u32,

@@ -1,0 +1,138 @@
+// A picture of what a frame is made of, in its place: one triangle over the view, which reads one texture or buffer.
+// A definition says which picture, another what it reads.
+
+#import dolomite::deferred::gbuffer::{decode_color, unpack_bytes, unpack_emissive, unpack_flags, unpack_normal}
+#import dolomite::inspector::colours::{bounded, distance_grey, encoded_of, heat, linear_of, motion_colour}
+
+// `Look` of `picture/render.rs`.
+struct Look {
+    // Of a pixel (ndc x, ndc y, depth, 1): z and w of its place in view space.
+    to_z: vec4<f32>,
+    to_w: vec4<f32>,
+    // First pixel and size of the view.
+    viewport: vec4<f32>,
+    // Metres that are white, and black.
+    near: f32,
+    far: f32,
+    // Pixels a frame of full colour.
+    fastest: f32,
+    // The count that is red.
+    most: f32,
+}
+
+@group(0) @binding(0) var<uniform> look: Look;
+
+#ifdef WORDS
+// Bevy's deferred target.
+@group(0) @binding(1) var words: texture_2d<u32>;
+#endif
+#ifdef DEPTHS
+#ifdef MANY_SAMPLES
+@group(0) @binding(1) var depths: texture_depth_multisampled_2d;
+#else
+@group(0) @binding(1) var depths: texture_depth_2d;
+#endif
+#endif
+#ifdef NUMBERS
+#ifdef MANY_SAMPLES
+@group(0) @binding(1) var numbers: texture_multisampled_2d<f32>;
+#else
+@group(0) @binding(1) var numbers: texture_2d<f32>;
+#endif
+#endif
+#ifdef COUNTS
+// Of each tile of 16 × 16 pixels, from the second word on: where its list begins, a part of its length, its length.
+@group(0) @binding(1) var<storage, read> tiles: array<u32>;
+#endif
+#ifdef LAYERS
+@group(0) @binding(1) var layers: texture_depth_2d_array;
+#endif
+
+// What is shown of a pixel, as a picture file keeps it.
+fn shown(place: vec2<f32>) -> vec3<f32> {
+    let pixel = vec2<i32>(place);
+#ifdef WORDS
+    let word = textureLoad(words, pixel, 0);
+    // Nothing of the G-buffer is there: the sky, or what was drawn later.
+    if all(word == vec4(0u)) {
+        return vec3(0.0);
+    }
+#endif
+#ifdef BASE_COLOUR
+    return encoded_of(decode_color(unpack_bytes(word.x).rgb));
+#endif
+#ifdef ROUGHNESS
+    return vec3(unpack_bytes(word.x).a);
+#endif
+#ifdef REFLECTANCE
+    return vec3(unpack_bytes(word.z).x);
+#endif
+#ifdef METALLIC
+    return vec3(unpack_bytes(word.z).y);
+#endif
+#ifdef BAKED_OCCLUSION
+    return vec3(unpack_bytes(word.z).z);
+#endif
+#ifdef EMITTED
+    return encoded_of(bounded(unpack_emissive(word.y)));
+#endif
+#ifdef NORMALS_OF_WORDS
+    return unpack_normal(word.w) * 0.5 + 0.5;
+#endif
+#ifdef FLAGS
+    let flags = unpack_flags(word.w);
+    return vec3<f32>((vec3(flags) >> vec3(0u, 1u, 2u)) & vec3(1u));
+#endif
+#ifdef DISTANCE
+    let depth = textureLoad(depths, pixel, 0);
+    let ndc = (place - look.viewport.xy) / look.viewport.zw * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    let at = vec4(ndc, depth, 1.0);
+    let w = dot(look.to_w, at);
+    // Reversed depth: 0 lies infinitely far away, and there w is 0 as well.
+    if depth <= 0.0 || w == 0.0 {
+        return vec3(0.0, 0.0, 0.125);
+    }
+    return vec3(distance_grey(-dot(look.to_z, at) / w, look.near, look.far));
+#endif
+#ifdef NORMALS
+    return textureLoad(numbers, pixel, 0).rgb;
+#endif
+#ifdef MOTION
+    return motion_colour(textureLoad(numbers, pixel, 0).rg * look.viewport.zw, look.fastest);
+#endif
+#ifdef SHARE
+    return vec3(textureLoad(numbers, pixel, 0).r);
+#endif
+#ifdef LIGHT_COUNTS
+    let tile = vec2<u32>(place - look.viewport.xy) / 16u;
+    let across = (u32(look.viewport.z) + 15u) / 16u;
+    return heat(f32(tiles[3u + 3u * (tile.y * across + tile.x)]) / look.most);
+#endif
+#ifdef SHADOW_MAPS
+    // All layers side by side, as many in a row as in a column.
+    let count = u32(textureNumLayers(layers));
+    let side = u32(ceil(sqrt(f32(count))));
+    let cell = (place - look.viewport.xy) / look.viewport.zw * f32(side);
+    let layer = u32(cell.y) * side + u32(cell.x);
+    if layer >= count {
+        return vec3(0.0, 0.0, 0.125);
+    }
+    let texel = vec2<i32>(fract(cell) * vec2<f32>(textureDimensions(layers)));
+    return vec3(textureLoad(layers, texel, layer, 0));
+#endif
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+    let corner = vec2(f32(index & 1u), f32(index >> 1u)) * 4.0 - 1.0;
+    return vec4(corner, 0.0, 1.0);
+}
+
+@fragment
+fn fragment(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
+#ifdef ENCODED
+    return vec4(shown(place.xy), 1.0);
+#else
+    return vec4(linear_of(shown(place.xy)), 1.0);
+#endif
+}
