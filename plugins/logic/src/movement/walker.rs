@@ -21,14 +21,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// One of a crowd. Its entity's `Transform`, if it has one, follows it, at the height of the ground.
-<<<<<<< HEAD
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[require(Logic, Rank)]
-=======
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
-#[require(Logic)]
->>>>>>> inspector
+#[require(Logic, Rank)]
 pub struct Walker {
     /// Where it is: x and z.
     pub place: Vec2,
