@@ -51,6 +51,7 @@ struct Look {
 // What is shown of a pixel, as a picture file keeps it.
 fn shown(place: vec2<f32>) -> vec3<f32> {
     let pixel = vec2<i32>(place);
+    var colour = vec3(0.0);
 #ifdef WORDS
     let word = textureLoad(words, pixel, 0);
     // Nothing of the G-buffer is there: the sky, or what was drawn later.
@@ -59,29 +60,29 @@ fn shown(place: vec2<f32>) -> vec3<f32> {
     }
 #endif
 #ifdef BASE_COLOUR
-    return encoded_of(decode_color(unpack_bytes(word.x).rgb));
+    colour = encoded_of(decode_color(unpack_bytes(word.x).rgb));
 #endif
 #ifdef ROUGHNESS
-    return vec3(unpack_bytes(word.x).a);
+    colour = vec3(unpack_bytes(word.x).a);
 #endif
 #ifdef REFLECTANCE
-    return vec3(unpack_bytes(word.z).x);
+    colour = vec3(unpack_bytes(word.z).x);
 #endif
 #ifdef METALLIC
-    return vec3(unpack_bytes(word.z).y);
+    colour = vec3(unpack_bytes(word.z).y);
 #endif
 #ifdef BAKED_OCCLUSION
-    return vec3(unpack_bytes(word.z).z);
+    colour = vec3(unpack_bytes(word.z).z);
 #endif
 #ifdef EMITTED
-    return encoded_of(bounded(unpack_emissive(word.y)));
+    colour = encoded_of(bounded(unpack_emissive(word.y)));
 #endif
 #ifdef NORMALS_OF_WORDS
-    return unpack_normal(word.w) * 0.5 + 0.5;
+    colour = unpack_normal(word.w) * 0.5 + 0.5;
 #endif
 #ifdef FLAGS
     let flags = unpack_flags(word.w);
-    return vec3<f32>((vec3(flags) >> vec3(0u, 1u, 2u)) & vec3(1u));
+    colour = vec3<f32>((vec3(flags) >> vec3(0u, 1u, 2u)) & vec3(1u));
 #endif
 #ifdef DISTANCE
     let depth = textureLoad(depths, pixel, 0);
@@ -92,21 +93,21 @@ fn shown(place: vec2<f32>) -> vec3<f32> {
     if depth <= 0.0 || w == 0.0 {
         return vec3(0.0, 0.0, 0.125);
     }
-    return vec3(distance_grey(-dot(look.to_z, at) / w, look.near, look.far));
+    colour = vec3(distance_grey(-dot(look.to_z, at) / w, look.near, look.far));
 #endif
 #ifdef NORMALS
-    return textureLoad(numbers, pixel, 0).rgb;
+    colour = textureLoad(numbers, pixel, 0).rgb;
 #endif
 #ifdef MOTION
-    return motion_colour(textureLoad(numbers, pixel, 0).rg * look.viewport.zw, look.fastest);
+    colour = motion_colour(textureLoad(numbers, pixel, 0).rg * look.viewport.zw, look.fastest);
 #endif
 #ifdef SHARE
-    return vec3(textureLoad(numbers, pixel, 0).r);
+    colour = vec3(textureLoad(numbers, pixel, 0).r);
 #endif
 #ifdef LIGHT_COUNTS
     let tile = vec2<u32>(place - look.viewport.xy) / 16u;
     let across = (u32(look.viewport.z) + 15u) / 16u;
-    return heat(f32(tiles[3u + 3u * (tile.y * across + tile.x)]) / look.most);
+    colour = heat(f32(tiles[3u + 3u * (tile.y * across + tile.x)]) / look.most);
 #endif
 #ifdef SHADOW_MAPS
     // All layers side by side, as many in a row as in a column.
@@ -118,8 +119,9 @@ fn shown(place: vec2<f32>) -> vec3<f32> {
         return vec3(0.0, 0.0, 0.125);
     }
     let texel = vec2<i32>(fract(cell) * vec2<f32>(textureDimensions(layers)));
-    return vec3(textureLoad(layers, texel, layer, 0));
+    colour = vec3(textureLoad(layers, texel, layer, 0));
 #endif
+    return colour;
 }
 
 @vertex

@@ -84,12 +84,11 @@ impl Wave {
                     let part = |random: &mut Random| (random.signed_unit() * 1.4) as f32;
                     near = half * Vec3::new(part(random), part(random), part(random));
                 }
-                let apart = f64::from((half + radii).length() * 1.01 / way.length());
+                // From 1.4 half sizes beside the middle of the box to where both are apart, whatever the way.
+                let apart = f64::from((half * 2.4 + radii).length() * 1.01 / way.length());
                 let before = (apart + 1.0 + random.unit() * 3.0).ceil();
-                // Until it is past: those that aim beside the middle of the box stay longer than before it, and those that
-                // begin before its side have all of its length ahead.
-                let past = (half * 2.4 + radii).length() * 1.01;
-                let past = f64::from(past.max(2.0 * (half + radii).length()) / way.length());
+                // Those that begin before its side, and not before its middle, have both sizes ahead.
+                let past = apart.max(f64::from(2.0 * (half + radii).length() / way.length()));
                 steps = steps.max(before + past + 4.0);
                 let start = if exact {
                     let axis = way.max_position();

@@ -14,6 +14,7 @@ mod orca;
 mod path;
 mod patrol;
 mod sight_line;
+mod walk;
 mod walker;
 
 pub use flow::{FlowField, NEVER};
@@ -41,7 +42,7 @@ pub(crate) fn build(app: &mut App) {
         .add_systems(
             FixedUpdate,
             (
-                walker::walk.run_if(any_with_component::<Walker>),
+                walk::walk.run_if(any_with_component::<Walker>),
                 patrol::patrol.run_if(any_with_component::<Patrol>),
             )
                 .chain()
