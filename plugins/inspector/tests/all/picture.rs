@@ -32,9 +32,25 @@ fn every_variant_of_the_shader_is_valid() {
     }
 }
 
+/// One that the shader does not know would leave the picture black.
 #[test]
-fn a_definition_that_is_not_known_makes_no_picture() {
-    assert!(compose("inspector/picture.wgsl", &["WORDS", "NOTHING"]).is_err());
+fn every_definition_is_known_to_the_shader() {
+    let text = |defines: &[&str]| {
+        let module = compose("inspector/picture.wgsl", defines);
+        module.map(|module| format!("{module:?}"))
+    };
+    let nothing = text(&[]).expect("it is whole without any");
+    assert_eq!(text(&["NOTHING"]).ok(), Some(nothing));
+    for defines in variants(&[]) {
+        let whole = text(&defines).unwrap_or_else(|error| panic!("{defines:?}: {error}"));
+        for at in 0..defines.len() {
+            let mut other = defines.clone();
+            other[at] = "NOTHING";
+            // Some do not go without each other.
+            let is_same = text(&other).is_ok_and(|other| other == whole);
+            assert!(!is_same, "{} of {defines:?}", defines[at]);
+        }
+    }
 }
 
 #[test]
