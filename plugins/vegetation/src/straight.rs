@@ -4,10 +4,10 @@
 //! Its tip is where its area is right as a vector ([`crate::blade::Curve::drawn_tip`]). Two things are left.
 //!
 //! **A blade that hangs over** turns its back to some eyes with a part of its length. That part hides too, where the vector's
-//! area has it with the other sign: so the strip is a little [wider](wider) at elevations in between.
+//! area has it with the other sign: so the strip is a little [`wider`] at elevations in between.
 //!
 //! **Colours** go by the way along the blade, and the same way lies elsewhere on a straight one. A place t of the strip is at
-//! t + b·t·(1 − t) of the blade, with a [bow](bow) b that depends on what is seen. Where nothing is hidden by others, each
+//! t + b·t·(1 − t) of the blade, with a [`bow`] b that depends on what is seen. Where nothing is hidden by others, each
 //! part shows by its area across the view: the mean of the way over (1 − t²)·|c′ × across · view| is
 //! (0.25 − 0.017 d)/(0.667 + 0.167 d) from the side and (0.25 + 0.017 d)/(0.667 − 0.167 d) from above, at a droop d; that of a
 //! triangle is 1/3 + b/6. To first order in d this is b = 0.25 − 0.63 d and 0.25 + 0.8 d. Deep in others only tips are seen,
