@@ -4,7 +4,6 @@ use bevy::math::DVec2;
 use dolomite::city::streets::{cell_at, has_cell};
 use dolomite::ground::GroundMaterial;
 use dolomite::sound::{SoundId, built_in};
-use dolomite::terrain::Ground;
 
 use crate::scene::LoadedScene;
 

@@ -32,11 +32,12 @@ pub fn faded(samples: &[f64], rate: u32) -> Vec<f64> {
     let count = samples.len();
     let first = (rate as usize / 1000).clamp(1, count);
     let last = (count / 10).max(1);
-    for k in 0..first {
-        samples[k] *= 0.5 - 0.5 * libm::cos(PI * k as f64 / first as f64);
+    let half = |k: usize, of: usize| 0.5 - 0.5 * libm::cos(PI * k as f64 / of as f64);
+    for (k, sample) in samples.iter_mut().enumerate().take(first) {
+        *sample *= half(k, first);
     }
-    for k in 0..last {
-        samples[count - 1 - k] *= 0.5 - 0.5 * libm::cos(PI * k as f64 / last as f64);
+    for (k, sample) in samples.iter_mut().rev().enumerate().take(last) {
+        *sample *= half(k, last);
     }
     samples
 }

