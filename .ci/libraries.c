@@ -1,6 +1,7 @@
 /* Compiled and run by .ci/empty-root where nothing but our packages is installed: links what the build
  * scripts link, opens what the window opens, and asks the Vulkan loader for its devices. Exit code 0 when
  * each answers; no headers of X11 or Vulkan, since the game needs none. */
+#include <alsa/asoundlib.h>
 #include <dlfcn.h>
 #include <libudev.h>
 #include <stdint.h>
@@ -79,6 +80,7 @@ int main(void) {
     report("libudev", udev && udev_enumerate_new(udev), "linked");
     /* No display is there; that the library answers is what is asked. */
     report("libwayland-client", wl_display_connect("no-such-display") == NULL, "linked");
+    report("libasound", strlen(snd_asoundlib_version()) > 0, "linked");
     opened("libwayland-client.so.0", "wl_display_connect");
     opened("libX11.so.6", "XOpenDisplay");
     opened("libX11-xcb.so.1", "XGetXCBConnection");

@@ -8,6 +8,7 @@
 //! | [`mod@console`] | inspector and console: commands, scripts | view, play, scene, input, settings |
 //! | [`bot`] | plays levels to their end, by input alone | level, play, scene, input, settings |
 //! | [`view`] | what is drawn: camera, materials, figure, panels, menus | level, play, scene, input, settings |
+//! | [`mod@sound`] | what is heard: steps, wind, sea, shots, calls, lifts | level, play, scene, settings |
 //! | [`level`] | what makes a scene a game that is won or lost; saved games | play, scene, input, settings |
 //! | [`play`] | the half that needs no renderer: camera, figure, switches | scene, input, settings |
 //! | [`scene`] | from a name or file to a terrain; taking over changes | settings |
@@ -23,4 +24,5 @@ pub mod play;
 pub mod run;
 pub mod scene;
 pub mod settings;
+pub mod sound;
 pub mod view;

@@ -2,8 +2,10 @@
 # Shared by scripts/play, scripts/test, scripts/soak and .ci/run (sourced, not run): looks for the compiler
 # and the system libraries, installs what is missing where it may, and else prints the exact line to type.
 #
-#   need_system LIST   LIST is `build`, `test`, `play` or `wayland` (a window without X11 or XWayland);
-#                      returns when all is there, exits 1 if not
+#   need_system LIST   LIST is `build`, `test`, `play`, `wayland` (a window without X11 or XWayland) or `sound`
+#                      (ALSA, on top of one of the others); returns when all is there, exits 1 if not
+#   want_sound         the same of `sound` for who plays: installs it where it may, and returns 1 with one line where
+#                      the game has to be built without
 #   need_command NAME PACKAGE...   installs the packages where the command is not there; exits 1 where it may not
 #   need_cargo         sets CARGO (an array: the command) to a cargo that is new enough, or exits 1
 #   say_adapter        one line when only software Vulkan is to be expected
@@ -32,8 +34,8 @@ die() { say "error: $*"; exit 1; }
 #
 # Found by reading what the build scripts ask pkg-config for: libudev-sys (gamepads, by gilrs) and, with the
 # feature `wayland`, wayland-sys. nv-flip-sys, the image comparison of the tests, is C++. The window (winit)
-# opens the libraries of X11 and the keyboard's layout while it runs. ALSA is not among them: the game has no
-# sound yet. cargo itself needs the certificates.
+# opens the libraries of X11 and the keyboard's layout while it runs. With the feature `device` alsa-sys links ALSA,
+# which PulseAudio and PipeWire serve too; without it the game is silent. cargo itself needs the certificates.
 #
 # The names were checked against: Debian 12 by installing them (.ci/empty-root does so again); Fedora and
 # Arch by Bevy's own list of Linux dependencies and by install lines in public build scripts; openSUSE by the
@@ -57,6 +59,7 @@ window so:libxkbcommon.so.0 libxkbcommon0        libxkbcommon         libxkbcomm
 window so:libxkbcommon-x11.so.0 libxkbcommon-x11-0 libxkbcommon-x11   libxkbcommon-x11   libxkbcommon-x11-0
 wayland pc:wayland-client   libwayland-dev       wayland-devel        wayland            wayland-devel
 wayland so:libwayland-client.so.0 libwayland-client0 libwayland-client wayland           libwayland-client0
+sound  pc:alsa              libasound2-dev       alsa-lib-devel       alsa-lib           alsa-devel
 '
 
 # as_root COMMAND...: as root, or by sudo where it asks for no password; 1 where neither may be had.
@@ -167,7 +170,7 @@ has() {
   esac
 }
 
-# find_missing LIST: sets MISSING to the packages that LIST (build, test, play, wayland) needs and that are not here,
+# find_missing LIST: sets MISSING to the packages that LIST (build, test, play, wayland, sound) needs and that are not here,
 # and ROWS to how many rows of the table were looked at.
 find_missing() {
   local list=$1 kind check apt dnf pacman zypper package
@@ -175,6 +178,8 @@ find_missing() {
   while read -r kind check apt dnf pacman zypper; do
     [[ -n $kind && $list:$kind != build:vulkan ]] || continue
     case $list:$kind in
+      sound:sound) ;;
+      sound:*) continue ;;
       *:build | *:vulkan | play:window | wayland:window | wayland:wayland) ;;
       *) continue ;;
     esac
@@ -229,7 +234,7 @@ find_missing() {
 
 need_system() {
   case $1 in
-    build | test | play | wayland) ;;
+    build | test | play | wayland | sound) ;;
     *) die "need_system: no list named $1" ;;
   esac
   if [[ -n ${DOLOMITE_NO_SYSTEM_CHECK:-} ]]; then
@@ -264,6 +269,27 @@ need_system() {
   install_line "${MISSING[@]}"
   say "and then run this script again. (Where you know better: DOLOMITE_NO_SYSTEM_CHECK=1 skips this look.)"
   exit 1
+}
+
+want_sound() {
+  [[ $(uname -s) == Linux ]] || return 0
+  local line="note: no sound: ALSA is missing here, so the game is built without its feature device"
+  if [[ -n ${DOLOMITE_NO_SYSTEM_CHECK:-} ]]; then
+    # Whoever knows better has it, or does not want it.
+    command -v pkg-config >/dev/null && pkg-config --exists alsa && return 0
+    say "$line"
+    return 1
+  fi
+  package_manager
+  find_missing sound
+  [[ ${#MISSING[@]} -eq 0 ]] && return 0
+  if [[ $MANAGER == apt ]] && as_root true && install_packages "${MISSING[@]}"; then
+    find_missing sound
+    [[ ${#MISSING[@]} -eq 0 ]] && return 0
+  fi
+  say "$line; to have it, type:"
+  install_line "${MISSING[@]}"
+  return 1
 }
 
 # new_enough COMMAND...: whether that cargo runs and is at least $rust_oldest.

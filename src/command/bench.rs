@@ -81,7 +81,7 @@ impl Bench {
     /// # Errors
     /// [`BenchError`], naming the file and the reason.
     pub fn setup(&self) -> Result<Setup, BenchError> {
-        let mut setup = self.scene.setup(|settings| settings.panel = false)?;
+        let mut setup = self.scene.setup(None, |settings| settings.panel = false)?;
         if self.matrix && !self.scene.is_classic() && setup.scene.city.is_none() {
             return Err(MethodError::OtherScene(setup.scene.name.clone()).into());
         }

@@ -17,6 +17,7 @@ use dolomite_game::input::keys;
 use dolomite_game::level::menu::Screen;
 use dolomite_game::run::Setup;
 use dolomite_game::run::meet::Meet;
+use dolomite_game::settings::choices::user_choices;
 
 use bench::Bench;
 use bot::Bot;
@@ -103,7 +104,7 @@ impl Play {
     /// # Errors
     /// [`BenchError`], naming the file and the reason.
     pub fn setup(&self) -> Result<Setup, BenchError> {
-        let mut setup = self.scene.setup(|settings| {
+        let mut setup = self.scene.setup(user_choices(), |settings| {
             if let Some(Size(size)) = self.size {
                 settings.window = (size.x, size.y);
             }
@@ -203,7 +204,9 @@ impl Shot {
     /// # Errors
     /// [`BenchError`], naming the file and the reason.
     pub fn setup(&self) -> Result<Setup, BenchError> {
-        let mut setup = self.scene.setup(|settings| settings.panel = self.hud)?;
+        let mut setup = self
+            .scene
+            .setup(None, |settings| settings.panel = self.hud)?;
         setup.panels = self.hud;
         if let Some(level) = &mut setup.level {
             let mut file = (*level.level.file).clone();

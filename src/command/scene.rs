@@ -12,6 +12,7 @@ use dolomite_game::level::load;
 use dolomite_game::level::menu::Screen;
 use dolomite_game::run::{GameError, LevelSetup, Setup};
 use dolomite_game::scene::{MapOptions, SceneRequest};
+use dolomite_game::settings::choices::Choices;
 use dolomite_game::settings::paths;
 use dolomite_game::settings::quality::Preset;
 use dolomite_game::settings::{Renderer, Settings};
@@ -171,8 +172,21 @@ impl SceneArgs {
         }
     }
 
-    pub fn setup(&self, change: impl FnOnce(&mut Settings)) -> Result<Setup, BenchError> {
+    /// `kept` is the file of what was chosen in the menu before; a file of settings that is named has its own say.
+    pub fn setup(
+        &self,
+        kept: Option<PathBuf>,
+        change: impl FnOnce(&mut Settings),
+    ) -> Result<Setup, BenchError> {
         let mut settings = Settings::load(self.settings.as_deref()).map_err(GameError::from)?;
+        let kept = kept.filter(|_| self.settings.is_none());
+        if let Some(path) = &kept {
+            // Nobody is kept from playing by it: the next choice writes it anew.
+            match Choices::over(settings.clone(), path) {
+                Ok(chosen) => settings = chosen,
+                Err(error) => eprintln!("dolomite: what was chosen in the menu is lost: {error}"),
+            }
+        }
         settings.detail = self.detail.or(settings.detail);
         settings.blocks |= self.blocks;
         settings.sun = self.sun.map(|Degrees2(a, b)| (a, b)).or(settings.sun);
@@ -223,6 +237,7 @@ impl SceneArgs {
             keeps_nothing: false,
             meet: None,
         });
+        setup.keep = kept;
         setup.switches.follow = setup.level.is_some();
         setup.switches.lines = self.lines;
         setup.switches.shapes = self.shapes;

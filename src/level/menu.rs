@@ -14,6 +14,7 @@ use super::save;
 use crate::input::{InputMode, PlayerInput};
 use crate::play::camera::FreeCamera;
 use crate::scene::{CurrentScene, SceneRequest};
+use crate::settings::choices::{Choices, KeepTo};
 use crate::settings::paths::AssetsDir;
 use crate::settings::{FOV_RANGE, Settings};
 
@@ -60,6 +61,10 @@ pub enum Item {
     Invert,
     /// Field of view.
     View,
+    /// Sound on or off.
+    Sound,
+    /// How loud it is.
+    Volume,
     /// To the screen before.
     Back,
     /// Out of the game.
@@ -132,7 +137,14 @@ impl Menu {
                 Item::Begin,
                 Item::Quit,
             ],
-            Screen::Settings => &[Item::Mouse, Item::Invert, Item::View, Item::Back],
+            Screen::Settings => &[
+                Item::Mouse,
+                Item::Invert,
+                Item::View,
+                Item::Sound,
+                Item::Volume,
+                Item::Back,
+            ],
             Screen::Keys => &[Item::Back],
             Screen::Won | Screen::Lost => &[Item::Begin, Item::Load, Item::Keys, Item::Quit],
         }
@@ -165,7 +177,10 @@ impl Menu {
         let next = self.chosen as i32 + input.navigate.y;
         self.chosen = next.rem_euclid(count.max(1)) as usize;
         let item = *items.get(self.chosen)?;
-        let sets = matches!(item, Item::Mouse | Item::Invert | Item::View);
+        let sets = matches!(
+            item,
+            Item::Mouse | Item::Invert | Item::View | Item::Sound | Item::Volume
+        );
         if sets && input.navigate.x != 0 {
             return Some(Deed::Set(item, input.navigate.x.signum()));
         }
@@ -178,7 +193,9 @@ impl Menu {
             Item::Save => Some(Deed::Save),
             Item::Other => Some(Deed::Other),
             Item::Quit => Some(Deed::Quit),
-            Item::Mouse | Item::Invert | Item::View => Some(Deed::Set(item, 1)),
+            Item::Mouse | Item::Invert | Item::View | Item::Sound | Item::Volume => {
+                Some(Deed::Set(item, 1))
+            }
             Item::Resume => {
                 self.go(Screen::Play);
                 None
@@ -280,6 +297,7 @@ fn drive(world: &mut World, mut lit: Local<u32>) {
     let input = *world.resource::<PlayerInput>();
     let state = *world.resource::<LevelState>();
     let mut menu = world.resource::<Menu>().clone();
+    let sets = menu.screen == Screen::Settings;
     if menu.screen == Screen::Play
         && let Some(verdict) = state.verdict
     {
@@ -325,8 +343,22 @@ fn drive(world: &mut World, mut lit: Local<u32>) {
             world.write_message(AppExit::Success);
         }
     }
+    // What was chosen is kept once its screen is left.
+    if sets && menu.screen != Screen::Settings {
+        keep(world, &mut menu);
+    }
     if *world.resource::<Menu>() != menu {
         world.insert_resource(menu);
+    }
+}
+
+/// Keeps what was chosen, where the player has a folder for it.
+fn keep(world: &World, menu: &mut Menu) {
+    if let Some(KeepTo(path)) = world.get_resource() {
+        let choices = Choices::of(world.resource::<Settings>());
+        if let Err(error) = choices.write(path) {
+            menu.note = error.to_string();
+        }
     }
 }
 
@@ -345,6 +377,12 @@ fn set(world: &mut World, item: Item, by: i32) {
             for mut camera in world.query::<&mut FreeCamera>().iter_mut(world) {
                 camera.fov = fov;
             }
+        }
+        Item::Sound => settings.sound = !settings.sound,
+        Item::Volume => {
+            // Steps of a tenth, without what additions leave over.
+            let tenths = (settings.volume * 10.0).round() + by;
+            settings.volume = (tenths / 10.0).clamp(0.0, 1.0);
         }
         _ => {}
     }

@@ -33,6 +33,7 @@ use crate::play::camera::FreeCamera;
 use crate::play::figure::Figure;
 use crate::play::{SimulationPlugin, Switches};
 use crate::scene::{self, CurrentScene, Pose, SceneError, SceneRequest};
+use crate::settings::choices::KeepTo;
 use crate::settings::paths::{self, AssetsDir, AssetsError};
 use crate::settings::{Settings, SettingsError};
 use crate::view::level::LevelViewPlugin;
@@ -101,6 +102,8 @@ pub struct Setup {
     pub level: Option<LevelSetup>,
     /// Commands of the console, done once the scene is there.
     pub script: Option<Script>,
+    /// Where what is chosen in the menu is kept.
+    pub keep: Option<PathBuf>,
 }
 
 /// A level, and how it is come upon.
@@ -175,6 +178,7 @@ impl Setup {
             panels: true,
             level: None,
             script: None,
+            keep: None,
         })
     }
 
@@ -228,6 +232,9 @@ impl Setup {
                     level.add(app);
                 }
             }
+        }
+        if let Some(keep) = self.keep {
+            app.insert_resource(KeepTo(keep));
         }
         if self.panels {
             app.add_plugins(PanelPlugin);

@@ -11,6 +11,7 @@ use super::patient::PatientRenderingPlugin;
 use super::{GameError, Setup, device, log_plugin};
 use crate::input::devices::InputPlugin;
 use crate::settings::quality::DeviceKind;
+use crate::sound::GameSoundPlugin;
 use crate::view::quality::DrawnBy;
 use crate::view::start::Hidden;
 
@@ -71,7 +72,7 @@ pub fn app(setup: Setup) -> Result<(App, Device), GameError> {
     app.insert_resource(DrawnBy(Some(device.kind)));
     setup.add_behind_start_screen(&mut app);
     app.add_systems(PreStartup, hide_until_drawn);
-    app.add_plugins(InputPlugin);
+    app.add_plugins((InputPlugin, GameSoundPlugin));
     Ok((app, device))
 }
 

@@ -1,6 +1,7 @@
-//! What the player may set, from a RON file; what pictures are drawn with ([`quality`]); where files lie
-//! ([`paths`]).
+//! What the player may set, from a RON file; what they chose in the menu ([`choices`]); what pictures are drawn with
+//! ([`quality`]); where files lie ([`paths`]).
 
+pub mod choices;
 pub mod paths;
 pub mod quality;
 
@@ -89,6 +90,10 @@ pub struct Settings {
     pub vegetation_density: f32,
     /// Share of how far away it is drawn, 0 to 4.
     pub vegetation_reach: f32,
+    /// Sound is on; off no device is opened.
+    pub sound: bool,
+    /// How loud all of it is, 0 to 1.
+    pub volume: f32,
     /// Shows the panel of frame times and counts.
     pub panel: bool,
 }
@@ -147,6 +152,8 @@ impl Default for Settings {
             vegetation: None,
             vegetation_density: 1.0,
             vegetation_reach: 1.0,
+            sound: true,
+            volume: 0.8,
             panel: true,
         }
     }
@@ -296,6 +303,7 @@ impl Settings {
                 1.0,
             ),
             ("vegetation_reach", self.vegetation_reach, 0.0, true, 4.0),
+            ("volume", self.volume, 0.0, true, 1.0),
             ("detail", self.detail.unwrap_or(0.0), 0.0, true, 1000.0),
             (
                 "shadow_cascades",
@@ -404,6 +412,8 @@ mod tests {
             "(pixels_per_edge: 0.0)",
             "(sun: (0.0, 91.0))",
             "(detail: -1.0)",
+            "(volume: 1.1)",
+            "(volume: NaN)",
             "(resolution: 0.2)",
             "(resolution: NaN)",
             "(shadow_cascades: 5)",

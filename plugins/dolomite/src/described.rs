@@ -14,6 +14,7 @@ use dolomite_ground::{GroundMaterial, PatchDetail, Sea, TerrainView};
 use dolomite_inspector::entities::ReadComponents;
 use dolomite_inspector::settings::described::{Describe, Description, Field};
 use dolomite_sky::{Sky, Sun};
+use dolomite_sound::{SoundCounters, SoundEmitter, SoundListener, SoundSettings};
 use dolomite_terrain::ProbeBatch;
 
 /// The greatest finite number of an f32: above 0, and no end.
@@ -29,6 +30,7 @@ pub fn describe(app: &mut App) {
     geometry(app);
     figures(app);
     places::describe(app);
+    sound(app);
     logic::describe(app);
 }
 
@@ -239,6 +241,41 @@ fn geometry(app: &mut App) {
     .describe::<GeometryStats>(Description::answer(
         "What producers of triangles made and hold",
     ));
+}
+
+fn sound(app: &mut App) {
+    let share = |about: &'static str| Field::new(about).range(0.0..=1.0);
+    let metres = |about: &'static str| Field::new(about).range(1e-3..=1e6).unit("m").logarithmic();
+    app.describe::<SoundSettings>(
+        Description::new("Sound: off, no device is open")
+            .field("volume", share("Amplitude of everything"))
+            .field("effects", share("Amplitude of things and people"))
+            .field("ambience", share("Amplitude of wind, water and fire"))
+            .field(
+                "voices",
+                Field::new("Heard at once at most").range(1.0..=128.0),
+            )
+            .field(
+                "speed_of_sound",
+                Field::new("How fast sound is; not above 0: at once")
+                    .range(-LARGEST..=LARGEST)
+                    .unit("m/s"),
+            ),
+    )
+    .describe::<SoundEmitter>(
+        Description::new("Sounds without end")
+            .field("loudness.volume", Field::new("Amplitude").range(0.0..=4.0))
+            .field(
+                "loudness.rate",
+                Field::new("Speed and pitch")
+                    .range(0.0625..=16.0)
+                    .logarithmic(),
+            )
+            .field("loudness.reference", metres("As loud as can be up to here"))
+            .field("loudness.reach", metres("Not heard from here on")),
+    )
+    .describe::<SoundListener>(Description::new("Hears"))
+    .describe::<SoundCounters>(Description::answer("What was heard"));
 }
 
 fn figures(app: &mut App) {

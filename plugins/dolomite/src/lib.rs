@@ -10,6 +10,7 @@
 //! | [`CrowdPlugin`](character::render::CrowdPlugin) | [`character`] | crowds drawn from a palette of poses, 16 bytes a figure | yes |
 //! | [`CollisionPlugin`](collision::CollisionPlugin) | [`collision`] | movers that slide over triangles, blockers, triggers; with the feature `rapier` ground under Rapier's bodies | no |
 //! | [`LogicPlugin`](logic::LogicPlugin) | [`logic`] | values and actions, lifts and doors, behaviours as data, senses, crowds | no |
+//! | [`SoundPlugin`](sound::SoundPlugin) | [`sound`] | emitters and one-shots in space, voices by priority; with the feature `device` on the system's device | no |
 //! | [`FbxPlugin`](fbx::FbxPlugin) | [`fbx`] | `load("hero.fbx")`, with the sub-assets of Bevy's glTF loader | no |
 //! | [`PatchPlugin`](tessellation::render::PatchPlugin) | [`tessellation`] | patches of your own, tessellated by your control and evaluate functions | yes |
 //! | [`GroundPlugin`](ground::GroundPlugin) | [`ground`] | terrain refined and drawn on the GPU | yes |
@@ -44,6 +45,7 @@ pub use dolomite_ground as ground;
 pub use dolomite_inspector as inspector;
 pub use dolomite_logic as logic;
 pub use dolomite_sky as sky;
+pub use dolomite_sound as sound;
 pub use dolomite_terrain as terrain;
 pub use dolomite_tessellation as tessellation;
 pub use dolomite_vegetation as vegetation;
@@ -87,5 +89,6 @@ impl PluginGroup for DolomiteMinimalPlugins {
             .add(character::CharacterPlugin)
             .add(collision::CollisionPlugin)
             .add(logic::LogicPlugin)
+            .add(sound::SoundPlugin)
     }
 }

@@ -20,11 +20,55 @@ impl Plugin for ScreensPlugin {
             draw.run_if(any_with_component::<UiCamera>).run_if(
                 resource_exists_and_changed::<Menu>
                     .or_else(resource_changed::<Settings>)
+                    .or_else(resized)
                     .or_else(not(any_with_component::<Shown>)),
             ),
         );
     }
 }
+
+/// Height and width of letters as a multiple of their size, about: what is said in Bevy's own font.
+const LINE: f32 = 1.2;
+const LETTER: f32 = 0.55;
+
+/// Pixels between two rows, around the words of an item, below the head, and that the edge of a window is left free.
+const GAP: f32 = 7.0;
+const ITEM: f32 = 10.0;
+const BELOW: f32 = 14.0;
+const EDGE: f32 = 14.0;
+
+/// Menus are never smaller than this part of their size: nobody could read them.
+const LEAST: f32 = 0.4;
+
+/// The sides of what menus are drawn over, logical pixels.
+fn sides(camera: &Camera) -> Vec2 {
+    camera
+        .logical_viewport_size()
+        .unwrap_or(Vec2::splat(1000.0))
+}
+
+fn resized(cameras: Query<&Camera, With<UiCamera>>, mut before: Local<Vec2>) -> bool {
+    let now = cameras.iter().next().map_or(Vec2::ZERO, sides);
+    std::mem::replace(&mut *before, now) != now
+}
+
+/// By how much a screen has to be smaller so that all of it is seen: `rows` are its words with the sizes of their letters
+/// and what is around them, pixels.
+fn fitting(rows: &[(&str, f32, f32)], sides: Vec2) -> f32 {
+    let mut needed = Vec2::new(0.0, 2.0 * EDGE);
+    for (words, size, around) in rows {
+        let lines = words.lines().count().max(1) as f32;
+        let widest = words.lines().map(|line| line.chars().count()).max();
+        needed.y += lines * LINE * size + around + GAP;
+        needed.x = needed
+            .x
+            .max(widest.unwrap_or(0) as f32 * LETTER * size + 2.0 * EDGE);
+    }
+    (sides / needed).min_element().clamp(LEAST, 1.0)
+}
+
+/// How to choose.
+const HINT: &str = "Up, down and Enter - directional pad and south button - Esc, start: back";
 
 /// What is on the screen; also there, and empty, while there is no menu.
 #[derive(Component)]
@@ -53,6 +97,8 @@ fn words(item: Item, settings: &Settings, level: &Level, screen: Screen) -> Stri
             format!("Up and down   < {state} >")
         }
         Item::View => format!("Field of view   < {:.0} degrees >", settings.fov),
+        Item::Sound => format!("Sound   < {} >", if settings.sound { "on" } else { "off" }),
+        Item::Volume => format!("Volume   < {:.0} % >", 100.0 * settings.volume),
         Item::Back => "Back".to_owned(),
         Item::Quit => "Leave".to_owned(),
     }
@@ -99,9 +145,10 @@ fn draw(
     level: Res<Level>,
     state: Res<LevelState>,
     settings: Res<Settings>,
-    camera: Single<Entity, With<UiCamera>>,
+    camera: Single<(Entity, &Camera), With<UiCamera>>,
     old: Query<Entity, With<Shown>>,
 ) {
+    let (camera, sides) = (camera.0, sides(camera.1));
     for old in &old {
         commands.entity(old).despawn();
     }
@@ -110,10 +157,27 @@ fn draw(
         return;
     }
     let (title, color, below) = head(&menu, &level, &state);
+    let small = menu.screen == Screen::Keys;
+    let items: Vec<String> = menu
+        .items()
+        .iter()
+        .map(|&item| words(item, &settings, &level, menu.screen))
+        .collect();
+    let keys = if small { keys::table() } else { String::new() };
+    let mut rows = vec![
+        (title.as_str(), if small { 22.0 } else { 38.0 }, 0.0),
+        (below.as_str(), 15.0, 0.0),
+        (keys.trim_end(), 11.5, if small { 0.0 } else { BELOW }),
+        (menu.note.as_str(), 13.0, 0.0),
+        (HINT, 11.0, 0.0),
+    ];
+    rows.extend(items.iter().map(|words| (words.as_str(), 19.0, ITEM)));
+    let part = fitting(&rows, sides);
+    let text = |words: &str, size: f32, color: Color| text(words, part * size, color);
     commands
         .spawn((
             Shown,
-            UiTargetCamera(*camera),
+            UiTargetCamera(camera),
             GlobalZIndex(10),
             Node {
                 position_type: PositionType::Absolute,
@@ -122,47 +186,58 @@ fn draw(
                 flex_direction: FlexDirection::Column,
                 align_items: AlignItems::Center,
                 justify_content: JustifyContent::Center,
-                row_gap: px(7),
+                row_gap: px(part * GAP),
                 ..default()
             },
             BackgroundColor(Color::srgba(0.02, 0.03, 0.05, 0.66)),
         ))
         .with_children(|screen| {
-            let small = menu.screen == Screen::Keys;
             screen.spawn(text(&title, if small { 22.0 } else { 38.0 }, color));
             if !below.is_empty() {
                 screen.spawn(text(&below, 15.0, PALE));
             }
             if small {
-                screen.spawn(text(keys::table().trim_end(), 11.5, LETTERS));
+                screen.spawn(text(keys.trim_end(), 11.5, LETTERS));
             } else {
                 screen.spawn(Node {
-                    height: px(14),
+                    height: px(part * BELOW),
                     ..default()
                 });
             }
-            for (number, &item) in menu.items().iter().enumerate() {
+            for (number, words) in items.iter().enumerate() {
                 let chosen = number == menu.chosen;
                 let (color, ground) = match chosen {
                     true => (FIRE, Color::srgba(1.0, 0.72, 0.30, 0.14)),
                     false => (LETTERS, Color::NONE),
                 };
-                let words = words(item, &settings, &level, menu.screen);
                 screen.spawn((
                     Node {
-                        padding: UiRect::axes(px(20), px(5)),
+                        padding: UiRect::axes(px(part * 20.0), px(part * ITEM / 2.0)),
                         border_radius: BorderRadius::all(px(6)),
                         ..default()
                     },
                     BackgroundColor(ground),
-                    children![text(&words, 19.0, color)],
+                    children![text(words, 19.0, color)],
                 ));
             }
             screen.spawn(text(&menu.note, 13.0, FIRE));
-            screen.spawn(text(
-                "Up, down and Enter - directional pad and south button - Esc, start: back",
-                11.0,
-                PALE,
-            ));
+            screen.spawn(text(HINT, 11.0, PALE));
         });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn screens_are_as_small_as_their_window_asks_for() {
+        let rows = [("Title", 40.0, 0.0), ("one\ntwo", 10.0, 6.0)];
+        // 48 + 24 and what is around them are 120 high.
+        assert_eq!(fitting(&rows, Vec2::new(500.0, 200.0)), 1.0);
+        assert!((fitting(&rows, Vec2::new(500.0, 60.0)) - 0.5).abs() < 1e-6);
+        // Title is 110 wide, and as much again is free of 28.
+        assert!((fitting(&rows, Vec2::new(69.0, 500.0)) - 0.5).abs() < 1e-6);
+        assert_eq!(fitting(&rows, Vec2::ONE), LEAST);
+        assert_eq!(fitting(&[], Vec2::splat(100.0)), 1.0);
+    }
 }

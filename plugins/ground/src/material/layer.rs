@@ -31,6 +31,25 @@ impl GroundMaterial {
     pub const MOST_BANDS: usize = 64;
     /// Different [`GroundLayer::tile`] sizes at most; layers of other sizes take the nearest of these.
     pub const MOST_TILES: usize = 3;
+
+    /// The layer that is seen at a height and on a slope, `above_sea` metres above the sea: the uppermost that covers half
+    /// of the ground or more, else the lowest; `None` without layers.
+    ///
+    /// What gameplay asks: what somebody stands on. The noises at the edges of bands are left out, so within half of
+    /// [`Band::wide`] and [`Band::fine`] of an edge the picture may show the neighbour.
+    #[must_use]
+    pub fn layer_at(
+        &self,
+        height: f32,
+        above_sea: Option<f32>,
+        slope: f32,
+    ) -> Option<&GroundLayer> {
+        let covers = |layer: &&GroundLayer| {
+            let share = |band: &Band| band.share(height, above_sea, slope);
+            layer.bands.iter().map(share).product::<f32>() >= 0.5
+        };
+        self.layers.iter().find(covers).or(self.layers.last())
+    }
 }
 
 impl Default for GroundMaterial {
@@ -154,6 +173,31 @@ impl Band {
         }
     }
 
+    /// The share of the ground that lies within the band, 0 to 1, without its noises: a smooth step as in `layers.wgsl`.
+    #[must_use]
+    pub fn share(&self, height: f32, above_sea: Option<f32>, slope: f32) -> f32 {
+        let measure = match self.of {
+            Measure::Height => height,
+            Measure::AboveSea => above_sea.unwrap_or(f32::INFINITY),
+            Measure::Slope => slope,
+        };
+        let at = measure + self.steep * (slope - Self::STEEP).max(0.0);
+        let (low, high) = (self.from.min(self.to), self.from.max(self.to));
+        let part = if at <= low {
+            0.0
+        } else if at >= high {
+            1.0
+        } else {
+            (at - low) / (high - low)
+        };
+        let step = part * part * (3.0 - 2.0 * part);
+        if self.from > self.to {
+            1.0 - step
+        } else {
+            step
+        }
+    }
+
     /// The same with edges that follow the noises.
     #[must_use]
     pub const fn rough(self, wide: f32, fine: f32) -> Self {
@@ -179,6 +223,46 @@ mod tests {
         assert!(
             material.layers[4].bands.is_empty(),
             "the last takes what is left"
+        );
+    }
+
+    #[test]
+    fn one_stands_on_what_is_seen_there() {
+        let material = GroundMaterial::default();
+        let on = |height: f32, slope: f32| {
+            let layer = material.layer_at(height, Some(height), slope);
+            layer.map(|layer| layer.name.as_str()).unwrap_or_default()
+        };
+        assert_eq!(on(1.0, 0.05), "sand");
+        assert_eq!(on(200.0, 0.1), "grass");
+        assert_eq!(on(200.0, 1.5), "rock");
+        assert_eq!(on(1000.0, 0.3), "scree");
+        assert_eq!(on(1600.0, 0.2), "snow");
+        assert_eq!(on(1600.0, 2.0), "rock", "snow slides off");
+        // Without a sea nothing is near it.
+        assert_eq!(material.layer_at(1.0, None, 0.05).unwrap().name, "grass");
+        assert!(material.layer_at(f32::NAN, None, f32::NAN).is_some());
+        assert_eq!(
+            GroundMaterial { layers: vec![] }.layer_at(0.0, None, 0.0),
+            None
+        );
+        // Half way through an edge is half of it, on both sides of either direction.
+        let up = Band::new(Measure::Height, 10.0, 30.0);
+        let down = Band::new(Measure::Height, 30.0, 10.0);
+        for (height, share) in [
+            (0.0, 0.0),
+            (10.0, 0.0),
+            (15.0, 0.156_25),
+            (20.0, 0.5),
+            (30.0, 1.0),
+        ] {
+            assert_eq!(up.share(height, None, 0.0), share);
+            assert_eq!(down.share(height, None, 0.0), 1.0 - share);
+        }
+        let step = Band::new(Measure::Height, 5.0, 5.0);
+        assert_eq!(
+            (step.share(4.0, None, 0.0), step.share(6.0, None, 0.0)),
+            (0.0, 1.0)
         );
     }
 }

@@ -331,9 +331,15 @@ fn a_tool_of_the_checks_is_installed_or_named() {
     );
 }
 
-/// What `./scripts/play ARGUMENTS` says and does where a variable names a display, or none does.
+/// What `./scripts/play ARGUMENTS` says and does where a variable names a display, or none does. ALSA is not there.
 fn play(arguments: &str, display: &str) -> Said {
+    play_with("exit 1", arguments, display)
+}
+
+/// The same with what `pkg-config` does.
+fn play_with(pkg_config: &str, arguments: &str, display: &str) -> Said {
     let system = System::new();
+    system.command("pkg-config", pkg_config);
     system.command(
         "cargo",
         "case $1 in --version) echo cargo 1.95.0 ;; *) echo \"$*\" >>\"$SYSTEM/calls\" ;; esac",
@@ -366,6 +372,54 @@ fn with_a_display_or_without_a_window_the_game_is_started() {
         let calls = format!("build --release\nrun --release --quiet -- {handed}\n");
         assert_eq!(said.calls, calls);
         assert!(!said.text.contains("no display"), "{said:#?}");
+    }
+}
+
+#[test]
+fn where_alsa_is_there_the_game_has_sound() {
+    let said = play_with("[[ $* == *alsa* ]]", "--scene mountain", "DISPLAY=:0");
+    let calls = "build --release --features device\n\
+                 run --release --quiet --features device -- --scene mountain\n";
+    assert_eq!(said.calls, calls);
+    assert!(!said.text.contains("no sound"), "{said:#?}");
+    let said = play_with("exit 0", "", "WAYLAND_DISPLAY=wayland-0");
+    assert!(
+        said.calls
+            .starts_with("build --release --features wayland,device\n")
+    );
+    // A picture has none, and is built as before.
+    let said = play_with("exit 0", "shot --out a.png", "DISPLAY=:0");
+    assert!(said.calls.starts_with("build --release\n"), "{said:#?}");
+    // Without ALSA that is one line, and the game is built all the same.
+    let said = play("--scene mountain", "DISPLAY=:0");
+    assert_eq!(said.text.matches("no sound").count(), 1, "{said:#?}");
+}
+
+#[test]
+fn sound_is_installed_where_it_may_be_and_else_the_line_is_printed() {
+    let system = System::new();
+    system.debian(&[&TEST[..], &WINDOW[..]].concat(), Apt::Works);
+    let said = system.run("need_system sound; want_sound && echo went on");
+    went_on(&said);
+    assert_eq!(said.words("missing "), set(&["libasound2-dev"]));
+    assert_eq!(said.calls.lines().count(), 1, "{said:#?}");
+    let system = System::new();
+    system.debian(&[&TEST[..], &WINDOW[..]].concat(), Apt::Fails);
+    let said = system.run("want_sound || echo went on");
+    went_on(&said);
+    said.line("note: no sound: ALSA is missing here");
+    assert!(
+        said.line("sudo apt-get")
+            .ends_with("install -y libasound2-dev")
+    );
+    for (manager, package) in [
+        ("dnf", "alsa-lib-devel"),
+        ("pacman", "alsa-lib"),
+        ("zypper", "alsa-devel"),
+    ] {
+        let said = bare(manager).run("want_sound || echo went on");
+        went_on(&said);
+        assert!(said.text.contains(package), "{said:#?}");
     }
 }
 
