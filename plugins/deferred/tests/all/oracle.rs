@@ -1,7 +1,8 @@
 //! Frames against the ray caster in f64, which knows nothing of our shaders.
 
 use bevy::prelude::*;
-use dolomite_deferred::{BlinnPhongPlugin, DeferredPlugin, DitheredGBufferPlugin};
+use dolomite_deferred::render::DitheredGBufferPlugin;
+use dolomite_deferred::{BlinnPhongPlugin, DeferredPlugin};
 use dolomite_light_oracle::ledger::Ledger;
 use dolomite_light_oracle::model::SplitSum;
 use dolomite_light_oracle::shade::{Lights, shade};
