@@ -36,7 +36,8 @@ pub struct Arguments {
     /// Of studies of collision: sweeps of each kind, rays, crossings of triggers, rides on platforms, moves in
     /// rooms, movers beside Rapier's controller [default: 20000, 1000000, 20000, 20000, 100000 and 1000]; of `city`:
     /// points on sides, and samples of each tolerance; of `agents`, `sight` and `replay`: ticks [default: 640, 96 and
-    /// 640]; of `paths`: ways [default: 10000]
+    /// 640]; of `paths`: ways [default: 10000]; of `shadow`: receivers [default: 200]; of `occlusion`: scenes [default: 2];
+    /// of `scaling`: most objects and most lights [default: 4096 and 2048]
     #[arg(long)]
     pub count: Option<usize>,
     /// Of `sweep` alone: moves one ellipsoid through one list of triangles in place of the study, and prints what it
@@ -81,7 +82,7 @@ pub struct Arguments {
     /// to need more, sooner [default: as memory holds]
     #[arg(long, value_name = "TIMES", value_parser = multiple)]
     pub most: Option<f64>,
-    /// Of `light`, `scaling` and `far`: pixels of their frames [default: 320x180]
+    /// Of `light`, `occlusion`, `scaling` and `far`: pixels of their frames [default: 320x180]
     #[arg(long, value_name = "WxH", default_value = "320x180", hide_default_value = true, value_parser = frame_size)]
     pub size: [u32; 2],
     /// Of `light` and `far`: point and spot lights

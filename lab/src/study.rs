@@ -37,7 +37,7 @@ pub struct Options {
     pub seed: u32,
     /// Samples of each measurement.
     pub samples: usize,
-    /// Sweeps of a kind, or rays; `None`: as many as take a minute.
+    /// Sweeps of a kind, rays, receivers, or scenes; `None`: as many as the study says.
     pub count: Option<usize>,
     /// Timed runs of each measurement; the median counts.
     pub repeats: usize,
@@ -51,7 +51,7 @@ pub struct Options {
     pub errors: Vec<f64>,
     /// Most vertices that the others of `lod` may draw, as a multiple of ours; `None`: as memory holds.
     pub most: Option<f64>,
-    /// Pixels of a frame of `light`, `scaling` and `far`, width and height.
+    /// Pixels of a frame of `light`, `occlusion`, `scaling` and `far`, width and height.
     pub size: [u32; 2],
     /// Point and spot lights of `light` and `far`.
     pub lights: usize,

@@ -95,6 +95,7 @@ pub const ALL: &[ShaderFile] = files![
     "classic/look.wgsl",
     "deferred/bindings.wgsl",
     "deferred/blinn_phong.wgsl",
+    "deferred/dither.wgsl",
     "deferred/gbuffer.wgsl",
     "deferred/light.wgsl",
     "deferred/local.wgsl",

@@ -14,7 +14,7 @@ use bevy::light::{EnvironmentMapLight, Skybox};
 use bevy::pbr::DistanceFog;
 use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
-use dolomite::deferred::DeferredLighting;
+use dolomite::deferred::{AmbientOcclusion, DeferredLighting};
 use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::ground::{PatchDetail, TerrainView};
 use serde::Serialize;
@@ -102,6 +102,11 @@ fn component<C: Component + Clone>(world: &mut World, on: bool) {
 
 fn always(_: &mut World) -> bool {
     true
+}
+
+fn occluded(world: &mut World) -> bool {
+    let mut views = world.query_filtered::<(), (With<AmbientOcclusion>, With<DeferredLighting>)>();
+    views.iter(world).next().is_some()
 }
 
 fn fill(world: &mut World, on: bool) {
@@ -240,6 +245,14 @@ const SWITCHED: &[Switched] = &[
         usual: true,
         there: has::<EnvironmentMapLight>,
         switch: component::<EnvironmentMapLight>,
+    },
+    Switched {
+        name: "ambient occlusion",
+        passes: &["dolomite_deferred_occlusion"],
+        note: "of the light of the sky, where Dolomite lights",
+        usual: true,
+        there: occluded,
+        switch: component::<AmbientOcclusion>,
     },
     Switched {
         name: "haze",

@@ -14,7 +14,7 @@ use dolomite::ground::detail::settings::LEAST_PIXELS;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use quality::{AntiAliasing, MOST_CASCADES, Preset, RESOLUTION_RANGE, SHADOW_MAP_RANGE};
+use quality::{AntiAliasing, MOST_CASCADES, Occlusion, Preset, RESOLUTION_RANGE, SHADOW_MAP_RANGE};
 
 /// The default settings as a file, with a comment on each; `dolomite settings` prints it.
 pub const DEFAULT_SETTINGS: &str = include_str!("default.ron");
@@ -63,7 +63,7 @@ pub struct Settings {
     pub blocks: bool,
     /// Who lights the picture.
     pub renderer: Renderer,
-    /// What pictures are drawn with, where the six fields below do not say it.
+    /// What pictures are drawn with, where the seven fields below do not say it.
     pub preset: Preset,
     /// Bright places glow.
     pub bloom: Option<bool>,
@@ -75,6 +75,8 @@ pub struct Settings {
     pub shadow_map: Option<u32>,
     /// How much is done for a pixel of the ground.
     pub shading: Option<GroundShading>,
+    /// How much light from everywhere objects near by block, where Dolomite lights the picture.
+    pub occlusion: Option<Occlusion>,
     /// Sides of the picture that is drawn over those of the display, in [`RESOLUTION_RANGE`]; the errors above are
     /// in pixels of what is drawn.
     pub resolution: Option<f32>,
@@ -146,6 +148,7 @@ impl Default for Settings {
             shadow_cascades: None,
             shadow_map: None,
             shading: None,
+            occlusion: None,
             resolution: None,
             sun: None,
             detail: None,

@@ -73,6 +73,19 @@ pub enum AntiAliasing {
     Smaa,
 }
 
+/// For how many pixels it is found how much light from everywhere objects near by block; in Dolomite's light
+/// ([`super::Renderer::Dolomite`]) alone.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Occlusion {
+    /// For none: no pass, no texture.
+    Off,
+    /// For a quarter of them.
+    Half,
+    /// For each.
+    Full,
+}
+
 /// What a picture is drawn with.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
@@ -88,6 +101,8 @@ pub struct Quality {
     pub shadow_map: u32,
     /// How much is done for a pixel of the ground.
     pub shading: GroundShading,
+    /// How much light from everywhere objects near by block.
+    pub occlusion: Occlusion,
     /// Sides of the picture that is drawn over those of the display, in [`RESOLUTION_RANGE`].
     pub resolution: f32,
 }
@@ -108,6 +123,7 @@ pub const PRESETS: [(Quality, &str); 3] = [
             shadow_cascades: 2,
             shadow_map: 1024,
             shading: GroundShading::Balanced,
+            occlusion: Occlusion::Off,
             resolution: 0.67,
         },
         "pixels are most of a frame on the CPU: less than half of them; no bloom, two small maps of shadow, one pass for edges",
@@ -120,6 +136,7 @@ pub const PRESETS: [(Quality, &str); 3] = [
             shadow_cascades: 3,
             shadow_map: 1024,
             shading: GroundShading::Balanced,
+            occlusion: Occlusion::Half,
             resolution: 0.8,
         },
         "memory is shared with the CPU and carries a tenth: two thirds of the pixels, a fifth of the texels of shadow",
@@ -132,6 +149,7 @@ pub const PRESETS: [(Quality, &str); 3] = [
             shadow_cascades: 4,
             shadow_map: 2048,
             shading: GroundShading::Fine,
+            occlusion: Occlusion::Full,
             resolution: 1.0,
         },
         "all there is",
@@ -169,6 +187,7 @@ impl Quality {
             shadow_cascades: settings.shadow_cascades.unwrap_or(preset.shadow_cascades),
             shadow_map: settings.shadow_map.unwrap_or(preset.shadow_map),
             shading: settings.shading.unwrap_or(preset.shading),
+            occlusion: settings.occlusion.unwrap_or(preset.occlusion),
             resolution: settings.resolution.unwrap_or(preset.resolution),
         }
     }

@@ -18,8 +18,8 @@ use crate::input::keys;
 use crate::play::{DetailFocus, Switches};
 use crate::scene::CurrentScene;
 use crate::scene::reload::SceneFault;
-use crate::settings::Settings;
-use crate::settings::quality::{AntiAliasing, Quality};
+use crate::settings::quality::{AntiAliasing, Occlusion, Quality};
+use crate::settings::{Renderer, Settings};
 
 /// How often the figures change: four times a second can still be read.
 const PERIOD: Duration = Duration::from_millis(250);
@@ -126,7 +126,7 @@ fn write_figures(
     diagnostics: Res<DiagnosticsStore>,
     stats: Option<Res<GeometryStats>>,
     scene: Res<CurrentScene>,
-    switches: Res<Switches>,
+    (switches, settings): (Res<Switches>, Res<Settings>),
     own: Option<Res<PanelRows>>,
     quality: Option<Res<Quality>>,
     size: Option<Res<PictureSize>>,
@@ -178,6 +178,14 @@ fn write_figures(
     if let Some(quality) = quality {
         row(&mut lines, "quality", quality.preset.name().to_owned());
         row(&mut lines, "glow, edges, shadows", effects(&quality));
+        if settings.renderer == Renderer::Dolomite {
+            let occlusion = match quality.occlusion {
+                Occlusion::Off => "off",
+                Occlusion::Half => "half",
+                Occlusion::Full => "full",
+            };
+            row(&mut lines, "occlusion", occlusion.into());
+        }
         let shading = format!("{:?}", quality.shading).to_lowercase();
         row(&mut lines, "ground's shading", shading);
     }

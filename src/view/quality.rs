@@ -5,15 +5,20 @@ use bevy::anti_alias::smaa::Smaa;
 use bevy::light::{CascadeShadowConfig, CascadeShadowConfigBuilder, DirectionalLightShadowMap};
 use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
+use dolomite::deferred::{AmbientOcclusion, OcclusionResolution};
 use dolomite::ground::{GroundShading, TerrainView};
 use dolomite::sky::Sun;
 
 use crate::input::PlayerInput;
 use crate::settings::Settings;
-use crate::settings::quality::{AntiAliasing, DeviceKind, Quality, stepped};
+use crate::settings::quality::{AntiAliasing, DeviceKind, Occlusion, Quality, stepped};
 
 /// How far from the camera things cast shadows, metres: across a valley.
 const SHADOW_DISTANCE: f32 = 5_000.0;
+
+/// What is farther away blocks no light from everywhere, metres: bushes, feet, doors, the gap below a bench. Over more of
+/// them what the picture does not show weighs too much (docs/measured/light.md).
+const OCCLUSION_RADIUS: f32 = 1.0;
 
 /// The kind of device that draws; none where a picture shall be the same on each.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -86,6 +91,19 @@ pub fn effects(camera: &mut EntityCommands, quality: &Quality) {
         AntiAliasing::Fxaa => camera.remove::<Smaa>().insert(Fxaa::default()),
         AntiAliasing::Smaa => camera.remove::<Fxaa>().insert(Smaa::default()),
     };
+    let resolution = match quality.occlusion {
+        Occlusion::Off => {
+            camera.remove::<AmbientOcclusion>();
+            return;
+        }
+        Occlusion::Half => OcclusionResolution::Half,
+        Occlusion::Full => OcclusionResolution::Full,
+    };
+    camera.insert(AmbientOcclusion {
+        radius: OCCLUSION_RADIUS,
+        resolution,
+        ..default()
+    });
 }
 
 /// The pixels of every ground, new ones too.

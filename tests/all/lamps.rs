@@ -8,6 +8,7 @@ use dolomite_game::input::PlayerInput;
 use dolomite_game::run::Setup;
 use dolomite_game::run::offscreen::{Offscreen, STEP};
 use dolomite_game::scene::SceneRequest;
+use dolomite_game::settings::quality::Occlusion;
 use dolomite_game::settings::{Renderer, Settings};
 
 /// Few lamps around the camera, small; `None`, after a line that says so, without Vulkan.
@@ -19,7 +20,13 @@ fn game(lights: u32) -> Option<Offscreen> {
         lights: Some(lights),
         ..SceneRequest::new("night")
     };
-    let setup = Setup::load(Settings::default(), request, None).expect("the scene is good");
+    let settings = Settings {
+        renderer: Renderer::Bevy,
+        // Bevy's pass has none of it.
+        occlusion: Some(Occlusion::Off),
+        ..Settings::default()
+    };
+    let setup = Setup::load(settings, request, None).expect("the scene is good");
     Some(Offscreen::new(setup, UVec2::new(128, 72)).expect("a device that was found"))
 }
 

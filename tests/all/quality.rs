@@ -6,12 +6,13 @@ use std::collections::BTreeSet;
 
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::math::UVec2;
+use dolomite::deferred::DeferredStats;
 use dolomite::ground::GroundShading;
 use dolomite_game::run::Setup;
 use dolomite_game::run::offscreen::{Offscreen, STEP};
 use dolomite_game::scene::{MapOptions, SceneRequest};
-use dolomite_game::settings::Settings;
-use dolomite_game::settings::quality::AntiAliasing;
+use dolomite_game::settings::quality::{AntiAliasing, Occlusion};
+use dolomite_game::settings::{Renderer, Settings};
 use dolomite_game::view::passes::{Clock, pass_of};
 use dolomite_game::view::scaled::PictureSize;
 use image::RgbImage;
@@ -62,7 +63,11 @@ fn running(offscreen: &mut Offscreen) -> BTreeSet<String> {
 
 #[test]
 fn gpu_what_is_off_costs_no_pass() {
-    let Some(mut offscreen) = offscreen(Settings::default(), UVec2::new(96, 54), false) else {
+    let settings = Settings {
+        renderer: Renderer::Bevy,
+        ..Settings::default()
+    };
+    let Some(mut offscreen) = offscreen(settings, UVec2::new(96, 54), false) else {
         return;
     };
     let any = |passes: &BTreeSet<String>, part: &str| passes.iter().any(|pass| pass.contains(part));
@@ -92,6 +97,24 @@ fn gpu_what_is_off_costs_no_pass() {
         any(&some, "fxaa") && any(&some, "shadow") && !any(&some, "smaa"),
         "{some:?}"
     );
+    // Light from everywhere is blocked in Dolomite's light alone, and by a pass that goes with the setting.
+    change(&mut offscreen, |settings| {
+        settings.renderer = Renderer::Dolomite;
+        settings.occlusion = Some(Occlusion::Full);
+    });
+    assert!(any(&running(&mut offscreen), "deferred_occlusion"));
+    let bytes = |offscreen: &Offscreen| {
+        let stats = offscreen.app.world().resource::<DeferredStats>();
+        stats.views().iter().map(|view| view.bytes).sum::<u64>()
+    };
+    let with = bytes(&offscreen);
+    change(&mut offscreen, |settings| {
+        settings.occlusion = Some(Occlusion::Off);
+    });
+    assert!(!any(&running(&mut offscreen), "deferred_occlusion"));
+    // Twelve bytes a pixel, and the settings.
+    assert_eq!(with - bytes(&offscreen), 96 * 54 * 12 + 32);
+    assert!(!any(&some, "deferred_occlusion"), "in Bevy's light");
     let shading = |offscreen: &mut Offscreen| -> Vec<GroundShading> {
         let world = offscreen.app.world_mut();
         world

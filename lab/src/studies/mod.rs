@@ -14,11 +14,13 @@ pub mod lod;
 pub mod material;
 pub mod moves;
 pub mod noise;
+pub mod occlusion;
 pub mod paths;
 pub mod platforms;
 pub mod rays;
 pub mod replay;
 pub mod scaling;
+pub mod shadow;
 pub mod sight;
 pub mod sweep;
 pub mod tessellation;
@@ -44,11 +46,13 @@ pub const STUDIES: &[Study] = &[
     material::STUDY,
     moves::STUDY,
     noise::STUDY,
+    occlusion::STUDY,
     paths::STUDY,
     platforms::STUDY,
     rays::STUDY,
     replay::STUDY,
     scaling::STUDY,
+    shadow::STUDY,
     sight::STUDY,
     sweep::STUDY,
     tessellation::STUDY,

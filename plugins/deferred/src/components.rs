@@ -33,3 +33,17 @@ pub enum Way {
     /// Every pixel goes through all lights: the check of the others, and the fastest for a few.
     BruteForce,
 }
+
+/// On a point light whose shadows are those of things that mostly rest: a face of its shadow map is drawn where the light or
+/// a caster in its reach moved, came or went, and some frames after. Without it, or on other lights, all is drawn in each
+/// frame, as in Bevy.
+///
+/// Skinned and morphed meshes, and those with a `VisibilityRange`, count as moving. What is not seen to change: the alpha
+/// mask of a material, and what draws itself into shadow maps without being a mesh, such as patches and plants; change
+/// `redraw` for these.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct StillShadows {
+    /// When it changes, all faces are drawn again.
+    pub redraw: u32,
+}

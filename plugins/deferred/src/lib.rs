@@ -20,6 +20,7 @@
 //! | part | what it does |
 //! |---|---|
 //! | [`DeferredLighting`], [`Way`] | which camera is lit, and how |
+//! | [`StillShadows`] | shadow maps that are drawn where something moved |
 //! | [`gbuffer`] | the words of a pixel, as in `shaders/src/deferred/gbuffer.wgsl` |
 //! | [`light`] | point and spot lights as the GPU reads them; which are refused, and why |
 //! | [`cull`] | which of them a view can see |
@@ -42,8 +43,8 @@ pub mod pyramid;
 #[cfg(feature = "render")]
 pub mod render;
 
-pub use components::{DeferredLighting, Way};
+pub use components::{DeferredLighting, StillShadows, Way};
 pub use model::{ModelError, ShadingModels};
 pub use occlusion::{AmbientOcclusion, OcclusionQuality, OcclusionResolution};
 #[cfg(feature = "render")]
-pub use render::{BlinnPhongMaterial, BlinnPhongPlugin, DeferredPlugin, DeferredStats};
+pub use render::{BlinnPhongMaterial, BlinnPhongPlugin, DeferredPlugin, DeferredStats, StillStats};

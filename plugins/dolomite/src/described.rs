@@ -6,7 +6,7 @@ mod places;
 use bevy::app::App;
 use dolomite_character::{CharacterCounters, CharacterEye, CharacterJoints, CharacterLod};
 use dolomite_collision::{Blocker, CharacterBody, CollisionCounters, MoveState, Trigger};
-use dolomite_deferred::{AmbientOcclusion, DeferredLighting};
+use dolomite_deferred::{AmbientOcclusion, DeferredLighting, StillShadows};
 use dolomite_geometry::budget::{Budget, BudgetReport};
 use dolomite_geometry::{GeometryCamera, GeometryStats};
 use dolomite_ground::detail::{DrawnProbes, MakingBudget, TerrainLod};
@@ -229,14 +229,29 @@ fn geometry(app: &mut App) {
     )
     .describe::<BudgetReport>(Description::answer("What a budget does"))
     .describe::<DeferredLighting>(Description::new("Dolomite's lighting in place of Bevy's"))
+    .describe::<StillShadows>(
+        Description::new("A point light's shadow map is drawn where something in its reach moved")
+            .field(
+                "redraw",
+                Field::new("When it changes, all of it is drawn again"),
+            ),
+    )
     .describe::<AmbientOcclusion>(
-        Description::new("Objects near by block the light from everywhere").field(
-            "radius",
-            Field::new("What is farther away blocks nothing")
-                .range(LEAST..=LARGEST)
-                .unit("m")
-                .logarithmic(),
-        ),
+        Description::new("Objects near by block the light from everywhere")
+            .field(
+                "radius",
+                Field::new("What is farther away blocks nothing")
+                    .range(LEAST..=LARGEST)
+                    .unit("m")
+                    .logarithmic(),
+            )
+            .field(
+                "thickness",
+                Field::new("How far things reach behind what is seen of them")
+                    .range(LEAST..=LARGEST)
+                    .unit("m")
+                    .logarithmic(),
+            ),
     )
     .describe::<GeometryStats>(Description::answer(
         "What producers of triangles made and hold",

@@ -45,12 +45,23 @@ fn hidden_parts(eye: Eye, pixel: vec2<i32>, place: vec3<f32>, normal: vec3<f32>,
         }
         let other = place_of(eye, at, metres);
         let away = other - place;
-        if length(away) > settings.radius {
+        // From what is seen through what is behind it, as long as things are thick: what of that is in the radius. What is
+        // seen may lie outside and yet be in the way behind.
+        let behind = -towards_eye(eye, other);
+        let along = dot(away, behind);
+        let aside = away - along * behind;
+        let room = settings.radius * settings.radius - dot(aside, aside);
+        if room <= 0.0 {
             continue;
         }
-        let behind = away - towards_eye(eye, other) * settings.thickness;
-        let front = share_in(slice, away, normal, side);
-        let back = share_in(slice, behind, normal, side);
+        let half_way = sqrt(room);
+        let first = max(-along - half_way, 0.0);
+        let last = min(half_way - along, settings.thickness);
+        if first >= last {
+            continue;
+        }
+        let front = share_in(slice, away + first * behind, normal, side);
+        let back = share_in(slice, away + last * behind, normal, side);
         hidden |= parts(min(front, back), max(front, back));
     }
     return hidden;

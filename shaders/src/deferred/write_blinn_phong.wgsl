@@ -11,6 +11,7 @@
 #endif
 #ifdef DEFERRED_PREPASS
 #import dolomite::deferred::blinn_phong::exponent_bytes
+#import dolomite::deferred::dither::dither
 #import dolomite::deferred::gbuffer::{FOG, SHADOW_RECEIVER, encode_color, pack_bytes, pack_emissive, pack_normal}
 #endif
 
@@ -82,9 +83,9 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
 #endif
     let exponent = exponent_bytes(material.exponent);
     out.deferred = vec4(
-        pack_bytes(vec4(encode_color(saturate(diffuse)), exponent.x)),
+        pack_bytes(vec4(encode_color(saturate(diffuse)) + dither(in.position.xy, 0u).xyz, exponent.x)),
         pack_emissive(material.emissive.rgb),
-        pack_bytes(vec4(encode_color(saturate(specular)), exponent.y)),
+        pack_bytes(vec4(encode_color(saturate(specular)) + dither(in.position.xy, 1u).xyz, exponent.y)),
         pack_normal(normal, flags),
     );
     out.deferred_lighting_pass_id = LIGHTING_ID;

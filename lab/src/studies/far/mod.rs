@@ -262,6 +262,34 @@ mod tests {
     }
 
     #[test]
+    fn a_small_frame_is_the_same_a_thousand_kilometres_away() {
+        let options = Options {
+            size: [48, 27],
+            lights: 5,
+            ..Options::default()
+        };
+        let report = run(&options);
+        if report.summary.is_null() {
+            assert!(std::env::var_os("CI").is_none(), "{:?}", report.notes);
+            return;
+        }
+        for asked in &ASKED {
+            let number = report.summary.pointer(asked.at);
+            assert!(number.is_some_and(Value::is_number), "{}", asked.at);
+        }
+        for (k, shift) in SHIFTS.iter().enumerate().take(3) {
+            let ours = &report.summary["shifts"][k]["tiled"];
+            assert_eq!(
+                (&ours["same"], &ours["nan"]),
+                (&json!(0), &json!(0)),
+                "{shift}"
+            );
+            let p999 = ours["arithmetic_p999"].as_f64();
+            assert!(p999.is_some_and(|x| x <= 1e-5), "{shift}: {p999:?}");
+        }
+    }
+
+    #[test]
     fn pixels_are_counted_by_what_is_seen() {
         let [a, b] = [[0.5, 2.0, 0.0, 1.0], [0.5, 3.0, 0.01, 1.0]];
         assert_eq!(off(&[a, a], &[b, a], |_| true), 1);

@@ -152,9 +152,11 @@ fn measure(app: &mut App, options: &Options, report: &mut Report) {
     let camera = light::camera(app, options.size, eye, ());
     let mut standing = Standing::default();
     let mut points: [Vec<Point>; LITS.len()] = Default::default();
-    for objects in OBJECTS {
+    let most = options.count.and_then(|most| most.try_into().ok());
+    let most: u32 = most.unwrap_or(u32::MAX);
+    for objects in OBJECTS.into_iter().filter(|count| *count <= most) {
         put_objects(app, &mut standing, objects, &assets);
-        for lights in LIGHTS {
+        for lights in LIGHTS.into_iter().filter(|count| *count <= most) {
             put_lights(app, &mut standing, lights);
             let times = turns(app, camera, &LITS, options.repeats);
             eprintln!("{objects} objects, {lights} lights: {times:.1?} ms");
@@ -223,5 +225,37 @@ fn row(lit: Lit, point: Point) -> Row {
         vertices: None,
         hash: None,
         device: String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_run_has_a_fit_of_both() {
+        let options = Options {
+            size: [32, 18],
+            count: Some(512),
+            repeats: 1,
+            ..Options::default()
+        };
+        let report = run(&options);
+        if report.summary.is_null() {
+            assert!(std::env::var_os("CI").is_none(), "{:?}", report.notes);
+            return;
+        }
+        for asked in &ASKED {
+            let number = report.summary.pointer(asked.at);
+            assert!(number.is_some_and(Value::is_number), "{}", asked.at);
+        }
+        // Two numbers of objects, three of lights, two renderers.
+        assert_eq!(report.rows.len(), 12);
+        assert!(
+            report
+                .rows
+                .iter()
+                .all(|row| row.time_ns.is_some_and(|ns| ns > 0.0))
+        );
     }
 }

@@ -114,6 +114,21 @@ pub fn share(away: f32) -> f32 {
     (2.5 - away.abs()).clamp(0.0, 1.0)
 }
 
+/// Of the way from what is seen at `away` through what is behind it, as long as things are thick: where it enters and leaves
+/// the ball of the radius, metres. What is seen may lie outside and yet be in the way behind.
+fn within(away: Vec3, behind: Vec3, settings: &Settings) -> Option<[f32; 2]> {
+    let along = away.dot(behind);
+    let aside = away - along * behind;
+    let room = settings.radius * settings.radius - aside.length_squared();
+    if room <= 0.0 {
+        return None;
+    }
+    let half = room.sqrt();
+    let first = (-along - half).max(0.0);
+    let last = (half - along).min(settings.thickness);
+    (first < last).then_some([first, last])
+}
+
 /// A slice of one pixel.
 struct Slice {
     tangent: Vec3,
@@ -265,12 +280,12 @@ impl Screen<'_> {
                 }
                 let other = self.place(at, depth);
                 let away = other - place;
-                if away.length() > settings.radius {
+                let behind = -self.towards_camera(other);
+                let Some([first, last]) = within(away, behind, settings) else {
                     continue;
-                }
-                let behind = away - self.towards_camera(other) * settings.thickness;
-                let front = slice.share(away, normal, side);
-                let back = slice.share(behind, normal, side);
+                };
+                let front = slice.share(away + first * behind, normal, side);
+                let back = slice.share(away + last * behind, normal, side);
                 hidden |= parts(front.min(back), front.max(back));
             }
         }

@@ -6,6 +6,7 @@
 //! shaders in their place; `pass` records. Without a camera that has the component there is no buffer, pipeline or pass of ours.
 
 mod blinn_phong;
+mod dither;
 mod extract;
 mod gather;
 mod hull;
@@ -17,6 +18,7 @@ mod prepare;
 mod pyramid;
 mod shaders;
 mod stats;
+mod still;
 mod unlit;
 
 use bevy::core_pipeline::core_3d::main_opaque_pass_3d;
@@ -26,10 +28,12 @@ use bevy::render::extract_component::ExtractComponentPlugin;
 use bevy::render::{Render, RenderApp, RenderSystems};
 
 pub use blinn_phong::{BlinnPhongMaterial, BlinnPhongPlugin, Lobe};
+pub use dither::DitheredGBufferPlugin;
 pub use prepare::{LightingUniform, TILE, ViewLighting};
 pub use stats::{DeferredStats, ViewStats};
+pub use still::StillStats;
 
-use crate::components::{DeferredLighting, Way};
+use crate::components::{DeferredLighting, StillShadows, Way};
 use crate::model::ShadingModels;
 use crate::occlusion::{AmbientOcclusion, OcclusionQuality, OcclusionResolution};
 
@@ -57,6 +61,7 @@ impl Plugin for DeferredPlugin {
             .init_resource::<DeferredStats>()
             .register_type::<DeferredLighting>()
             .register_type::<Way>()
+            .register_type::<StillShadows>()
             .register_type::<AmbientOcclusion>()
             .register_type::<OcclusionQuality>()
             .register_type::<OcclusionResolution>()
@@ -67,6 +72,7 @@ impl Plugin for DeferredPlugin {
             );
         // Its hook needs the renderer's resources.
         if app.get_sub_app(RenderApp).is_some() {
+            still::build(app);
             app.insert_resource(Extracted);
             app.add_plugins((
                 ExtractComponentPlugin::<DeferredLighting>::default(),
@@ -89,6 +95,7 @@ impl Plugin for DeferredPlugin {
         let Some(shaders) = shaders::load(app) else {
             return;
         };
+        still::finish(app);
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
             return;
         };

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy::shader::{Shader, ValidateShader};
 
+use super::dither::Dithered;
 use crate::model::ShadingModels;
 
 /// The entry points; and modules, which are kept alive.
@@ -41,13 +42,18 @@ fn asset(source: String, path: &str) -> Shader {
 /// shaders.
 pub fn load(app: &mut App) -> Option<Shaders> {
     let models = app.world().get_resource::<ShadingModels>()?.clone();
+    let dithered = app.world().contains_resource::<Dithered>();
     let mut assets = app.world_mut().get_resource_mut::<Assets<Shader>>()?;
     let mut modules = Vec::new();
     let folder = dolomite_shaders::ALL
         .iter()
         .filter(|file| file.path.starts_with("deferred/") && file.is_module());
     for file in folder {
-        modules.push(assets.add(asset(file.source.to_owned(), file.path)));
+        let mut module = asset(file.source.to_owned(), file.path);
+        if dithered && file.path == "deferred/dither.wgsl" {
+            module.shader_defs.push("DITHERED".into());
+        }
+        modules.push(assets.add(module));
     }
     // A model of ours is in the folder already.
     let known = |path: &str| {

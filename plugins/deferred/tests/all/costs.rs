@@ -105,7 +105,8 @@ fn what_a_light_costs() {
     });
     let Some(mut app) = app else { return };
     let only = std::env::var("DOLOMITE_CHANGE").unwrap_or_default();
-    for lights in [1000, 8] {
+    let counts = std::env::var("DOLOMITE_LIGHTS").unwrap_or_else(|_| "1000,8".into());
+    for lights in counts.split(',').map(|n| n.parse().expect("a number")) {
         let recipe = Recipe {
             seed: 2,
             lights,

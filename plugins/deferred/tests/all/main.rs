@@ -28,4 +28,6 @@ mod oracle;
 #[cfg(feature = "render")]
 mod pyramid;
 #[cfg(feature = "render")]
+mod still;
+#[cfg(feature = "render")]
 mod ways;

@@ -72,6 +72,7 @@ fn adapter_cpu_and_rays_agree_gpu() {
                 radius,
                 quality: OcclusionQuality::High,
                 resolution,
+                ..default()
             };
             set(&mut app, spawned.camera, Some(occlusion));
             let with = support::picture(&mut app, spawned.camera, 4);
@@ -186,6 +187,7 @@ fn a_scene_of_any_size_looks_the_same() {
         };
         let occlusion = AmbientOcclusion {
             radius: (0.5 * scale) as f32,
+            thickness: scale as f32,
             ..default()
         };
         screen.shares(&occlusion.settings().expect("a radius"), true)

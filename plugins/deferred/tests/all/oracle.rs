@@ -1,6 +1,7 @@
 //! Frames against the ray caster in f64, which knows nothing of our shaders.
 
 use bevy::prelude::*;
+use dolomite_deferred::render::DitheredGBufferPlugin;
 use dolomite_deferred::{BlinnPhongPlugin, DeferredPlugin};
 use dolomite_light_oracle::ledger::Ledger;
 use dolomite_light_oracle::model::SplitSum;
@@ -15,6 +16,52 @@ fn app() -> Option<App> {
     support::app_with(|app| {
         app.add_plugins((DeferredPlugin, BlinnPhongPlugin, GBufferPlugin));
     })
+}
+
+#[test]
+fn a_dithered_gbuffer_is_nearer_to_the_truth() {
+    let rays = Options {
+        shadows: false,
+        ..Options::default()
+    };
+    let scenes = std::env::var("DOLOMITE_SCENES").map_or(2, |n| n.parse().expect("a number"));
+    let mut flips = [Vec::new(), Vec::new()];
+    for (dithered, flips) in flips.iter_mut().enumerate() {
+        let app = support::app_with(|app| {
+            app.add_plugins((DeferredPlugin, BlinnPhongPlugin));
+            if dithered == 1 {
+                app.add_plugins(DitheredGBufferPlugin);
+            }
+        });
+        let Some(mut app) = app else { return };
+        for seed in 1..=scenes {
+            let recipe = Recipe {
+                seed,
+                blinn_phong: 0.3,
+                width: 160,
+                height: 90,
+                ..Recipe::default()
+            };
+            let scene = generate(&recipe);
+            let spawned = support::spawn(&mut app, &scene, ());
+            let picture = support::lit_by(&mut app, spawned.camera, Some(WAYS[1]));
+            let frame = Image::from_rgba(160, 90, &picture.pixels).expect("an image");
+            let ledger = Ledger::new(&frame, &render(&scene, &rays), FLOOR).expect("of one size");
+            assert_eq!(ledger.not_finite, 0, "seed {seed}");
+            flips.push(ledger.ldr_flip_mean);
+            app.world_mut().despawn(spawned.camera);
+            for other in spawned.others {
+                app.world_mut().despawn(other);
+            }
+        }
+    }
+    let [plain, dithered] = flips.map(|flips| {
+        let most = flips.iter().copied().fold(0.0, f64::max);
+        (flips.iter().sum::<f64>() / flips.len() as f64, most)
+    });
+    eprintln!("{scenes} scenes, mean and worst LDR-FLIP: {plain:.5?}, dithered {dithered:.5?}");
+    assert!(dithered.0 < 0.6 * plain.0, "{plain:?} {dithered:?}");
+    assert!(dithered.1 <= 0.01, "{dithered:?}");
 }
 
 #[test]

@@ -145,14 +145,15 @@ impl Counts {
     }
 }
 
-/// Every size from 1 to 257 as a width and as a height, and some larger ones.
+/// Every size from 1 to 257 as a width and as a height, and some larger ones; `DOLOMITE_SIZES` asks for more of these.
 fn sizes(random: &mut Random) -> Vec<UVec2> {
     let mut sizes = Vec::new();
     for k in 1..=257_u32 {
         let other = 1 + (random.unit_f32() * 256.0) as u32;
         sizes.extend([UVec2::new(k, other), UVec2::new(other, k)]);
     }
-    for _ in 0..6 {
+    let larger = std::env::var("DOLOMITE_SIZES").map_or(6, |n| n.parse().expect("a number"));
+    for _ in 0..larger {
         let mut side = || 1 + bevy::math::ops::exp2(random.range(6.0, 10.5)) as u32;
         sizes.push(UVec2::new(side(), side()));
     }

@@ -1,10 +1,11 @@
 //! Where a shadow ends.
 
 use dolomite_light_oracle::model::SplitSum;
-use dolomite_light_oracle::scene::{Ambient, Lamp, LampKind, Mesh, Scene, Shape};
+use dolomite_light_oracle::per_pixel::{self, ShadowTexels};
+use dolomite_light_oracle::scene::{Ambient, Camera, Lamp, LampKind, Mesh, Scene, Shape};
 use dolomite_light_oracle::shade::Lights;
 use dolomite_light_oracle::trace::{Ray, Sides, Tracer};
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use super::{WHITE, candela, close, exact, placed};
 
@@ -151,5 +152,74 @@ fn what_lies_beyond_the_light_casts_no_shadow_on_this_side() {
         let lights = Lights::new(&[light], &Ambient::default(), 1.0, SplitSum::Karis);
         let is = lights.surface(&surface, &WHITE, ray.origin, 1.0, Some(&tracer));
         assert_eq!(is.x > 0.0, lit, "{height}");
+    }
+}
+
+#[test]
+fn ways_know_how_far_the_edge_is() {
+    let mut scene = board();
+    let floor = exact(&[(Shape::Plane, placed(DVec3::ZERO, DVec3::ONE))]);
+    scene.objects.extend(floor.objects);
+    // Below the board, looking down at where its shadow ends.
+    scene.camera = Camera {
+        position: DVec3::Y,
+        rotation: DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2),
+        fov_y: 0.1,
+        width: 48,
+        height: 8,
+        ..Camera::default()
+    };
+    let map = ShadowTexels {
+        side: 512.0,
+        metres: 0.01,
+    };
+    let point = candela(DVec3::new(0.0, 5.0, 0.0), 100.0);
+    let sun = Lamp::new(
+        1.0,
+        LampKind::Directional {
+            direction: DVec3::NEG_Y,
+        },
+    );
+    let spot = Lamp {
+        kind: LampKind::Spot {
+            position: DVec3::new(0.0, 5.0, 0.0),
+            range: 100.0,
+            direction: DVec3::NEG_Y,
+            inner: 0.5,
+            outer: std::f64::consts::FRAC_PI_4,
+        },
+        ..point
+    };
+    let radii: Vec<f64> = (1..=24).map(|k| 0.5 * f64::from(k)).collect();
+    // The edge, and metres of a texel on the floor: of both maps 2 · 5 / 512.
+    for (lamp, edge, metres) in [
+        (sun, 1.0, 0.01),
+        (point, 5.0 / 3.0, 10.0 / 512.0),
+        (spot, 5.0 / 3.0, 10.0 / 512.0),
+    ] {
+        scene.camera.position.x = edge;
+        let texels = per_pixel::texels(&scene);
+        let ways = per_pixel::ways_around(&scene, &lamp, map, &radii);
+        let (mut near, mut clear) = (0, 0);
+        for (way, texel) in ways.iter().zip(&texels) {
+            let (Some(way), Some(texel)) = (way, texel) else {
+                continue;
+            };
+            let x = texel.position.x;
+            // In texels of the map: what lies along the floor is as long there.
+            let away = (x - edge).abs() / metres;
+            assert_eq!(way.free, x < edge, "{x}");
+            let next = radii.iter().copied().find(|radius| *radius > way.alike);
+            // Twelve ways of a circle: one of them is within 15° of the edge's direction.
+            let most = away / 15.0_f64.to_radians().cos();
+            assert!(way.alike <= most + 1e-9, "{} {away}", way.alike);
+            assert!(
+                next.is_none_or(|next| next >= away - 1e-9),
+                "{x}: {next:?} {away}"
+            );
+            near += usize::from(next.is_some());
+            clear += usize::from(next.is_none());
+        }
+        assert!(near > 20 && clear > 20, "{near} {clear}");
     }
 }
