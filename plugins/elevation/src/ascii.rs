@@ -108,21 +108,27 @@ fn number<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
     }
 }
 
-pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
-    let file = input.file.to_owned();
-    let bytes = input.bytes;
-    let projection = input.projection.take();
+/// Columns and rows, which its keys tell.
+pub(crate) fn size(input: &mut Input<'_>) -> Result<[u32; 2], ElevationError> {
+    let mut words = Words {
+        from: BufReader::with_capacity(1 << 12, &mut *input.source as &mut dyn Read),
+        word: Vec::new(),
+    };
+    header(&mut words, input.file).map(|(_, size, _)| size)
+}
+
+/// Keys, columns and rows, and the first word that is no key.
+fn header<R: BufRead>(
+    words: &mut Words<R>,
+    file: &str,
+) -> Result<(Header, [u32; 2], Vec<u8>), ElevationError> {
     let damaged = |place: String, reason: String| ElevationError::Damaged {
-        file: file.clone(),
+        file: file.to_owned(),
         kind: "ESRI ASCII grid",
         place,
         reason,
     };
-    let failed = |error: std::io::Error| crate::input::read_error(&file, &error);
-    let mut words = Words {
-        from: BufReader::with_capacity(1 << 16, &mut *input.source as &mut dyn Read),
-        word: Vec::new(),
-    };
+    let failed = |error: std::io::Error| crate::input::read_error(file, &error);
     let mut header = Header::default();
     // The first word that is no key is the first sample.
     let first = loop {
@@ -146,7 +152,27 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
     let missing = |key: &str| damaged(format!("key {key}"), "it is missing".to_owned());
     let columns = header.columns.ok_or_else(|| missing("ncols"))?;
     let rows = header.rows.ok_or_else(|| missing("nrows"))?;
-    let size = [columns, rows];
+    Ok((header, [columns, rows], first))
+}
+
+pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
+    let file = input.file.to_owned();
+    let feed = std::mem::take(&mut input.feed);
+    let bytes = input.bytes;
+    let projection = input.projection.take();
+    let damaged = |place: String, reason: String| ElevationError::Damaged {
+        file: file.clone(),
+        kind: "ESRI ASCII grid",
+        place,
+        reason,
+    };
+    let failed = |error: std::io::Error| crate::input::read_error(&file, &error);
+    let mut words = Words {
+        from: BufReader::with_capacity(1 << 16, &mut *input.source as &mut dyn Read),
+        word: Vec::new(),
+    };
+    let (header, size, first) = header(&mut words, &file)?;
+    let [columns, rows] = size;
     check_size(&file, size, input.options)?;
     // A digit and a blank each, but for the last.
     let samples = u64::from(columns) * u64::from(rows);
@@ -156,7 +182,10 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
             format!("{samples} samples cannot be in {bytes} bytes"),
         ));
     }
-    let mut grid = Grid::new(&file, size, input.options, false)?;
+    let nodata: Vec<f64> = header.nodata.into_iter().collect();
+    let own = (&nodata[..], (1.0, 0.0));
+    let too_wide = || damaged("key ncols".to_owned(), "a row is too long".to_owned());
+    let mut grid = Grid::fed(&file, size, input.options, feed, own, 1, too_wide)?;
     let mut word = first;
     for row in 0..rows as usize {
         for column in 0..columns as usize {
@@ -179,7 +208,6 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
         ));
     }
     drop(words);
-    let nodata: Vec<f64> = header.nodata.into_iter().collect();
     let settled = grid.settle(&nodata, (1.0, 0.0))?;
     let mut map = Elevation::new(&file, settled, (FileKind::Ascii, size, NumberType::Text));
     header.place(&mut map, projection.as_deref(), input)?;

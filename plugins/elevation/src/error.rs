@@ -224,6 +224,54 @@ pub enum ElevationError {
         /// Why they do not fit, and what to do.
         reason: String,
     },
+    /// A file that was changed while it was read.
+    #[error("{file}: it was changed while it was read; read it again when nobody writes to it")]
+    Changed {
+        /// The file.
+        file: String,
+    },
+    /// Holes in a map that is read by tiles, which are not filled from their border.
+    #[error(
+        "{file}: {count} of its samples or more have no data, and holes of a map that is read by tiles are not filled from their border; let the sea lie there: `--sea-in-holes 0`, or in a scene file `holes: Sea(0.0)`"
+    )]
+    TiledHoles {
+        /// The file.
+        file: String,
+        /// Samples without data that were seen first.
+        count: u64,
+    },
+    /// A map that takes more memory to be cut into tiles than may be taken.
+    #[error(
+        "{file}: {columns} x {rows} samples take {needed} bytes of memory to be cut into tiles, but {most} may be taken; allow more (`TileSettings::memory`), or take fewer samples: `{again} --every 2`"
+    )]
+    TileMemory {
+        /// The file.
+        file: String,
+        /// The command that read it, as it can be typed.
+        again: String,
+        /// Columns.
+        columns: u32,
+        /// Rows.
+        rows: u32,
+        /// Bytes that it takes.
+        needed: u64,
+        /// Bytes that may be taken.
+        most: u64,
+    },
+    /// A tile that is not what was written.
+    #[error(
+        "{file}: tile {column}, {row} of level {level} is damaged; delete the file, and it is made anew"
+    )]
+    DamagedTile {
+        /// The file of tiles.
+        file: String,
+        /// Level of the tile.
+        level: u32,
+        /// Its column.
+        column: u32,
+        /// Its row.
+        row: u32,
+    },
     /// Two tiles that disagree on the border that they share.
     #[error(
         "{file} and {other} share a border but disagree: column {column}, row {row} of the mosaic is {value} in one and {other_value} in the other; cut both from one map, or leave the shared column and row out of one (`overlap: 0`)"

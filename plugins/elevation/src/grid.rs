@@ -3,10 +3,37 @@
 
 use crate::about::Text64;
 use crate::error::ElevationError;
+use crate::extremes::{Extremes, is_customary};
+use crate::looks::Looks;
 use crate::options::{NoData, Options};
+use crate::progress::ElevationProgress;
+
+/// Takes whole rows as they become complete, from north to south: columns and rows of the map, the first row's number, samples.
+pub(crate) type RowSink<'a> = dyn FnMut([u32; 2], usize, &[f32]) -> Result<(), ElevationError> + 'a;
+
+/// Where rows go that are not kept, and who is told how far reading has come.
+#[derive(Default)]
+pub(crate) struct Feed<'a> {
+    pub progress: ElevationProgress,
+    pub sink: Option<Box<RowSink<'a>>>,
+    /// Most bytes of rows that are held until they are complete.
+    pub most: u64,
+}
+
+/// Rows that are held until they are complete, and handed on then.
+struct Band<'a> {
+    sink: Box<RowSink<'a>>,
+    /// The first row that is held.
+    top: usize,
+    /// What stands where nothing is put.
+    fill: f32,
+    looks: Looks,
+    marks: Marks,
+    scale: (f64, f64),
+    failed: Option<ElevationError>,
+}
 
 /// The samples that are kept, row after row from the north.
-#[derive(Debug)]
 pub(crate) struct Grid<'a> {
     file: &'a str,
     options: &'a Options,
@@ -17,6 +44,10 @@ pub(crate) struct Grid<'a> {
     samples: Vec<f32>,
     /// Whether the file's rows run from south to north.
     flip: bool,
+    progress: ElevationProgress,
+    /// The last row of which progress was told.
+    told: usize,
+    band: Option<Band<'a>>,
 }
 
 /// What is known of the samples once all are there.
@@ -28,6 +59,9 @@ pub(crate) struct Settled {
     pub range: Option<[f32; 2]>,
     pub nodata: Vec<Text64>,
 }
+
+/// Most samples of any map: 131 072 × 131 072.
+pub(crate) const MOST_SAMPLES: u64 = 1 << 34;
 
 /// Refuses a size of 0 and one beyond the limit. No memory is taken yet.
 pub(crate) fn check_size(
@@ -45,7 +79,7 @@ pub(crate) fn check_size(
     let every = options.every.max(1);
     let kept = |every: u32| [columns.div_ceil(every), rows.div_ceil(every)];
     let samples = |[columns, rows]: [u32; 2]| u64::from(columns) * u64::from(rows);
-    if samples(kept(every)) > options.max_samples.min(1 << 32) {
+    if samples(kept(every)) > options.max_samples.min(MOST_SAMPLES) {
         let fits = (2..64).chain((6..32).map(|k| 1 << k));
         let fits = fits
             .filter(|&n| n > every)
@@ -71,7 +105,62 @@ impl<'a> Grid<'a> {
         flip: bool,
     ) -> Result<Self, ElevationError> {
         let kept = check_size(file, size, options)?.map(|n| n as usize);
-        let count = kept[0] * kept[1];
+        Self::with_rows(file, size, options, flip, kept, kept[1])
+    }
+
+    /// As [`Self::new`]; where rows are handed on, as many are held at a time as are `complete` together. `nodata` and `scale` are the
+    /// file's own.
+    ///
+    /// # Errors
+    /// Rows that do not fit into what may be held: `convert` is what else can be done.
+    pub fn fed(
+        file: &'a str,
+        size: [u32; 2],
+        options: &'a Options,
+        feed: Feed<'a>,
+        (nodata, scale): (&[f64], (f64, f64)),
+        complete: u32,
+        convert: impl Fn() -> ElevationError,
+    ) -> Result<Self, ElevationError> {
+        feed.progress.begin("reading", file, u64::from(size[1]));
+        let Some(sink) = feed.sink else {
+            let grid = Self::new(file, size, options, false)?;
+            return Ok(Self {
+                progress: feed.progress,
+                ..grid
+            });
+        };
+        let kept = check_size(file, size, options)?.map(|n| n as usize);
+        // Some rows more than are complete together cost nothing.
+        let complete = (complete.clamp(1, size[1]) as usize).max(1);
+        let rows = (64_usize.div_ceil(complete) * complete).min(kept[1].next_multiple_of(complete));
+        if 4 * (rows as u64) * kept[0] as u64 > feed.most {
+            return Err(convert());
+        }
+        let mut grid = Self::with_rows(file, size, options, false, kept, rows)?;
+        grid.progress = feed.progress;
+        let named = named(options, nodata);
+        grid.band = Some(Band {
+            sink,
+            top: 0,
+            fill: 0.0,
+            looks: Looks::default(),
+            marks: Marks::new(&named),
+            scale,
+            failed: None,
+        });
+        Ok(grid)
+    }
+
+    fn with_rows(
+        file: &'a str,
+        size: [u32; 2],
+        options: &'a Options,
+        flip: bool,
+        kept: [usize; 2],
+        rows: usize,
+    ) -> Result<Self, ElevationError> {
+        let count = kept[0] * rows;
         if Vec::<f32>::new().try_reserve_exact(count).is_err() {
             return Err(ElevationError::Memory {
                 file: file.to_owned(),
@@ -87,7 +176,36 @@ impl<'a> Grid<'a> {
             // The system gives zeros without writing them.
             samples: vec![0.0; count],
             flip,
+            progress: ElevationProgress::default(),
+            told: 0,
+            band: None,
         })
+    }
+
+    /// Hands on the rows that are held, and holds the next ones.
+    fn hand_on(&mut self) {
+        let width = self.kept[0];
+        let Some(band) = &mut self.band else {
+            return;
+        };
+        let left = self.kept[1].saturating_sub(band.top);
+        let rows = self.samples.len() / width;
+        let held = &mut self.samples[..width * left.min(rows)];
+        if band.failed.is_none() {
+            band.marks.mark(held);
+            for (row, samples) in held.chunks(width).enumerate() {
+                band.looks.row(band.top + row, samples);
+            }
+            let (scale, offset) = band.scale;
+            if band.scale != (1.0, 0.0) {
+                for sample in &mut *held {
+                    *sample = (f64::from(*sample) * scale + offset) as f32;
+                }
+            }
+            band.failed = (band.sink)(self.kept.map(|n| n as u32), band.top, held).err();
+        }
+        band.top += rows;
+        self.samples.fill(band.fill);
     }
 
     fn every(&self) -> usize {
@@ -97,6 +215,9 @@ impl<'a> Grid<'a> {
     /// Makes all samples NaN, for readers that may leave some out.
     pub fn no_data(&mut self) {
         self.samples.fill(f32::NAN);
+        if let Some(band) = &mut self.band {
+            band.fill = f32::NAN;
+        }
     }
 
     /// The row of the map that a row of the file becomes, if it is kept.
@@ -118,9 +239,25 @@ impl<'a> Grid<'a> {
         step: usize,
         values: impl Iterator<Item = f32>,
     ) {
-        let Some(row) = self.row(row) else {
+        if row > self.told {
+            self.progress.add((row - self.told) as u64);
+            self.told = row;
+        }
+        let Some(mut row) = self.row(row) else {
             return;
         };
+        let held = self.samples.len() / self.kept[0];
+        while let Some(band) = &self.band {
+            if row < band.top {
+                // It was handed on.
+                return;
+            }
+            if row < band.top + held {
+                row -= band.top;
+                break;
+            }
+            self.hand_on();
+        }
         let (every, width) = (self.every(), self.kept[0]);
         let line = &mut self.samples[row * width..][..width];
         if (every, step) == (1, 1) {
@@ -158,14 +295,31 @@ impl<'a> Grid<'a> {
         (scale, offset): (f64, f64),
         gaps: bool,
     ) -> Result<Settled, ElevationError> {
-        let mut nodata: Vec<f64> = match self.options.nodata {
-            NoData::None => Vec::new(),
-            _ => file_nodata.to_vec(),
-        };
-        if let NoData::Value(value) = self.options.nodata
-            && !nodata.iter().any(|n| n.to_bits() == value.to_bits())
+        let nodata = named(self.options, file_nodata);
+        while self
+            .band
+            .as_ref()
+            .is_some_and(|band| band.top < self.kept[1])
         {
-            nodata.push(value);
+            self.hand_on();
+        }
+        if let Some(band) = self.band.take() {
+            if let Some(error) = band.failed {
+                return Err(error);
+            }
+            band.looks
+                .check(gaps || band.marks.any(), self.file, self.options)?;
+            let scaled = |number: f32| (f64::from(number) * scale + offset) as f32;
+            return Ok(Settled {
+                size: self.kept.map(|n| n as u32),
+                samples: Vec::new(),
+                holes: band.looks.nan,
+                range: band.looks.range().map(|range| {
+                    let [a, b] = range.map(scaled);
+                    [a.min(b), a.max(b)]
+                }),
+                nodata: nodata.into_iter().map(Text64).collect(),
+            });
         }
         let marks = Marks::new(&nodata);
         let parts = in_parts(&mut self.samples, |part| {
@@ -278,96 +432,40 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// Whether people write this number where there is no data: runs of nines, the ends of integers, the largest
-/// floats.
-fn is_customary(value: f32) -> bool {
-    let size = value.abs();
-    let nines = [9999.0, 99_999.0, 999_999.0, 9_999_999.0];
-    let ends = [
-        32_767.0,
-        32_768.0,
-        65_535.0,
-        2_147_483_647.0,
-        4_294_967_295.0,
-        100_000.0,
-    ];
-    nines.contains(&size) || ends.contains(&size) || size >= 1e19
+/// The numbers that stand for no data: the file's, and that of a setting.
+pub(crate) fn named(options: &Options, file_nodata: &[f64]) -> Vec<f64> {
+    let mut nodata: Vec<f64> = match options.nodata {
+        NoData::None => Vec::new(),
+        _ => file_nodata.to_vec(),
+    };
+    if let NoData::Value(value) = options.nodata
+        && !nodata.iter().any(|n| n.to_bits() == value.to_bits())
+    {
+        nodata.push(value);
+    }
+    nodata
 }
 
 /// The numbers that stand for no data, as they compare with samples.
-struct Marks(Vec<f32>);
+#[derive(Clone, Debug)]
+pub(crate) struct Marks(Vec<f32>);
 
 impl Marks {
-    fn new(nodata: &[f64]) -> Self {
+    pub fn new(nodata: &[f64]) -> Self {
         Self(nodata.iter().map(|&n| n as f32).collect())
     }
 
-    fn any(&self) -> bool {
+    pub fn any(&self) -> bool {
         !self.0.is_empty()
     }
 
     /// Makes them NaN.
-    fn mark(&self, samples: &mut [f32]) {
+    pub fn mark(&self, samples: &mut [f32]) {
         for &nodata in self.0.iter().filter(|n| !n.is_nan()) {
             for sample in samples.iter_mut() {
                 *sample = if *sample == nodata { f32::NAN } else { *sample };
             }
         }
-    }
-}
-
-/// Lowest and highest number, and how many are NaN.
-#[derive(Clone, Copy, Debug)]
-struct Extremes {
-    low: f32,
-    high: f32,
-    nan: u64,
-}
-
-impl Extremes {
-    const NONE: Self = Self {
-        low: f32::INFINITY,
-        high: f32::NEG_INFINITY,
-        nan: 0,
-    };
-
-    fn of(samples: &[f32]) -> Self {
-        let mut all = Self::NONE;
-        for part in samples.chunks(1 << 12) {
-            // Eight lanes, so that it runs in vectors.
-            let (mut low, mut high) = ([f32::INFINITY; 8], [f32::NEG_INFINITY; 8]);
-            let mut nan = [0_u32; 8];
-            let (eights, rest) = part.as_chunks::<8>();
-            for eight in eights {
-                for k in 0..8 {
-                    low[k] = if eight[k] < low[k] { eight[k] } else { low[k] };
-                    high[k] = if eight[k] > high[k] {
-                        eight[k]
-                    } else {
-                        high[k]
-                    };
-                    nan[k] += u32::from(eight[k].is_nan());
-                }
-            }
-            let mut part = Self {
-                low: low.into_iter().fold(f32::INFINITY, f32::min),
-                high: high.into_iter().fold(f32::NEG_INFINITY, f32::max),
-                nan: nan.into_iter().map(u64::from).sum(),
-            };
-            for &sample in rest {
-                part.low = part.low.min(sample);
-                part.high = part.high.max(sample);
-                part.nan += u64::from(sample.is_nan());
-            }
-            all.join(part);
-        }
-        all
-    }
-
-    fn join(&mut self, other: Self) {
-        self.low = self.low.min(other.low);
-        self.high = self.high.max(other.high);
-        self.nan += other.nan;
     }
 }
 

@@ -12,19 +12,23 @@ use std::path::Path;
 /// Columns and rows: 3, 1 and half an arc second, and 2 by 1 arc seconds as north of 50° N.
 const SIZES: [[u32; 2]; 4] = [[1201, 1201], [3601, 3601], [7201, 7201], [1801, 3601]];
 
-pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
+/// Columns and rows, which its length tells.
+pub(crate) fn size(input: &Input<'_>) -> Result<[u32; 2], ElevationError> {
     let bytes = |[columns, rows]: &[u32; 2]| 2 * u64::from(*columns) * u64::from(*rows);
-    let Some(size) = SIZES.into_iter().find(|size| bytes(size) == input.bytes) else {
-        return Err(ElevationError::Damaged {
-            file: input.file.to_owned(),
-            kind: "HGT",
-            place: "its length".to_owned(),
-            reason: format!(
-                "{} bytes, but 1201 x 1201 samples are 2884802 and 3601 x 3601 are 25934402",
-                input.bytes
-            ),
-        });
-    };
+    let size = SIZES.into_iter().find(|size| bytes(size) == input.bytes);
+    size.ok_or_else(|| ElevationError::Damaged {
+        file: input.file.to_owned(),
+        kind: "HGT",
+        place: "its length".to_owned(),
+        reason: format!(
+            "{} bytes, but 1201 x 1201 samples are 2884802 and 3601 x 3601 are 25934402",
+            input.bytes
+        ),
+    })
+}
+
+pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
+    let size = size(input)?;
     let layout = Raw {
         size: Some(size),
         number: Some(NumberType::I16),

@@ -1,6 +1,7 @@
 //! What every reader of a kind is given.
 
 use crate::error::ElevationError;
+use crate::grid::Feed;
 use crate::options::Options;
 use std::io::{Read, Seek};
 use std::path::Path;
@@ -25,6 +26,8 @@ pub(crate) struct Input<'a> {
     pub options: &'a Options,
     /// Text of the `.prj` beside it, if there is one.
     pub projection: Option<String>,
+    /// Where rows go.
+    pub feed: Feed<'a>,
 }
 
 impl Input<'_> {

@@ -30,6 +30,7 @@
 mod about;
 mod ascii;
 mod error;
+mod extremes;
 mod geodesy;
 mod georeference;
 mod grid;
@@ -37,13 +38,17 @@ mod hgt;
 mod hillshade;
 mod holes;
 mod input;
+mod looks;
 mod mosaic;
 mod options;
 mod picture;
+mod progress;
 mod raw;
 mod read;
 mod samples;
+mod through;
 mod tiff;
+mod tiled;
 mod write;
 
 pub use about::{About, FileKind, NumberType};
@@ -54,5 +59,10 @@ pub use hillshade::hillshade;
 pub use holes::{Filled, fill_holes};
 pub use mosaic::{Tile, mosaic, place_by_georeference};
 pub use options::{ByteOrder, NoData, Options, Raw};
+pub use progress::{ElevationProgress, ElevationStep};
 pub use samples::Elevation;
+pub use through::convert;
+pub use tiled::{
+    Extremes, TILE, TILE_COUNT, TileSamples, TileSettings, TiledMap, pack_slope, unpack_slope,
+};
 pub use write::write;

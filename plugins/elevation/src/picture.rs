@@ -28,8 +28,26 @@ struct Channels {
     palette: Option<Vec<u8>>,
 }
 
+/// Columns and rows, which its header tells.
+pub(crate) fn size(input: &mut Input<'_>) -> Result<[u32; 2], ElevationError> {
+    let limits = Limits { bytes: 64 << 20 };
+    let from = BufReader::with_capacity(1 << 12, &mut *input.source);
+    let mut decoder = Decoder::new_with_limits(from, limits);
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
+    let info = decoder.read_header_info();
+    let info = info.map_err(|error| ElevationError::Damaged {
+        file: input.file.to_owned(),
+        kind: "PNG",
+        place: "its header".to_owned(),
+        reason: error.to_string(),
+    })?;
+    Ok([info.width, info.height])
+}
+
 pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
     let (file, options, bytes) = (input.file, input.options, input.bytes);
+    let feed = std::mem::take(&mut input.feed);
     let damaged = |place: &str, error: DecodingError| match error {
         DecodingError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
             crate::input::read_error(file, &error)
@@ -77,7 +95,14 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
             ),
         });
     }
-    let mut grid = Grid::new(file, size, options, false)?;
+    let too_large = || ElevationError::Unsupported {
+        file: file.to_owned(),
+        what: "an interlaced PNG of this size, row by row,".to_owned(),
+        convert: format!("gdal_translate {} plain.tif", crate::error::typed(file)),
+    };
+    let complete = if interlaced { size[1] } else { 1 };
+    let own = (&nodata[..], (1.0, 0.0));
+    let mut grid = Grid::fed(file, size, options, feed, own, complete, too_large)?;
     let mut passes = passes(size, interlaced).into_iter().flatten();
     let mut rows = 0;
     while let Some(row) = reader

@@ -4,7 +4,8 @@ use crate::about::{FileKind, NumberType};
 use crate::error::ElevationError;
 use crate::grid::{Grid, check_size, threads};
 use crate::input::{Input, Source, ending};
-use crate::options::{ByteOrder, Raw};
+use crate::options::{ByteOrder, Options, Raw};
+use crate::progress::ElevationProgress;
 use crate::samples::Elevation;
 use std::io::SeekFrom;
 
@@ -36,51 +37,36 @@ pub(crate) fn read_with(
     raw: &Raw,
     nodata: &[f64],
 ) -> Result<Elevation, ElevationError> {
-    let number = raw.number.unwrap_or_else(|| by_ending(input.file));
-    let Some(size) = raw.size else {
-        return Err(ElevationError::RawSize {
+    let (number, size) = told(input.file, input.bytes, raw)?;
+    let plan = Plan::new(input.file, input.bytes, input.options, raw, number, size)?;
+    let feed = std::mem::take(&mut input.feed);
+    let grid = if feed.sink.is_some() {
+        let convert = || ElevationError::Memory {
             file: input.file.to_owned(),
-            guess: square(input.bytes.saturating_sub(raw.header), number.bytes()),
-        });
+            again: input.options.command(input.file),
+            bytes: 4 * u64::from(size[0]),
+        };
+        let own = (nodata, (1.0, 0.0));
+        let mut grid = Grid::fed(input.file, size, input.options, feed, own, 1, convert)?;
+        plan.feed(&mut *input.source, &mut grid)
+            .map_err(|error| crate::input::read_error(input.file, &error))?;
+        grid
+    } else {
+        let layout = Layout {
+            plan,
+            every: input.options.every.max(1) as usize,
+            progress: feed.progress,
+        };
+        layout
+            .progress
+            .begin("reading", input.file, u64::from(size[1]));
+        let mut grid = Grid::new(input.file, size, input.options, raw.flip)?;
+        samples(input, &layout, &mut grid)?;
+        grid
     };
-    check_size(input.file, size, input.options)?;
-    let [columns, rows] = size.map(u64::from);
-    // Below 2^67 in all: counted in 128 bits.
-    let row = u128::from(columns) * u128::from(number.bytes()) + u128::from(raw.row_padding);
-    let expected = u128::from(raw.header) + u128::from(rows) * row;
-    // Some leave the padding of the last row out.
-    let least = expected - u128::from(raw.row_padding);
-    let found = u128::from(input.bytes);
-    if found != expected && found != least {
-        return Err(ElevationError::RawLength {
-            file: input.file.to_owned(),
-            columns: size[0],
-            rows: size[1],
-            sample_bytes: number.bytes(),
-            header: raw.header,
-            row_padding: raw.row_padding,
-            expected: u64::try_from(expected).unwrap_or(u64::MAX),
-            found: input.bytes,
-        });
-    }
-    let layout = Layout {
-        columns: size[0] as usize,
-        rows: size[1] as usize,
-        stride: columns * number.bytes() + raw.row_padding,
-        header: raw.header,
-        flip: raw.flip,
-        every: input.options.every.max(1) as usize,
-        convert: Convert::of(input.file, number, raw.order)?,
-    };
-    let mut grid = Grid::new(input.file, size, input.options, raw.flip)?;
-    samples(input, &layout, &mut grid)?;
     let settled = grid.settle(nodata, (1.0, 0.0))?;
     let mut map = Elevation::new(input.file, settled, (FileKind::Raw, size, number));
-    map.about.packing = match raw.order {
-        ByteOrder::Little => "little-endian",
-        ByteOrder::Big => "big-endian",
-    }
-    .to_owned();
+    map.about.packing = packing(raw.order);
     let short = matches!(number, NumberType::U16 | NumberType::I16);
     if short && looks_swapped(number, size[0] as usize, &map.samples) {
         let other = match raw.order {
@@ -94,16 +80,126 @@ pub(crate) fn read_with(
     Ok(map)
 }
 
-/// Where a raw file's rows are.
-struct Layout {
-    columns: usize,
-    rows: usize,
+/// What people call an order of bytes.
+pub(crate) fn packing(order: ByteOrder) -> String {
+    match order {
+        ByteOrder::Little => "little-endian",
+        ByteOrder::Big => "big-endian",
+    }
+    .to_owned()
+}
+
+/// Where a raw file's numbers are, borne out by its length.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan {
+    /// Columns and rows.
+    pub size: [u32; 2],
     /// Bytes from a row to the next.
     stride: u64,
     header: u64,
     flip: bool,
-    every: usize,
     convert: Convert,
+}
+
+impl Plan {
+    pub fn new(
+        file: &str,
+        bytes: u64,
+        options: &Options,
+        raw: &Raw,
+        number: NumberType,
+        size: [u32; 2],
+    ) -> Result<Self, ElevationError> {
+        check_size(file, size, options)?;
+        let [columns, rows] = size.map(u64::from);
+        // Below 2^67 in all: counted in 128 bits.
+        let row = u128::from(columns) * u128::from(number.bytes()) + u128::from(raw.row_padding);
+        let expected = u128::from(raw.header) + u128::from(rows) * row;
+        // Some leave the padding of the last row out.
+        let least = expected - u128::from(raw.row_padding);
+        let found = u128::from(bytes);
+        if found != expected && found != least {
+            return Err(ElevationError::RawLength {
+                file: file.to_owned(),
+                columns: size[0],
+                rows: size[1],
+                sample_bytes: number.bytes(),
+                header: raw.header,
+                row_padding: raw.row_padding,
+                expected: u64::try_from(expected).unwrap_or(u64::MAX),
+                found: bytes,
+            });
+        }
+        Ok(Self {
+            size,
+            stride: columns * number.bytes() + raw.row_padding,
+            header: raw.header,
+            flip: raw.flip,
+            convert: Convert::of(file, number, raw.order)?,
+        })
+    }
+
+    pub fn sample_bytes(&self) -> u64 {
+        self.convert.number.bytes()
+    }
+
+    /// Where a sample of the map stands: rows from the north.
+    pub fn at(&self, column: u64, row: u64) -> u64 {
+        let row = if self.flip {
+            u64::from(self.size[1]) - 1 - row
+        } else {
+            row
+        };
+        self.header + row * self.stride + column * self.sample_bytes()
+    }
+
+    /// The numbers of `bytes`.
+    pub fn numbers(&self, bytes: &[u8], to: &mut [f32]) {
+        self.convert.fill(bytes, to);
+    }
+
+    /// Hands on all rows, from the north.
+    fn feed(&self, source: &mut dyn Source, grid: &mut Grid<'_>) -> std::io::Result<()> {
+        let columns = self.size[0] as usize;
+        let mut bytes = vec![0; columns * self.sample_bytes() as usize];
+        let mut line = vec![0.0; columns];
+        let mut place = u64::MAX;
+        for row in 0..self.size[1] {
+            let at = self.at(0, row.into());
+            if at != place {
+                source.seek(SeekFrom::Start(at))?;
+            }
+            source.read_exact(&mut bytes)?;
+            place = at + bytes.len() as u64;
+            self.numbers(&bytes, &mut line);
+            grid.put(row as usize, 0, 1, line.iter().copied());
+        }
+        Ok(())
+    }
+}
+
+/// The kind of number of a raw file, and its size.
+///
+/// # Errors
+/// A size that nobody told.
+pub(crate) fn told(
+    file: &str,
+    bytes: u64,
+    raw: &Raw,
+) -> Result<(NumberType, [u32; 2]), ElevationError> {
+    let number = raw.number.unwrap_or_else(|| by_ending(file));
+    let size = raw.size.ok_or_else(|| ElevationError::RawSize {
+        file: file.to_owned(),
+        guess: square(bytes.saturating_sub(raw.header), number.bytes()),
+    })?;
+    Ok((number, size))
+}
+
+/// How samples are kept that are read at once.
+struct Layout {
+    plan: Plan,
+    every: usize,
+    progress: ElevationProgress,
 }
 
 /// Reads all samples, on all cores where the file can be opened more than once.
@@ -157,16 +253,32 @@ impl Layout {
         width: usize,
         samples: &mut [f32],
     ) -> std::io::Result<()> {
-        let bytes = self.convert.number.bytes() as usize;
+        let Plan {
+            size,
+            stride,
+            header,
+            flip,
+            convert,
+        } = self.plan;
+        let [columns, rows] = size.map(|n| n as usize);
+        let bytes = convert.number.bytes() as usize;
+        let mut filled = 0;
+        let mut tell = |samples: usize| {
+            filled += samples;
+            if filled >= width {
+                self.progress.add((filled / width * self.every) as u64);
+                filled %= width;
+            }
+        };
         let mut buffer = vec![0; PIECE.min(bytes * samples.len() * self.every)];
-        let gapless = self.stride == (self.columns * bytes) as u64;
-        let plain = gapless && !self.flip && self.every == 1;
+        let gapless = stride == (columns * bytes) as u64;
+        let plain = gapless && !flip && self.every == 1;
         // Rows without gaps are one long row.
         let line = if plain { samples.len() } else { width };
         for (row, line) in samples.chunks_mut(line).enumerate() {
             let row = (first + row) * self.every;
-            let row = if self.flip { self.rows - 1 - row } else { row };
-            source.seek(SeekFrom::Start(self.header + row as u64 * self.stride))?;
+            let row = if flip { rows - 1 - row } else { row };
+            source.seek(SeekFrom::Start(header + row as u64 * stride))?;
             let piece = buffer.len() / bytes;
             // In pieces that begin at a sample that is kept.
             let kept = (piece / self.every).max(1);
@@ -174,17 +286,19 @@ impl Layout {
                 if self.every == 1 {
                     let bytes = &mut buffer[..part.len() * bytes];
                     source.read_exact(bytes)?;
-                    self.convert.fill(bytes, part);
+                    convert.fill(bytes, part);
+                    tell(part.len());
                     continue;
                 }
                 let column = k * kept * self.every;
-                let last = (column + kept * self.every).min(self.columns);
+                let last = (column + kept * self.every).min(columns);
                 buffer.resize(buffer.len().max((last - column) * bytes), 0);
                 let read = &mut buffer[..(last - column) * bytes];
                 source.read_exact(read)?;
                 for (to, from) in part.iter_mut().zip(read.chunks(bytes * self.every)) {
-                    self.convert.fill(&from[..bytes], std::slice::from_mut(to));
+                    convert.fill(&from[..bytes], std::slice::from_mut(to));
                 }
+                tell(part.len());
             }
         }
         Ok(())
@@ -217,7 +331,7 @@ fn looks_swapped(number: NumberType, columns: usize, samples: &[f32]) -> bool {
 }
 
 /// From bytes to f32.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Convert {
     number: NumberType,
     big: bool,

@@ -1,8 +1,10 @@
 //! From a file to samples: which kind it is, and who reads it.
 
 use crate::error::ElevationError;
+use crate::grid::{Feed, MOST_SAMPLES};
 use crate::input::{Input, Source, ending, read_error};
 use crate::options::{Options, Raw};
+use crate::progress::ElevationProgress;
 use crate::samples::Elevation;
 use crate::{ascii, hgt, picture, raw, tiff};
 use std::fs::File;
@@ -61,28 +63,52 @@ impl Elevation {
     /// # Errors
     /// [`ElevationError`], naming the file, the place and a way out.
     pub fn read(path: &Path, options: &Options) -> Result<Self, ElevationError> {
-        let name = path.display().to_string();
-        let file = File::open(path).map_err(|error| read_error(&name, &error))?;
-        let data = file.metadata().map_err(|error| read_error(&name, &error))?;
-        if !data.is_file() {
-            let error = std::io::Error::other("it is not a file");
-            return Err(read_error(&name, &error));
-        }
-        let projection = std::fs::File::open(path.with_extension("prj")).ok();
-        let projection = projection.and_then(|file| {
-            let mut text = String::new();
-            // The longest of the EPSG are some 3 000 bytes.
-            file.take(1 << 16).read_to_string(&mut text).ok()?;
-            Some(text)
-        });
-        let mut source = Opened { file, path };
-        read(Input {
-            file: &name,
-            source: &mut source,
-            bytes: data.len(),
-            options,
-            projection,
+        Self::read_telling(path, options, &ElevationProgress::default())
+    }
+
+    /// As [`Self::read`], and says how far it has come.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_telling(
+        path: &Path,
+        options: &Options,
+        progress: &ElevationProgress,
+    ) -> Result<Self, ElevationError> {
+        let feed = Feed {
+            progress: progress.clone(),
+            ..Feed::default()
+        };
+        Self::fed(path, options, feed)
+    }
+
+    /// Columns and rows of a file, from its head alone.
+    ///
+    /// # Errors
+    /// As [`Self::read`], as far as the head tells.
+    pub fn size(path: &Path, options: &Options) -> Result<[u32; 2], ElevationError> {
+        let any = Options {
+            max_samples: MOST_SAMPLES,
+            ..*options
+        };
+        with_input(path, &any, Feed::default(), |mut input| {
+            match found(&mut input)? {
+                Found::Raw(told) => raw::told(input.file, input.bytes, &told).map(|(_, size)| size),
+                Found::Png => picture::size(&mut input),
+                Found::Tiff => tiff::size(&mut input),
+                Found::Ascii => ascii::size(&mut input),
+                Found::Hgt => hgt::size(&input),
+            }
         })
+    }
+
+    /// As [`Self::read`]; rows go where `feed` says, and none is kept if that is anywhere.
+    pub(crate) fn fed(
+        path: &Path,
+        options: &Options,
+        feed: Feed<'_>,
+    ) -> Result<Self, ElevationError> {
+        with_input(path, options, feed, read)
     }
 
     /// Reads the bytes of a file; `name` is what errors call it, and its ending counts.
@@ -96,21 +122,63 @@ impl Elevation {
             source: &mut Cursor::new(bytes),
             options,
             projection: None,
+            feed: Feed::default(),
         })
     }
 }
 
+/// Opens a file and lets `work` read it.
+pub(crate) fn with_input<R>(
+    path: &Path,
+    options: &Options,
+    feed: Feed<'_>,
+    work: impl FnOnce(Input<'_>) -> Result<R, ElevationError>,
+) -> Result<R, ElevationError> {
+    let name = path.display().to_string();
+    let file = File::open(path).map_err(|error| read_error(&name, &error))?;
+    let data = file.metadata().map_err(|error| read_error(&name, &error))?;
+    if !data.is_file() {
+        let error = std::io::Error::other("it is not a file");
+        return Err(read_error(&name, &error));
+    }
+    let projection = std::fs::File::open(path.with_extension("prj")).ok();
+    let projection = projection.and_then(|file| {
+        let mut text = String::new();
+        // The longest of the EPSG are some 3 000 bytes.
+        file.take(1 << 16).read_to_string(&mut text).ok()?;
+        Some(text)
+    });
+    let mut source = Opened { file, path };
+    work(Input {
+        file: &name,
+        source: &mut source,
+        bytes: data.len(),
+        options,
+        projection,
+        feed,
+    })
+}
+
+/// What a file is, and with that who reads it.
+pub(crate) enum Found {
+    Png,
+    Tiff,
+    Ascii,
+    Hgt,
+    Raw(Raw),
+}
+
 /// The kind by the content, then by the ending.
-fn read(mut input: Input<'_>) -> Result<Elevation, ElevationError> {
+pub(crate) fn found(input: &mut Input<'_>) -> Result<Found, ElevationError> {
     if let Some(raw) = input.options.raw {
-        return raw::read(&mut input, &raw);
+        return Ok(Found::Raw(raw));
     }
     let mut head = Vec::new();
     let read = (&mut input.source).take(HEAD as u64).read_to_end(&mut head);
     read.and_then(|_| input.source.rewind())
         .map_err(|error| input.failed(&error))?;
     if head.starts_with(b"\x89PNG\r\n\x1a\n") {
-        return picture::read(&mut input);
+        return Ok(Found::Png);
     }
     if [
         &b"II\x2a\0"[..],
@@ -121,16 +189,26 @@ fn read(mut input: Input<'_>) -> Result<Elevation, ElevationError> {
     .iter()
     .any(|magic| head.starts_with(magic))
     {
-        return tiff::read(&mut input);
+        return Ok(Found::Tiff);
     }
     if ascii::is_header(&head) {
-        return ascii::read(&mut input);
+        return Ok(Found::Ascii);
     }
     let ending = ending(input.file);
     match ending.as_str() {
-        "hgt" => hgt::read(&mut input),
-        "raw" | "r16" | "r32" | "f32" => raw::read(&mut input, &Raw::default()),
-        other => Err(unknown(&input, &head, other)),
+        "hgt" => Ok(Found::Hgt),
+        "raw" | "r16" | "r32" | "f32" => Ok(Found::Raw(Raw::default())),
+        other => Err(unknown(input, &head, other)),
+    }
+}
+
+fn read(mut input: Input<'_>) -> Result<Elevation, ElevationError> {
+    match found(&mut input)? {
+        Found::Raw(raw) => raw::read(&mut input, &raw),
+        Found::Png => picture::read(&mut input),
+        Found::Tiff => tiff::read(&mut input),
+        Found::Ascii => ascii::read(&mut input),
+        Found::Hgt => hgt::read(&mut input),
     }
 }
 

@@ -9,10 +9,10 @@ use ::tiff::encoder::{Compression, DeflateLevel, Predictor, TiffEncoder, colorty
 use ::tiff::tags::Tag;
 use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Longest side of a hillshade, pixels.
-const MOST_PIXELS: u32 = 4096;
+pub(crate) const MOST_PIXELS: u32 = 4096;
 
 /// Writes the samples, or a picture of them, as the ending of `path` says: `.png` is a hillshade, `.f32` and `.r32` little-endian floats with
 /// NaN where there is no data, `.r16` u16 and `.raw` i16 little-endian where the samples are such numbers, `.asc` ESRI ASCII, `.tif`
@@ -32,17 +32,15 @@ pub fn write(
         file: name.clone(),
         reason,
     };
-    let mut beside = path.as_os_str().to_owned();
-    beside.push(format!(".{}.part", std::process::id()));
-    let beside = Path::new(&beside);
+    let beside = &beside_of(path);
     let kind = ending(&name);
     let written = || -> Result<(), String> {
         let text = |error: std::io::Error| error.to_string();
         // Before a file is made: what cannot be written leaves nothing behind.
         let whole: Option<fn(f32) -> Option<[u8; 2]>> = match kind.as_str() {
             "png" | "f32" | "r32" | "asc" | "tif" | "tiff" => None,
-            "r16" => Some(|s| exact(s, 0.0, 65_535.0).map(|n| (n as u16).to_le_bytes())),
-            "raw" => Some(|s| exact(s, -32_768.0, 32_767.0).map(|n| (n as i16).to_le_bytes())),
+            "r16" => Some(exact_u16),
+            "raw" => Some(exact_i16),
             other => {
                 return Err(format!(
                     "nothing is written as .{other}; write .png, .f32, .r32, .r16, .raw, .asc or .tif"
@@ -72,6 +70,23 @@ pub fn write(
         let _ = std::fs::remove_file(beside);
         failed(reason)
     })
+}
+
+/// What grows beside a file until it is whole.
+pub(crate) fn beside_of(path: &Path) -> PathBuf {
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(format!(".{}.part", std::process::id()));
+    PathBuf::from(beside)
+}
+
+/// Bytes of a sample that is a whole number from 0 to 65 535.
+pub(crate) fn exact_u16(sample: f32) -> Option<[u8; 2]> {
+    exact(sample, 0.0, 65_535.0).map(|n| (n as u16).to_le_bytes())
+}
+
+/// Bytes of a sample that is a whole number from −32 768 to 32 767.
+pub(crate) fn exact_i16(sample: f32) -> Option<[u8; 2]> {
+    exact(sample, -32_768.0, 32_767.0).map(|n| (n as i16).to_le_bytes())
 }
 
 /// The sample, if it is a whole number of the range.
@@ -114,7 +129,16 @@ fn picture(
         [(10.0 * relief / side).max(1e-6); 2]
     });
     let every = map.size[0].max(map.size[1]).div_ceil(MOST_PIXELS);
-    let ([wide, high], shades) = hillshade(&map.samples, map.size, (spacing, unit), every);
+    let (size, shades) = hillshade(&map.samples, map.size, (spacing, unit), every);
+    shade_picture(to, size, shades)
+}
+
+/// A hillshade as PNG; transparent where there is no data.
+pub(crate) fn shade_picture(
+    to: &mut impl Write,
+    [wide, high]: [u32; 2],
+    shades: Vec<Option<u8>>,
+) -> Result<(), png::EncodingError> {
     let mut encoder = png::Encoder::new(to, wide, high);
     let holed = shades.iter().any(Option::is_none);
     encoder.set_color(if holed {

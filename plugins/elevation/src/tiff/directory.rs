@@ -9,8 +9,24 @@ use std::io::{Read, SeekFrom};
 /// Bytes a value of each type of field (TIFF 6.0, section 2; BigTIFF).
 const TYPE_BYTES: [u64; 19] = [1, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 1, 1, 8, 8, 8];
 
-/// Refuses a directory with a tag whose values do not lie in the file. Returns whether it is a BigTIFF.
-pub(super) fn check(input: &mut Input<'_>) -> Result<bool, ElevationError> {
+/// What the directories say besides what the decoder reads.
+pub(super) struct Found {
+    /// Whether it is a BigTIFF.
+    pub big: bool,
+    /// Whether a later directory holds a mask of these samples.
+    pub masked: bool,
+}
+
+/// Directories that are looked through for a mask: a map has some overviews.
+const MOST_DIRECTORIES: usize = 64;
+/// Tag of a directory's purpose, and its bit that stands for a mask (TIFF 6.0, section 8).
+const PURPOSE: u64 = 254;
+const MASK: u64 = 4;
+/// And for an overview.
+const REDUCED: u64 = 1;
+
+/// Refuses a directory with a tag whose values do not lie in the file.
+pub(super) fn check(input: &mut Input<'_>) -> Result<Found, ElevationError> {
     let (file, bytes) = (input.file, input.bytes);
     let failure = Failure { file };
     let mut read = |at: u64, length: u64, place: &str| -> Result<Vec<u8>, ElevationError> {
@@ -67,9 +83,41 @@ pub(super) fn check(input: &mut Input<'_>) -> Result<bool, ElevationError> {
             ));
         }
     }
+    // What is wrong in a later directory harms nobody: it is not read.
+    let mut masked = false;
+    let mut known = vec![offset];
+    let link = if big { 8 } else { 4 };
+    let mut end = offset.saturating_add(count_bytes).saturating_add(length);
+    while known.len() < MOST_DIRECTORIES && !masked {
+        let Ok(next) = read(end, link, place).map(|bytes| number(&bytes)) else {
+            break;
+        };
+        if next == 0 || known.contains(&next) {
+            break;
+        }
+        known.push(next);
+        let Ok(count) = read(next, count_bytes, place).map(|bytes| number(&bytes)) else {
+            break;
+        };
+        let length = count.saturating_mul(entry_bytes);
+        let first = next.saturating_add(count_bytes);
+        if length > bytes {
+            break;
+        }
+        let Ok(entries) = read(first, length, place) else {
+            break;
+        };
+        masked = entries.chunks_exact(entry_bytes as usize).any(|entry| {
+            let value = &entry[entry.len() - link as usize..];
+            // A LONG; little-endian ones have their lowest bytes first.
+            let value = number(&value[..4]);
+            number(&entry[..2]) == PURPOSE && value & MASK != 0 && value & REDUCED == 0
+        });
+        end = first.saturating_add(length);
+    }
     input
         .source
         .rewind()
         .map_err(|error| input.failed(&error))?;
-    Ok(big)
+    Ok(Found { big, masked })
 }

@@ -205,6 +205,13 @@ impl Keys {
                 ];
                 (step, first)
             }
+            (None, None, Some(ties)) if ties.len() > 6 => {
+                let reason = format!(
+                    "{} points tie it to the ground, which is not that of a grid",
+                    ties.len() / 6
+                );
+                return Err(wrong("ModelTiepointTag", reason, "gdalwarp -tps"));
+            }
             _ => return Ok(None),
         };
         if !(step[0] > 0.0 && step[1] > 0.0 && step.iter().chain(&first).all(|n| n.is_finite())) {

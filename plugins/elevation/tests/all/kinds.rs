@@ -8,7 +8,7 @@ use dolomite_elevation::{
 const SIZE: [u32; 2] = [41, 37];
 
 /// Options that a file needs because it does not say it itself.
-fn options(name: &str) -> Options {
+pub fn options(name: &str) -> Options {
     let mut options = Options::default();
     if name.ends_with(".raw") || name.ends_with(".r16") {
         let number = match name.split('-').next() {

@@ -3,6 +3,7 @@
 mod damage;
 mod kinds;
 mod places;
+mod tiled;
 mod written;
 
 use dolomite_elevation::{Elevation, ElevationError, Options};
