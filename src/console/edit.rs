@@ -101,9 +101,8 @@ fn run(world: &mut World, matches: &ArgMatches) -> Result<Step, Mistake> {
         "load" => edits::load(world, named()).map(|path| format!("read {}", path.display())),
         name => {
             let brush = brush(world, name, matches)?;
-            edits::edit(world, &brush, false).map(|made| {
-                format!("{} samples in {} tiles", made.samples, made.tiles)
-            })
+            edits::edit(world, &brush, false)
+                .map(|made| format!("{} samples in {} tiles", made.samples, made.tiles))
         }
     };
     said.map(Step::Said).map_err(Mistake::of)

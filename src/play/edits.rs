@@ -126,9 +126,7 @@ pub fn edit(world: &mut World, brush: &Edit, goes_on: bool) -> Result<Edited, La
 /// [`LandscapeError`].
 pub fn undo(world: &mut World) -> Result<(), LandscapeError> {
     with_landscape(world, |edits, terrain| {
-        let now = edits
-            .undo(terrain)
-            .ok_or(LandscapeError::NoStep("undo"))?;
+        let now = edits.undo(terrain).ok_or(LandscapeError::NoStep("undo"))?;
         Ok((Some(now), ()))
     })
 }
@@ -139,9 +137,7 @@ pub fn undo(world: &mut World) -> Result<(), LandscapeError> {
 /// [`LandscapeError`].
 pub fn redo(world: &mut World) -> Result<(), LandscapeError> {
     with_landscape(world, |edits, terrain| {
-        let now = edits
-            .redo(terrain)
-            .ok_or(LandscapeError::NoStep("redo"))?;
+        let now = edits.redo(terrain).ok_or(LandscapeError::NoStep("redo"))?;
         Ok((Some(now), ()))
     })
 }

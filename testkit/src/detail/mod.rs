@@ -15,8 +15,8 @@ use dolomite_ground::detail::DetailCells;
 use dolomite_ground::detail::lattice::MAX_DEPTH;
 use dolomite_ground::detail::layout::{
     ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DEPTH_PASSES, DetailParams,
-    DetailPass, EditedRect, HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, MAKE, Pass,
-    STOCK_HEAD_BYTES, SWEEP_PASS, Second, VIEW_CELL_BYTES, without,
+    DetailPass, EditedRect, HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, MAKE,
+    Pass, STOCK_HEAD_BYTES, SWEEP_PASS, Second, VIEW_CELL_BYTES, without,
 };
 use dolomite_ground::render::detail::record::SLOT;
 use dolomite_terrain::Terrain;

@@ -231,7 +231,8 @@ pub(super) fn change(
             .filter(|_| same_cells);
         let touched = |min: DVec2, max: DVec2| {
             rects.as_ref().is_none_or(|rects| {
-                let meets = |rect: &GroundRect| min.cmple(rect.max).all() && max.cmpge(rect.min).all();
+                let meets =
+                    |rect: &GroundRect| min.cmple(rect.max).all() && max.cmpge(rect.min).all();
                 rects.iter().any(meets)
             })
         };

@@ -192,8 +192,8 @@ impl DetailCells {
         let side = 2 * self.lattice.root_half();
         let most = self.lattice.roots * side;
         let lines = rects.iter().map(|rect| {
-            let [low, high] = [rect.min, rect.max]
-                .map(|xz| self.lattice.coordinates(GroundPoint::new(xz)));
+            let [low, high] =
+                [rect.min, rect.max].map(|xz| self.lattice.coordinates(GroundPoint::new(xz)));
             // A line more, against rounding.
             let low = (low.floor() - 1.0).max(DVec2::ZERO).as_uvec2().min(most);
             let high = (high.ceil() + 1.0).max(DVec2::ZERO).as_uvec2().min(most);

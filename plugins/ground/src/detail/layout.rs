@@ -397,24 +397,25 @@ pub fn without(terrain: &Terrain) -> Vec<&'static str> {
 pub fn all_without() -> Vec<Vec<&'static str>> {
     let [kinds @ .., maps, bilinear, bicubic] = LEFT_OUT.map(|(name, _)| name);
     let sets = 0..1_u32 << (kinds.len() + 2);
-    sets.flat_map(|set| [(set, false), (set, true)]).map(|(set, unedited)| {
-        let is = |bit: usize| set >> bit & 1 == 1;
-        let [no_bilinear, no_bicubic] = [is(kinds.len()), is(kinds.len() + 1)];
-        let others = (0..kinds.len())
-            .filter(|bit| is(*bit))
-            .map(|bit| kinds[bit]);
-        let of_maps = [
-            (no_bilinear && no_bicubic, maps),
-            (no_bilinear, bilinear),
-            (no_bicubic, bicubic),
-        ];
-        let of_maps = of_maps.into_iter().filter(|(left_out, _)| *left_out);
-        others
-            .chain(of_maps.map(|(_, name)| name))
-            .chain(unedited.then_some(WITHOUT_EDITS))
-            .collect()
-    })
-    .collect()
+    sets.flat_map(|set| [(set, false), (set, true)])
+        .map(|(set, unedited)| {
+            let is = |bit: usize| set >> bit & 1 == 1;
+            let [no_bilinear, no_bicubic] = [is(kinds.len()), is(kinds.len() + 1)];
+            let others = (0..kinds.len())
+                .filter(|bit| is(*bit))
+                .map(|bit| kinds[bit]);
+            let of_maps = [
+                (no_bilinear && no_bicubic, maps),
+                (no_bilinear, bilinear),
+                (no_bicubic, bicubic),
+            ];
+            let of_maps = of_maps.into_iter().filter(|(left_out, _)| *left_out);
+            others
+                .chain(of_maps.map(|(_, name)| name))
+                .chain(unedited.then_some(WITHOUT_EDITS))
+                .collect()
+        })
+        .collect()
 }
 
 /// Depths that arguments are kept for: all, and the one after the last.

@@ -8,8 +8,8 @@ use crate::cover::TerrainView;
 use crate::material::{GroundMaterial, Sea};
 use crate::shown::ShownTerrains;
 use bevy::asset::RenderAssetUsages;
-use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::ecs::entity::EntityHashMap;
+use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::math::DVec2;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -115,8 +115,7 @@ pub(crate) fn start(
                 since: None,
             },
         );
-        let task =
-            AsyncComputeTaskPool::get().spawn(async move { relief_map(&terrain_now, side) });
+        let task = AsyncComputeTaskPool::get().spawn(async move { relief_map(&terrain_now, side) });
         commands.entity(entity).insert(ReliefTask(task, side));
     }
 }

@@ -32,7 +32,8 @@ fn brush(kind: EditKind, place: DVec2, strength: f64) -> Edit {
 /// Vertices by their place, to the bit.
 fn heights(run: &DetailRun) -> HashMap<[u32; 2], f32> {
     let each = run.positions.iter();
-    each.map(|&[x, y, z]| ([x.to_bits(), z.to_bits()], y)).collect()
+    each.map(|&[x, y, z]| ([x.to_bits(), z.to_bits()], y))
+        .collect()
 }
 
 fn params(cells: &DetailCells, view: DetailView) -> DetailParams {
@@ -77,9 +78,7 @@ fn gpu_cells_under_a_brush_are_made_anew_and_no_others() {
         let mut other = DetailStage::new(&gpu, &fresh, 1 << 18).expect("passes");
         let theirs = other.run(params(&fresh, view)).expect("runs");
         let (ours, theirs) = (heights(ours), heights(&theirs));
-        let both = ours
-            .iter()
-            .filter(|(place, _)| theirs.contains_key(*place));
+        let both = ours.iter().filter(|(place, _)| theirs.contains_key(*place));
         let mut shared = 0;
         for (place, height) in both {
             // Geomorphs on their way differ with the error of a cell beside the brush, which counts more than it must.
@@ -152,7 +151,10 @@ fn gpu_the_bound_holds_on_edited_ground() {
         for triangle in &run.triangles {
             let corners = triangle.map(|k| Vec3::from(run.positions[k as usize]).as_dvec3());
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-            let places = corners.iter().map(|corner| middle.lerp(*corner, 0.5)).chain([middle]);
+            let places = corners
+                .iter()
+                .map(|corner| middle.lerp(*corner, 0.5))
+                .chain([middle]);
             for at in places {
                 let xz = DVec2::new(at.x, at.z) + anchor;
                 if (xz - place).length() > 30.0 {
@@ -237,7 +239,11 @@ fn gpu_an_app_edits_its_ground() {
                 let drawn = probe.drawn.expect("an answer");
                 let truth = ground.height(xz);
                 let off = (drawn.sample.height - truth).abs();
-                assert!(off <= drawn.bound + 1e-4, "{choice:?} {xz}: {off} > {}", drawn.bound);
+                assert!(
+                    off <= drawn.bound + 1e-4,
+                    "{choice:?} {xz}: {off} > {}",
+                    drawn.bound
+                );
                 assert_eq!(probe.sample.expect("the true one").height, truth);
             }
         };
@@ -259,7 +265,10 @@ fn gpu_an_app_edits_its_ground() {
         }
         // The first edit lays the buffer out with what it holds; the next ones write what differs.
         let written = words(&app);
-        assert!(written > 0 && written < 2 * 9 * (1225 + 12) + 2 * 12 * 40, "{written}");
+        assert!(
+            written > 0 && written < 2 * 9 * (1225 + 12) + 2 * 12 * 40,
+            "{written}"
+        );
         let edited = app::picture(&mut app, &target).data.expect("pixels");
         assert_ne!(before, edited, "a crater is seen");
         while let Some(undone) = edits.undo(&now) {
@@ -272,6 +281,9 @@ fn gpu_an_app_edits_its_ground() {
         assert!(before == after, "{choice:?}: the picture is another one");
         let written = words(&app) - written;
         assert!(written < 2 * 9 * (1225 + 12) + 2 * 12 * 40, "{written}");
-        assert_eq!(UVec2::new(160, 120).element_product() * 4, before.len() as u32);
+        assert_eq!(
+            UVec2::new(160, 120).element_product() * 4,
+            before.len() as u32
+        );
     }
 }

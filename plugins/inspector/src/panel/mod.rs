@@ -32,8 +32,8 @@ use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::render::render_resource::BlendState;
 use bevy_egui::{
-    EguiGlobalSettings, EguiManagedTextures, EguiPlugin, EguiPostUpdateSet,
-    EguiPreUpdateSet, EguiSchedule,
+    EguiGlobalSettings, EguiManagedTextures, EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet,
+    EguiSchedule,
 };
 
 /// For windows of an app's own in [`InspectorPass`].

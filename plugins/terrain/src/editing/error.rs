@@ -25,7 +25,9 @@ pub enum EditError {
     #[error("the falloff of an edit is {0}: a share of the radius from 0 to 1 is needed")]
     Falloff(f64),
     /// A height that is none.
-    #[error("the height to flatten to is {0} m: a finite number of at most 1e6 either way is needed")]
+    #[error(
+        "the height to flatten to is {0} m: a finite number of at most 1e6 either way is needed"
+    )]
     Height(f64),
     /// A brush that holds too many samples.
     #[error(

@@ -286,8 +286,7 @@ fn layer_of(lattice: &EditLattice, own: &Own) -> Edits {
     };
     let beside = |[x, z]: [u32; 2]| {
         let span = |k: u32, most: u32| k.saturating_sub(1)..=(k + 1).min(most - 1);
-        span(z, lattice.tiles[1])
-            .flat_map(move |z| span(x, lattice.tiles[0]).map(move |x| [x, z]))
+        span(z, lattice.tiles[1]).flat_map(move |z| span(x, lattice.tiles[0]).map(move |x| [x, z]))
     };
     let places: BTreeSet<[u32; 2]> = own.keys().copied().flat_map(beside).collect();
     let mut edits = Edits::none(*lattice);

@@ -2,13 +2,13 @@
 //!
 //! The weights of the filters and of their derivatives are those of height maps (`height_map/pyramid.rs`).
 
+use super::extremes::Extremes;
 use super::layer::Edits;
 use super::tile::{CELLS, STEP};
 use super::tree;
 use crate::ground::GroundRect;
 use crate::height_map::Filter;
 use crate::interval::{CellBounds, Interval, SecondOrder};
-use super::extremes::Extremes;
 use bevy::math::DVec2;
 
 /// Samples beyond which a lattice made for the spacing of edits is wider by a rounding.
@@ -115,7 +115,8 @@ impl Edits {
             return Extremes::default();
         }
         let tile = place.map(|k| (k << level) as u32);
-        tree::find(&self.root, top, tile, level).map_or_else(Extremes::default, tree::Node::extremes)
+        tree::find(&self.root, top, tile, level)
+            .map_or_else(Extremes::default, tree::Node::extremes)
     }
 }
 

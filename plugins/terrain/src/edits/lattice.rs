@@ -28,7 +28,12 @@ impl EditLattice {
     /// A lattice of samples every `spacing` metres over an extent, one of them at `through`. `None` where spacing or
     /// extent cannot be: fewer than [`HeightMap::MIN_SPACING`], or more than [`Self::MAX_SIDE`] samples a side.
     #[must_use]
-    pub fn over(extent: &GroundRect, through: DVec2, spacing: DVec2, filter: Filter) -> Option<Self> {
+    pub fn over(
+        extent: &GroundRect,
+        through: DVec2,
+        spacing: DVec2,
+        filter: Filter,
+    ) -> Option<Self> {
         let usable = spacing.is_finite()
             && extent.is_valid()
             && through.is_finite()
@@ -50,22 +55,6 @@ impl EditLattice {
             tiles: tiles.to_array(),
             filter,
         })
-    }
-
-    /// The same from the numbers that [`Self::origin`] and [`Self::frequencies`] give.
-    #[must_use]
-    pub(crate) const fn from_parts(
-        origin: GroundPoint,
-        frequency: [Frequency; 2],
-        tiles: [u32; 2],
-        filter: Filter,
-    ) -> Self {
-        Self {
-            origin,
-            frequency,
-            tiles,
-            filter,
-        }
     }
 
     /// Distance of samples, metres.

@@ -1,7 +1,7 @@
 //! The layer itself: heights and gradients of what was edited, and what two layers differ in.
 
 use super::lattice::EditLattice;
-use super::tile::{CELLS, STEP, SIDE, Tile, metres};
+use super::tile::{CELLS, SIDE, STEP, Tile, metres};
 use super::tree::{self, Link};
 use crate::ground::{GroundPoint, GroundRect, GroundSample, Height};
 use crate::height_map::{Filter, slopes, weights, weights_f64};
@@ -84,11 +84,17 @@ impl Edits {
     /// All tiles with their places, in the order of the tree.
     pub(crate) fn tiles(&self) -> Vec<([u32; 2], &Tile)> {
         let mut all = Vec::new();
-        tree::differences(&None, &self.root, self.lattice.level(), [0; 2], &mut |node| {
-            if let Some(tile) = node.now.and_then(tree::Node::tile) {
-                all.push((node.place, tile));
-            }
-        });
+        tree::differences(
+            &None,
+            &self.root,
+            self.lattice.level(),
+            [0; 2],
+            &mut |node| {
+                if let Some(tile) = node.now.and_then(tree::Node::tile) {
+                    all.push((node.place, tile));
+                }
+            },
+        );
         all
     }
 
@@ -205,7 +211,10 @@ impl Edits {
                 self.lattice
                     .place([first[0] + inside[0] + reach, first[1] + inside[1] + reach])
             };
-            join(&mut rects, GroundRect::new(corner(low, -2), corner(high, 2)));
+            join(
+                &mut rects,
+                GroundRect::new(corner(low, -2), corner(high, 2)),
+            );
         });
         Some(rects)
     }

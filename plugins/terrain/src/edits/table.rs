@@ -82,9 +82,8 @@ pub struct EditTable {
 
 /// As in `edits.wgsl`.
 fn hash([x, z]: [u32; 2], level: u32) -> u32 {
-    let mut h = x.wrapping_mul(0x9e37_79b9)
-        ^ z.wrapping_mul(0x85eb_ca6b)
-        ^ level.wrapping_mul(0xc2b2_ae35);
+    let mut h =
+        x.wrapping_mul(0x9e37_79b9) ^ z.wrapping_mul(0x85eb_ca6b) ^ level.wrapping_mul(0xc2b2_ae35);
     h = (h ^ (h >> 15)).wrapping_mul(0x846c_a68b);
     h ^ (h >> 13)
 }

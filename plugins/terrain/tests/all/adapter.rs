@@ -221,7 +221,11 @@ fn edits_agree() {
         let mut random = Random(4);
         for k in 0..30 {
             let edit = Edit {
-                kind: if k % 2 == 0 { EditKind::Raise } else { EditKind::Lower },
+                kind: if k % 2 == 0 {
+                    EditKind::Raise
+                } else {
+                    EditKind::Lower
+                },
                 place: DVec2::new(random.between(-200.0, 200.0), random.between(-200.0, 200.0)),
                 radius: random.between(5.0, 60.0),
                 strength: random.between(0.5, 20.0),

@@ -157,7 +157,8 @@ fn every_form_is_one_function() {
             let rect = GroundRect::new(xz - half, xz + half);
             let bounds = now.bounds(&rect);
             for _ in 0..8 {
-                let inside = xz + half * DVec2::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+                let inside =
+                    xz + half * DVec2::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0));
                 let sample = now.sample_f64(inside);
                 assert!(f64::from(bounds.min) <= sample.height, "{rect:?}");
                 assert!(f64::from(bounds.max) >= sample.height, "{rect:?}");
@@ -246,7 +247,10 @@ fn work_follows_the_brush() {
     let words: usize = writes.iter().map(|write| write.words.len()).sum();
     assert!(words <= 9 * (1225 + 12) + 4 * 12 * 8, "{words}");
     assert!(
-        table.update(next.edits().expect("edited")).expect("room").is_empty(),
+        table
+            .update(next.edits().expect("edited"))
+            .expect("room")
+            .is_empty(),
         "nothing differs"
     );
 }
@@ -290,7 +294,10 @@ fn tables_keep_up() {
     }
     let tiles_at = 12 << table.room().entries_log2;
     let mut tiles = 0;
-    for fresh in own[..tiles_at].chunks_exact(12).filter(|entry| entry[2] > 0) {
+    for fresh in own[..tiles_at]
+        .chunks_exact(12)
+        .filter(|entry| entry[2] > 0)
+    {
         let kept = entry(&words, [fresh[0], fresh[1], fresh[2]]).expect("an entry");
         assert_eq!(kept[4..9], fresh[4..9]);
         if fresh[2] == 1 {
@@ -311,7 +318,12 @@ fn undo_and_redo_are_to_the_bit() {
         let mut states = vec![ground.clone()];
         for k in 0..5 {
             let last = states.last().expect("one").clone();
-            states.push(edited(&last, &mut edits, DVec2::splat(f64::from(k) * 9.0), k + 1));
+            states.push(edited(
+                &last,
+                &mut edits,
+                DVec2::splat(f64::from(k) * 9.0),
+                k + 1,
+            ));
         }
         let places: Vec<DVec2> = (0..500)
             .map(|k| DVec2::new(f64::from(k % 25) * 6.3, f64::from(k / 25) * 7.1) - 60.0)
@@ -319,7 +331,10 @@ fn undo_and_redo_are_to_the_bit() {
         let bits = |terrain: &Terrain| {
             let each = places.iter().map(|xz| {
                 let height = terrain.height(*xz).to_bits();
-                (height, terrain.sample(GroundPoint::new(*xz)).value.to_bits())
+                (
+                    height,
+                    terrain.sample(GroundPoint::new(*xz)).value.to_bits(),
+                )
             });
             each.collect::<Vec<_>>()
         };
@@ -362,7 +377,11 @@ fn what_cannot_be_is_refused_before_memory_is_taken() {
     let mut edits = TerrainEdits::new(ground).expect("fits");
     let good = brush(EditKind::Raise, DVec2::ZERO, 20.0, 3.0);
     let mut refused = |edit: Edit| edits.apply(ground, &edit).expect_err("refused");
-    for place in [DVec2::new(f64::NAN, 0.0), DVec2::INFINITY, DVec2::splat(1e300)] {
+    for place in [
+        DVec2::new(f64::NAN, 0.0),
+        DVec2::INFINITY,
+        DVec2::splat(1e300),
+    ] {
         let edit = Edit {
             place,
             ..good.clone()
@@ -428,10 +447,16 @@ fn what_cannot_be_is_refused_before_memory_is_taken() {
             Err(fault) => Some(fault),
         }
     });
-    assert!(matches!(fault, Some(EditError::TooManyTiles { .. })), "{fault:?}");
+    assert!(
+        matches!(fault, Some(EditError::TooManyTiles { .. })),
+        "{fault:?}"
+    );
     assert!(u64::from(now.edits().expect("edited").counts()[0]) <= MAX_TILES);
     let endless = terrain(1.9e8, 0.0, Vec::new());
-    assert!(matches!(TerrainEdits::new(&endless), Err(EditError::Lattice { .. })));
+    assert!(matches!(
+        TerrainEdits::new(&endless),
+        Err(EditError::Lattice { .. })
+    ));
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -470,7 +495,9 @@ fn files_come_back_to_the_bit_and_damage_is_refused() {
         editing::load(&path, lattice).expect_err("refused")
     };
     // Every truncation.
-    let cut = (1..whole.len()).step_by(1 + whole.len() / 700).chain([whole.len() - 1]);
+    let cut = (1..whole.len())
+        .step_by(1 + whole.len() / 700)
+        .chain([whole.len() - 1]);
     for length in cut {
         let fault = load(&whole[..length]);
         let named = fault.to_string().contains(FILE_NAME);
@@ -480,7 +507,10 @@ fn files_come_back_to_the_bit_and_damage_is_refused() {
         );
     }
     assert!(matches!(load(&[]), EditFileError::Foreign { .. }));
-    assert!(matches!(load(b"\x89PNG\r\n\x1a\n........"), EditFileError::Foreign { .. }));
+    assert!(matches!(
+        load(b"\x89PNG\r\n\x1a\n........"),
+        EditFileError::Foreign { .. }
+    ));
     let with = |at: usize, byte: u8| {
         let mut bytes = whole.clone();
         bytes[at] ^= byte;

@@ -339,9 +339,7 @@ fn an_app_keeps_its_own_rapier() {
 /// An edit reaches the tiles under it and the bodies on them, and no others.
 #[test]
 fn edited_ground_is_met_and_nothing_beside_it_is_touched() {
-    use dolomite_terrain::{
-        Edit, EditKind, GroundRect, Terrain, TerrainData, TerrainEdits,
-    };
+    use dolomite_terrain::{Edit, EditKind, GroundRect, Terrain, TerrainData, TerrainEdits};
     let terrain = Terrain::new(TerrainData {
         extent: GroundRect::square(DVec2::ZERO, 400.0),
         layers: Vec::new(),
@@ -384,7 +382,10 @@ fn edited_ground_is_met_and_nothing_beside_it_is_touched() {
     steps(&mut app, 400);
     let at = place(&app, near);
     let height = now.height(DVec2::new(at.x.into(), at.z.into()));
-    assert!((f64::from(at.y) - height - 0.4).abs() < 0.05, "{at} over {height}");
+    assert!(
+        (f64::from(at.y) - height - 0.4).abs() < 0.05,
+        "{at} over {height}"
+    );
     // Both awake, each on tiles of its own: those of one alone are looked at.
     for (entity, x) in [(near, 0.5), (far, 60.5)] {
         let lifted = Transform::from_xyz(x, 2.5, 0.5);
@@ -401,10 +402,17 @@ fn edited_ground_is_met_and_nothing_beside_it_is_touched() {
         after.looked_at - before.looked_at,
         after.replaced - before.replaced,
     );
-    assert!(looked >= 1 && looked < u64::from(before.tiles), "{looked} of {}", before.tiles);
+    assert!(
+        looked >= 1 && looked < u64::from(before.tiles),
+        "{looked} of {}",
+        before.tiles
+    );
     assert!(replaced >= 1 && replaced <= looked);
     steps(&mut app, 300);
     let at = place(&app, far);
     let height = lower.height(DVec2::new(at.x.into(), at.z.into()));
-    assert!((f64::from(at.y) - height - 0.4).abs() < 0.1, "{at} over {height}");
+    assert!(
+        (f64::from(at.y) - height - 0.4).abs() < 0.1,
+        "{at} over {height}"
+    );
 }

@@ -13,7 +13,9 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bytemuck::cast_slice;
 use dolomite_terrain::Terrain;
 
-use crate::detail::layout::{Beginning, EditedRect, LEAST_CAPACITY, MOST_EDITED, SHARED_CELL_BYTES, STOCK_HEAD_BYTES};
+use crate::detail::layout::{
+    Beginning, EditedRect, LEAST_CAPACITY, MOST_EDITED, SHARED_CELL_BYTES, STOCK_HEAD_BYTES,
+};
 use crate::detail::{Cell, DetailCells, TerrainLod};
 use crate::render::room::Room;
 
