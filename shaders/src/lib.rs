@@ -194,6 +194,7 @@ pub const ALL: &[ShaderFile] = files![
     "stage/user_bounds.wgsl",
     "stage/work.wgsl",
     "terrain/bindings.wgsl",
+    "terrain/edits.wgsl",
     "terrain/permutation.wgsl",
     "terrain/fixed.wgsl",
     "terrain/fractal.wgsl",

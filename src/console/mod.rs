@@ -3,11 +3,13 @@
 //! | file | concern |
 //! |---|---|
 //! | [`commands`] | `scene`, `go`, `shot`, `bench`, `bot`, `quit` |
+//! | [`edit`] | `edit`: brushes, steps, files |
 //! | [`bot`] | a hand at the figure's keys |
 //! | [`script`] | what `--exec` names |
 
 pub mod bot;
 pub mod commands;
+pub mod edit;
 pub mod script;
 
 use bevy::core_pipeline::Core3d;
@@ -30,7 +32,9 @@ pub struct ConsolePlugin;
 impl Plugin for ConsolePlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins((InspectorPlugin, BotPlugin, ScriptPlugin));
-        commands::add(&mut app.world_mut().resource_mut::<Console>().table);
+        let mut console = app.world_mut().resource_mut::<Console>();
+        commands::add(&mut console.table);
+        edit::add(&mut console.table);
         dolomite::describe(app);
         dolomite::pictures(app);
         if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
@@ -93,5 +97,6 @@ pub fn table() -> Table {
     let mut console = Console::default();
     dolomite::inspector::commands::add(&mut console);
     commands::add(&mut console.table);
+    edit::add(&mut console.table);
     console.table
 }

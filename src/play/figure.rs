@@ -266,6 +266,21 @@ pub fn depth(place: DVec2, terrain: &Terrain) -> f64 {
     }
 }
 
+/// Puts a figure back on ground that was edited, if it stands in a part that was.
+pub(super) fn settle_within(
+    figure: &mut Mut<Figure>,
+    terrain: &Terrain,
+    within: impl Fn(DVec2) -> bool,
+) {
+    if !within(figure.now.place) {
+        return;
+    }
+    let place = nearest_stand(figure.now.place, terrain);
+    if place != figure.now.place {
+        **figure = Figure::at(place, terrain);
+    }
+}
+
 /// The nearest place, on rings around `wanted` that widen by an eighth, where the figure may
 /// stand; `wanted` itself (inside the extent) when all is deep water.
 fn nearest_stand(wanted: DVec2, terrain: &Terrain) -> DVec2 {

@@ -12,6 +12,7 @@
 pub mod body;
 pub mod camera;
 pub mod city;
+pub mod edits;
 pub mod figure;
 pub mod jump;
 pub mod things;
@@ -25,6 +26,7 @@ use crate::settings::Settings;
 use body::BodyPlugin;
 use camera::{CameraPlugin, FreeCamera};
 use city::CityWallsPlugin;
+use edits::EditsPlugin;
 use figure::{Figure, FigurePlugin};
 use things::ThingsPlugin;
 
@@ -101,6 +103,7 @@ impl Plugin for SimulationPlugin {
                 ThingsPlugin,
                 BodyPlugin,
                 CityWallsPlugin,
+                EditsPlugin,
             ))
             .add_systems(PreStartup, spawn)
             .add_systems(

@@ -43,7 +43,7 @@ pub struct Lift {
 
 /// The ground of stones.
 #[derive(Component)]
-struct Bed;
+pub(super) struct Bed;
 
 /// The set in which lifts move (schedule `FixedUpdate`).
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]

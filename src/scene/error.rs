@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use dolomite::terrain::{HeightMapError, TerrainError};
+use dolomite::terrain::{EditError, EditFileError, HeightMapError, TerrainError};
 use dolomite::vegetation::KindError;
 use thiserror::Error;
 
@@ -56,6 +56,12 @@ pub enum SceneError {
         /// Why, and what to do.
         reason: String,
     },
+    /// What was edited of its ground cannot be read.
+    #[error(transparent)]
+    Edits(#[from] EditFileError),
+    /// Its ground cannot be edited, and was.
+    #[error(transparent)]
+    Edited(#[from] EditError),
     /// A file of kinds was refused.
     #[error(transparent)]
     Kinds(#[from] KindError),

@@ -30,7 +30,7 @@ use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 use dolomite::ground::{GroundMaterial, MaterialBands, Sea};
 use dolomite::sky::Sun;
-use dolomite::terrain::{Ground, Terrain};
+use dolomite::terrain::{Ground, Terrain, editing};
 use dolomite::vegetation::Kinds;
 
 use city::CityScene;
@@ -152,7 +152,28 @@ pub fn load_watched(
     assets: &Path,
     files: &mut Files,
 ) -> Result<LoadedScene, SceneError> {
-    with_lamps(read(request, assets, files)?, request)
+    with_edits(with_lamps(read(request, assets, files)?, request)?)
+}
+
+/// The file of what was edited of a scene: in its folder, by its name. `None` for a scene that is no file.
+#[must_use]
+pub fn edits_file(files: &Files) -> Option<PathBuf> {
+    let (path, _) = files.first()?;
+    let mut name = std::ffi::OsString::from("edits.");
+    name.push(path.file_stem()?);
+    name.push(".dolomite");
+    Some(path.with_file_name(name))
+}
+
+/// Puts on what was edited, if that was saved. A change of that file is no change of the scene: the game writes it itself.
+fn with_edits(mut scene: LoadedScene) -> Result<LoadedScene, SceneError> {
+    let saved = edits_file(&scene.files).filter(|path| scene.own.is_none() && path.is_file());
+    if let Some(path) = saved {
+        let lattice = editing::lattice_of(&scene.terrain)?;
+        let edits = editing::load(&path, &lattice)?;
+        scene.terrain = scene.terrain.with_edits(Some(edits));
+    }
+    Ok(scene)
 }
 
 fn read(

@@ -21,6 +21,7 @@
 //! | [`daylight`] | the place of the sun; colours by day and by night |
 
 pub mod bloom;
+pub mod brush;
 pub mod city;
 pub mod daylight;
 pub mod hero;
@@ -65,6 +66,7 @@ use crate::scene::CurrentScene;
 use crate::settings::Settings;
 use crate::settings::quality::Quality;
 use bloom::BloomFitPlugin;
+use brush::BrushPlugin;
 use city::CityScenePlugin;
 use daylight::{DaylightPlugin, SATURATION};
 use hero::HeroPlugin;
@@ -156,6 +158,7 @@ impl Plugin for ViewPlugin {
                 TorchPlugin,
                 CityScenePlugin,
                 PlantPlugin,
+                BrushPlugin,
             ))
             .add_systems(
                 Dress,

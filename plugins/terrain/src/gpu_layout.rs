@@ -1,5 +1,6 @@
 //! The terrain as `shaders/src/terrain/bindings.wgsl` reads it.
 
+use crate::edits::{EditRoom, EditTable, Edits};
 use crate::ground::GroundPoint;
 use crate::height_map::{Filter, HeightMap};
 use crate::hill::Hill;
@@ -27,6 +28,10 @@ pub enum LayerKind {
     Bicubic = 6,
     /// Hill.
     Hill = 7,
+    /// Edits, bilinear.
+    EditsBilinear = 8,
+    /// Edits, bicubic.
+    EditsBicubic = 9,
 }
 
 /// One layer, laid out as the WGSL `Layer`: 20 words. Words that a kind does not use are 0.
@@ -35,15 +40,15 @@ pub enum LayerKind {
 pub struct GpuLayer {
     /// A [`LayerKind`].
     pub kind: u32,
-    /// Fractal, permutation: octaves.
+    /// Fractal, permutation: octaves. Edits: entries of the table, as a power of two.
     pub octaves: u32,
     /// Fractal, permutation: index in the data of the octave table (12 words an octave); the permutation noise
-    /// permutation (256 words) follows it. Map: index of the first sample.
+    /// permutation (256 words) follows it. Map: index of the first sample. Edits: index of the table.
     pub data: u32,
-    /// Fractal: octaves of the warp, 0 for none. Map: levels of windows.
+    /// Fractal: octaves of the warp, 0 for none. Map: levels of windows. Edits: level of the root.
     pub warp_octaves: u32,
     /// Fractal: index of the warp's octave table for x; that for z follows it. Map: index of the first
-    /// window of level 1; those of the next levels follow.
+    /// window of level 1; those of the next levels follow. Edits: index of the first sample of the first tile.
     pub warp_data: u32,
     /// Fractal: strength of erosion. Map: from its lowest to its highest height, metres.
     pub erosion: f32,
@@ -51,17 +56,17 @@ pub struct GpuLayer {
     pub mask_low: f32,
     /// 1 / (high − low) of the mask, 0 for no mask.
     pub mask_scale: f32,
-    /// Map: columns, rows.
+    /// Map: columns, rows. Edits: cells along x, z.
     pub size: [u32; 2],
-    /// Map: place of the first sample; hill: centre. Whole metres x, z.
+    /// Map, edits: place of the first sample; hill: centre. Whole metres x, z.
     pub origin_cell: [i32; 2],
     /// The same: steps of 2⁻³² m.
     pub origin_frac: [u32; 2],
-    /// Map: mantissas of samples a metre along x, z.
+    /// Map, edits: mantissas of samples a metre along x, z.
     pub mantissa: [u32; 2],
     /// Map: shifts of the same.
     pub shift: [u32; 2],
-    /// Map: samples a metre. Hill: 1/radius, and height in metres.
+    /// Map, edits: samples a metre. Hill: 1/radius, and height in metres.
     pub scale: [f32; 2],
 }
 
@@ -94,23 +99,27 @@ pub struct GpuTerrain {
     pub data: Vec<u32>,
     /// Binding 2.
     pub uniform: GpuTerrainUniform,
+    /// Where in the data the table of edits begins, and what it holds, if there is a layer of them.
+    pub edits: Option<(usize, EditTable)>,
 }
 
 impl Terrain {
-    /// Bytes of the height maps in [`GpuTerrain::data`], known before they are laid out.
+    /// Bytes of the height maps and edits in [`GpuTerrain::data`], known before they are laid out.
     #[must_use]
     pub fn gpu_map_bytes(&self) -> u64 {
         let maps = self.prepared().filter_map(|(source, _)| match source {
             Prepared::Map(map) => Some(map.gpu_words()),
             _ => None,
         });
-        4 * maps.sum::<u64>()
+        let edits = self.edits().map(|edits| EditRoom::of(edits).words() as u64);
+        4 * (maps.sum::<u64>() + edits.unwrap_or(0))
     }
 
     /// Lays out the terrain for the GPU. Copies the samples of height maps.
     #[must_use]
     pub fn gpu(&self) -> GpuTerrain {
         let mut data = Vec::new();
+        let mut table = None;
         let mut layers: Vec<GpuLayer> = self
             .prepared()
             .map(|(source, mask)| {
@@ -120,6 +129,11 @@ impl Terrain {
                     Prepared::Permutation(source) => permutation(source, &mut data),
                     Prepared::Map(source) => map(source, &mut data),
                     Prepared::Hill(source) => hill(source),
+                    Prepared::Edits(source) => {
+                        let (layer, made) = edits(source, &mut data);
+                        table = made;
+                        layer
+                    }
                 };
                 GpuLayer {
                     mask_low: mask.low,
@@ -144,6 +158,7 @@ impl Terrain {
             layers,
             data,
             uniform,
+            edits: table,
         }
     }
 }
@@ -240,6 +255,35 @@ fn hill(source: &Hill) -> GpuLayer {
         scale: [source.inverse_radius(), source.height],
         ..origin(GroundPoint::new(source.centre))
     }
+}
+
+/// Room for a layer of edits, and what it holds.
+fn edits(source: &Edits, data: &mut Vec<u32>) -> (GpuLayer, Option<(usize, EditTable)>) {
+    let room = EditRoom::of(source);
+    let at = data.len();
+    data.resize(at + room.words(), 0);
+    let mut table = EditTable::new(room, source);
+    for write in table.update(source).unwrap_or_default() {
+        data[at + write.at..][..write.words.len()].copy_from_slice(&write.words);
+    }
+    let lattice = source.lattice();
+    let kind = match lattice.filter() {
+        Filter::Bilinear => LayerKind::EditsBilinear,
+        Filter::Bicubic => LayerKind::EditsBicubic,
+    };
+    let layer = GpuLayer {
+        kind: kind as u32,
+        octaves: room.entries_log2,
+        data: at as u32,
+        warp_octaves: lattice.level(),
+        warp_data: (at + room.tiles_at()) as u32,
+        size: lattice.samples().map(|samples| samples as u32),
+        mantissa: lattice.frequency.map(|frequency| frequency.mantissa),
+        shift: lattice.frequency.map(|frequency| frequency.shift),
+        scale: lattice.scale().as_vec2().to_array(),
+        ..origin(lattice.origin)
+    };
+    (layer, Some((at, table)))
 }
 
 fn origin(point: GroundPoint) -> GpuLayer {

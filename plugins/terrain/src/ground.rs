@@ -7,6 +7,7 @@
 use bevy::math::{DVec2, DVec3, IVec2, UVec2, Vec2, Vec3};
 use bevy::reflect::Reflect;
 use bytemuck::{Pod, Zeroable};
+use core::any::Any;
 
 /// 2³², the number of fixed-point steps in one metre.
 const STEPS_PER_METRE: f64 = 4_294_967_296.0;
@@ -205,6 +206,17 @@ pub trait Ground: Send + Sync {
     /// Upward unit normal at (x, z).
     fn normal(&self, xz: DVec2) -> DVec3 {
         self.sample(xz).normal()
+    }
+
+    /// Rectangles beyond which this ground is the same as another, metres; `None` where that is not known: all of it may
+    /// be another. A [`Terrain`](crate::Terrain) knows of another one with other edits.
+    fn changed_rects(&self, _before: &dyn Ground) -> Option<Vec<GroundRect>> {
+        None
+    }
+
+    /// Itself, for grounds that know each other.
+    fn as_any(&self) -> Option<&dyn Any> {
+        None
     }
 }
 

@@ -22,6 +22,8 @@
 
 pub mod batch;
 pub mod bounds;
+pub mod editing;
+pub mod edits;
 mod gpu_layout;
 mod ground;
 mod height_map;
@@ -37,6 +39,8 @@ pub use dolomite_elevation as elevation;
 
 pub use batch::{BatchError, HeightTile, Planes};
 pub use bounds::HeightBounds;
+pub use editing::{Edit, EditError, EditFileError, EditKind, TerrainEdits};
+pub use edits::{EditLattice, EditRoom, EditTable, EditWrite, Edits};
 pub use gpu_layout::{GpuLayer, GpuTerrain, GpuTerrainUniform, LayerKind};
 pub use ground::{Ground, GroundPoint, GroundRect, GroundSample, Height};
 pub use height_map::{

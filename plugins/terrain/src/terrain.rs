@@ -1,5 +1,6 @@
 //! A terrain: layers of sources, one function of the ground plane.
 
+use crate::edits::Edits;
 use crate::ground::{Ground, GroundPoint, GroundRect, GroundSample, Height, in_range};
 use crate::height_map::{HeightMap, HeightMapError};
 use crate::hill::Hill;
@@ -65,6 +66,7 @@ pub(crate) enum Prepared {
     Permutation(PreparedPermutation),
     Map(HeightMap),
     Hill(Hill),
+    Edits(Edits),
 }
 
 /// The ground: an immutable, cheaply cloned function from place to height and gradient.
@@ -72,8 +74,17 @@ pub(crate) enum Prepared {
 /// Its f32 value ([`Terrain::sample`], the batch functions, and `terrain_height` in WGSL) and its
 /// f64 value ([`Terrain::sample_f64`], the [`Ground`] that gameplay uses) are the same function up
 /// to rounding.
+///
+/// What was edited lies over it ([`Terrain::with_edits`]): an edited terrain is another value that shares what it is made
+/// of with the one before, and what differs is told by [`Terrain::changed_since`].
 #[derive(Component, Clone, Debug)]
-pub struct Terrain(Arc<Inner>);
+pub struct Terrain {
+    base: Arc<Inner>,
+    /// Without its water.
+    dry: bool,
+    /// A [`Prepared::Edits`], if there is a layer of them.
+    edits: Option<Arc<Prepared>>,
+}
 
 #[derive(Debug)]
 struct Inner {
@@ -182,56 +193,90 @@ impl Terrain {
                 }
             });
         }
-        Ok(Self(Arc::new(Inner { data, prepared })))
+        Ok(Self {
+            base: Arc::new(Inner { data, prepared }),
+            dry: false,
+            edits: None,
+        })
     }
 
     /// What the terrain was made from.
     #[must_use]
     pub fn data(&self) -> &TerrainData {
-        &self.0.data
+        &self.base.data
     }
 
     /// Where there is ground.
     #[must_use]
     pub fn extent(&self) -> GroundRect {
-        self.0.data.extent
+        self.base.data.extent
     }
 
     /// Height of the water, metres, if there is any.
     #[must_use]
     pub fn sea_level(&self) -> Option<f32> {
-        self.0.data.sea_level
+        self.base.data.sea_level.filter(|_| !self.dry)
     }
 
     /// The same ground without its water.
     #[must_use]
     pub fn without_sea(&self) -> Self {
-        if self.sea_level().is_none() {
-            return self.clone();
+        Self {
+            dry: true,
+            ..self.clone()
         }
-        let Inner { data, prepared } = &*self.0;
-        Self(Arc::new(Inner {
-            data: TerrainData {
-                sea_level: None,
-                ..data.clone()
-            },
-            prepared: prepared.clone(),
-        }))
     }
 
-    /// Whether two handles are the same terrain (the same allocation): what was computed for one
-    /// then holds for the other.
+    /// Whether two handles are the same terrain, edits too: what was computed for one then holds for the other.
     #[must_use]
     pub fn same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
+        self.same_base(other) && self.edits() == other.edits()
     }
 
-    /// Layers with what evaluates them, first to last.
+    /// Whether two handles are made of the same (the same allocation), whatever was edited.
+    #[must_use]
+    pub fn same_base(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.base, &other.base) && self.sea_level() == other.sea_level()
+    }
+
+    /// What was edited, if there is a layer of edits.
+    #[must_use]
+    pub fn edits(&self) -> Option<&Edits> {
+        match self.edits.as_deref() {
+            Some(Prepared::Edits(edits)) => Some(edits),
+            _ => None,
+        }
+    }
+
+    /// The same terrain with other edits, or with none.
+    #[must_use]
+    pub fn with_edits(&self, edits: Option<Edits>) -> Self {
+        Self {
+            edits: edits.map(|edits| Arc::new(Prepared::Edits(edits))),
+            ..self.clone()
+        }
+    }
+
+    /// Rectangles beyond which this terrain is the same as another one, metres: those in which they were edited
+    /// otherwise. Found in time in proportion to what differs. `None` for terrains that are made of something else.
+    #[must_use]
+    pub fn changed_since(&self, other: &Self) -> Option<Vec<GroundRect>> {
+        if !self.same_base(other) {
+            return None;
+        }
+        match (other.edits(), self.edits()) {
+            (None, None) => Some(Vec::new()),
+            (Some(before), None) => Edits::none(*before.lattice()).changed_since(before),
+            (None, Some(now)) => now.changed_since(&Edits::none(*now.lattice())),
+            (Some(before), Some(now)) => now.changed_since(before),
+        }
+    }
+
+    /// Layers with what evaluates them, first to last, edits behind all.
     pub(crate) fn prepared(&self) -> impl Iterator<Item = (&Prepared, Option<Mask>)> {
-        self.0
-            .prepared
-            .iter()
-            .zip(self.0.data.layers.iter().map(|layer| layer.mask))
+        let masks = self.base.data.layers.iter().map(|layer| layer.mask);
+        let edits = self.edits.as_deref().map(|edits| (edits, None));
+        self.base.prepared.iter().zip(masks).chain(edits)
     }
 
     /// Height and gradient in f32: the CPU reference of `terrain_height` in WGSL. About 20 ns an octave;
@@ -239,7 +284,7 @@ impl Terrain {
     #[must_use]
     pub fn sample(&self, point: GroundPoint) -> Height {
         let base = Height {
-            value: self.0.data.base,
+            value: self.base.data.base,
             ..Height::default()
         };
         self.prepared().fold(base, |below, (source, mask)| {
@@ -253,7 +298,7 @@ impl Terrain {
     pub fn sample_f64(&self, xz: DVec2) -> GroundSample {
         let xz = in_range(xz);
         let base = GroundSample {
-            height: f64::from(self.0.data.base),
+            height: f64::from(self.base.data.base),
             gradient: DVec2::ZERO,
         };
         self.prepared().fold(base, |below, (source, mask)| {
@@ -262,6 +307,7 @@ impl Terrain {
                 Prepared::Permutation(permutation) => permutation.sample_f64(xz),
                 Prepared::Map(map) => map.sample_f64(xz),
                 Prepared::Hill(hill) => hill.sample_f64(xz),
+                Prepared::Edits(edits) => edits.sample_f64(xz),
             };
             masked_f64(mask, below, added)
         })
@@ -300,6 +346,7 @@ impl Prepared {
             Self::Permutation(permutation) => permutation.sample(point),
             Self::Map(map) => map.sample(point),
             Self::Hill(hill) => hill.sample(point),
+            Self::Edits(edits) => edits.sample(point),
         }
     }
 }
@@ -307,6 +354,15 @@ impl Prepared {
 impl Ground for Terrain {
     fn sample(&self, xz: DVec2) -> GroundSample {
         self.sample_f64(xz)
+    }
+
+    fn changed_rects(&self, before: &dyn Ground) -> Option<Vec<GroundRect>> {
+        let before = before.as_any()?.downcast_ref::<Self>()?;
+        self.changed_since(before)
+    }
+
+    fn as_any(&self) -> Option<&dyn core::any::Any> {
+        Some(self)
     }
 }
 

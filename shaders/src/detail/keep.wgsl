@@ -2,7 +2,7 @@
 // are made where they are new. A thread a cell. Also counts the workgroups of the passes to come.
 
 #import dolomite::detail::types::{Link, APPEARS, NO_CELL}
-#import dolomite::detail::bindings::{counts, detail, detail_pass, links, lists, seen, ARGUMENTS, GROUP, KEPT, LEFT, LOOK, LOOK_ARGUMENTS, MAKE, MOST_GROUPS, WITHOUT_ROOM, blocks_before, look_block}
+#import dolomite::detail::bindings::{cells, counts, detail, detail_pass, links, lists, seen, ARGUMENTS, GROUP, KEPT, LEFT, LOOK, LOOK_ARGUMENTS, MAKE, MOST_GROUPS, WITHOUT_ROOM, blocks_before, look_block}
 #import dolomite::detail::lattice::{cell_corner, cell_half}
 #import dolomite::detail::stock::take_block
 
@@ -27,10 +27,33 @@ fn error_ratio_of(at: u32) -> f32 {
     return error_ratio;
 }
 
+// Whether the ground of a cell was edited since a choice looked at its quarters.
+fn is_edited(centre: vec2<u32>, half: u32, looked: u32) -> bool {
+    var edited = false;
+    for (var k = 0u; k < detail.edited_count; k++) {
+        let rect = detail.edited[k];
+        let meets = all(centre + vec2(half) >= rect.low) && all(centre <= rect.high + vec2(half));
+        edited = edited || (meets && looked <= rect.stamp);
+    }
+    return edited;
+}
+
+// Has a block of the next depth made.
+fn want_made(first: u32) {
+    let before = blocks_before(MAKE, detail_pass.depth + 1u);
+    let place = atomicAdd(&counts[MAKE + detail_pass.depth + 1u], 1u);
+    lists[detail.capacity / 2u - 1u - before - place] = first;
+    // A workgroup a block.
+    atomicMax(&next[ARGUMENTS * (detail_pass.depth + 1u)], min(place + 1u, MOST_GROUPS));
+}
+
 // The first of the cell's quarters; 0 where there is no room.
 fn quarters_of(at: u32, centre: vec2<u32>, half: u32) -> u32 {
     let known = links[at].children;
     if known != 0u {
+        if detail.edited_count > 0u && is_edited(centre, half, cells[known].looked) {
+            want_made(known);
+        }
         return known;
     }
     let first = take_block();
@@ -41,11 +64,7 @@ fn quarters_of(at: u32, centre: vec2<u32>, half: u32) -> u32 {
         links[first + k] = Link(cell_corner(centre, half / 2u, k), at, 0u);
     }
     links[at].children = first;
-    let before = blocks_before(MAKE, detail_pass.depth + 1u);
-    let place = atomicAdd(&counts[MAKE + detail_pass.depth + 1u], 1u);
-    lists[detail.capacity / 2u - 1u - before - place] = first;
-    // A workgroup a block.
-    atomicMax(&next[ARGUMENTS * (detail_pass.depth + 1u)], min(place + 1u, MOST_GROUPS));
+    want_made(first);
     return first;
 }
 

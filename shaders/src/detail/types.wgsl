@@ -39,6 +39,16 @@ struct HorizonView {
     pad_c: f32,
 }
 
+// A part of the ground that was edited: from the first to the last lattice line, after the choice of that number.
+struct EditedRect {
+    low: vec2<u32>,
+    high: vec2<u32>,
+    stamp: u32,
+    pad_a: u32,
+    pad_b: u32,
+    pad_c: u32,
+}
+
 struct DetailParams {
     view: DetailView,
     // Least corner of the lattice, 32.32 fixed point.
@@ -74,14 +84,16 @@ struct DetailParams {
     horizon: HorizonView,
     // How many lattice steps wide the outermost columns and rows are whose steps have another length; 0: none are.
     border: u32,
+    // Rectangles in `edited`.
+    edited_count: u32,
     border_pad_a: u32,
     border_pad_b: u32,
-    border_pad_c: u32,
     // How much longer a step is there, 2^-32 m, two's complement: in the first and the last column, the first and the last row.
     first_x: vec2<u32>,
     last_x: vec2<u32>,
     first_z: vec2<u32>,
     last_z: vec2<u32>,
+    edited: array<EditedRect, 16>,
 }
 
 // A cell as it was made, see Cell in cell.rs.

@@ -3,7 +3,8 @@
 // What samples at a spacing may miss altogether. CPU reference: plugins/terrain/src/bounds/unseen.rs.
 
 #import dolomite::terrain::fixed::{GroundPoint, fixed_metres, fixed_sub, ground_x, ground_z, Fixed}
-#import dolomite::terrain::layer::{Layer, BILINEAR, BICUBIC, HILL}
+#import dolomite::terrain::layer::{Layer, BILINEAR, BICUBIC, HILL, EDITS_BILINEAR}
+#import dolomite::terrain::edits::missed_of_edits
 #import dolomite::terrain::bindings::{terrain, terrain_data, terrain_layers}
 
 // Between samples `apart` of the map's own, over a rectangle from `low` to `high` in their units. CPU reference:
@@ -56,6 +57,14 @@ fn unseen(centre: GroundPoint, sides: vec2<f32>, spacing: f32) -> f32 {
                 missed += missed_of_map(layer, low, low + sides * layer.scale, apart);
             }
         }
+#ifndef TERRAIN_WITHOUT_EDITS
+        else if layer.kind >= EDITS_BILINEAR && max(layer.scale.x, layer.scale.y) * spacing > 1.001 {
+            let dx = fixed_metres(fixed_sub(ground_x(centre), Fixed(bitcast<u32>(layer.origin_cell.x), layer.origin_frac.x)));
+            let dz = fixed_metres(fixed_sub(ground_z(centre), Fixed(bitcast<u32>(layer.origin_cell.y), layer.origin_frac.y)));
+            let low = (vec2(dx, dz) - sides * 0.5) * layer.scale;
+            missed += missed_of_edits(layer, low, low + sides * layer.scale, layer.scale * spacing);
+        }
+#endif
     }
     return missed;
 }

@@ -4,11 +4,12 @@
 // `Terrain::sample` in plugins/terrain/src/terrain.rs.
 
 #import dolomite::terrain::fixed::{Fixed, GroundPoint, fixed_metres, fixed_sub, ground_x, ground_z}
-#import dolomite::terrain::layer::{Layer, ERODED, CLASSIC, BILINEAR, BICUBIC, HILL}
+#import dolomite::terrain::layer::{Layer, ERODED, CLASSIC, BILINEAR, BICUBIC, HILL, EDITS_BILINEAR}
 #import dolomite::terrain::bindings::{terrain, terrain_layers}
 #import dolomite::terrain::fractal::fractal_height
 #import dolomite::terrain::permutation::permutation_height
 #import dolomite::terrain::height_map::map_height
+#import dolomite::terrain::edits::edits_height
 
 // height * (1 - r^2/R^2)^3 within R.
 fn hill_height(layer: Layer, x: Fixed, z: Fixed) -> vec3<f32> {
@@ -59,6 +60,11 @@ fn terrain_height(p: GroundPoint) -> vec3<f32> {
 #ifndef TERRAIN_WITHOUT_HILLS
         if layer.kind == HILL {
             added = hill_height(layer, x, z);
+        }
+#endif
+#ifndef TERRAIN_WITHOUT_EDITS
+        if layer.kind >= EDITS_BILINEAR {
+            added = edits_height(layer, x, z);
         }
 #endif
         height = masked(layer, height, added);

@@ -11,19 +11,23 @@ const CLASSIC: u32 = 4u;
 const BILINEAR: u32 = 5u;
 const BICUBIC: u32 = 6u;
 const HILL: u32 = 7u;
+const EDITS_BILINEAR: u32 = 8u;
+const EDITS_BICUBIC: u32 = 9u;
 
 // One source of the terrain. What a kind does not use is 0.
 struct Layer {
     kind: u32,
-    // Fractal, permutation: number of octaves.
+    // Fractal, permutation: number of octaves. Edits: entries of the table, as a power of two.
     octaves: u32,
     // Fractal, permutation: index in terrain_data of the octave table, OCTAVE_WORDS an octave; the
     // classic permutation (256 words) follows it. Map: index of the first sample.
+    // Edits: index of the table, see edits.wgsl.
     data: u32,
-    // Fractal: octaves of the warp, 0 for none. Map: levels of windows.
+    // Fractal: octaves of the warp, 0 for none. Map: levels of windows. Edits: level of the root.
     warp_octaves: u32,
     // Fractal: index of the warp's octave table for x; that for z follows it. Map: index of the first
     // window of level 1, see height_map/deviation.rs; those of the next levels follow.
+    // Edits: index of the first sample of the first tile.
     warp_data: u32,
     // Fractal: strength of erosion. Map: from its lowest to its highest height, metres.
     erosion: f32,
@@ -31,15 +35,15 @@ struct Layer {
     mask_low: f32,
     // 1 / (high - low) of the mask, 0 for no mask.
     mask_scale: f32,
-    // Map: columns, rows.
+    // Map: columns, rows. Edits: cells along x, z.
     size: vec2<u32>,
-    // Map: place of the first sample; hill: centre.
+    // Map, edits: place of the first sample; hill: centre.
     origin_cell: vec2<i32>,
     origin_frac: vec2<u32>,
-    // Map: samples a metre along x, z, as mantissa * 2^-shift.
+    // Map, edits: samples a metre along x, z, as mantissa * 2^-shift.
     mantissa: vec2<u32>,
     shift: vec2<u32>,
-    // Map: samples a metre. Hill: 1 / radius, and height in metres.
+    // Map, edits: samples a metre. Hill: 1 / radius, and height in metres.
     scale: vec2<f32>,
 }
 

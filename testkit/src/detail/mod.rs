@@ -15,10 +15,11 @@ use dolomite_ground::detail::DetailCells;
 use dolomite_ground::detail::lattice::MAX_DEPTH;
 use dolomite_ground::detail::layout::{
     ALL_COUNT_WORDS, ARGUMENT_BYTES, Beginning, CLOSING_BYTES, DEPTH_PASSES, DetailParams,
-    DetailPass, HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, Pass,
-    STOCK_HEAD_BYTES, SWEEP_PASS, Second, VIEW_CELL_BYTES, without,
+    DetailPass, EditedRect, HEAD_COARSENING, HEAD_LEFT, HEAD_USED, LAST_PASSES, LIST_BYTES, MAKE,
+    Pass, STOCK_HEAD_BYTES, SWEEP_PASS, Second, VIEW_CELL_BYTES, without,
 };
 use dolomite_ground::render::detail::record::SLOT;
+use dolomite_terrain::Terrain;
 use layouts::{Layouts, group};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
@@ -77,6 +78,9 @@ pub struct DetailStage<'a> {
     closing: Buffer,
     capacity: u32,
     stamp: u32,
+    /// Where the ground was edited, and whether its roots are to be made again.
+    edited: Vec<EditedRect>,
+    remade: bool,
     /// Of the newest choice.
     vertices: Option<Buffer>,
     answers: Option<answers::AnswerPass>,
@@ -177,16 +181,7 @@ impl<'a> DetailStage<'a> {
             let at = (u64::from(depth) * SLOT) as usize;
             depths[at..at + size_of::<DetailPass>()].copy_from_slice(bytes_of(&pass));
         }
-        let given = cells.terrain().gpu();
-        let terrain = group(
-            gpu,
-            &layouts.ground,
-            &[
-                filled(cast_slice(&given.layers), BufferUsages::STORAGE).as_entire_binding(),
-                filled(cast_slice(&given.data), BufferUsages::STORAGE).as_entire_binding(),
-                filled(bytes_of(&given.uniform), BufferUsages::UNIFORM).as_entire_binding(),
-            ],
-        );
+        let terrain = ground(gpu, &layouts, cells.terrain());
         Ok(Self {
             gpu,
             passes,
@@ -202,10 +197,40 @@ impl<'a> DetailStage<'a> {
             stock,
             capacity,
             stamp: 0,
+            edited: Vec::new(),
+            remade: false,
             vertices: None,
             answers: None,
             times: None,
         })
+    }
+
+    /// Takes other edits of the ground over, as a store of an app does. Its definitions stay: the ground has to have had a
+    /// layer of edits before.
+    pub fn edit(&mut self, cells: &mut DetailCells, terrain: &Terrain) {
+        let lines = cells.follow_edits(terrain).unwrap_or_default();
+        let stamp = self.stamp;
+        self.edited
+            .extend(lines.into_iter().map(|[low, high]| EditedRect {
+                low: low.to_array(),
+                high: high.to_array(),
+                stamp,
+                ..EditedRect::default()
+            }));
+        self.beginning = Beginning::new(cells);
+        let queue = self.gpu.queue();
+        queue.write_buffer(&self.corners, 0, cast_slice(&self.beginning.corners));
+        self.terrain = ground(self.gpu, &self.layouts, terrain);
+        self.remade = true;
+    }
+
+    /// How many blocks of four cells the newest choice made.
+    ///
+    /// # Errors
+    /// [`DetailError`].
+    pub fn made(&self) -> Result<u32, DetailError> {
+        let counts: Vec<u32> = pod_collect_to_vec(&self.gpu.read(&self.kept[3])?);
+        Ok(counts[MAKE..=MAKE + MAX_DEPTH as usize].iter().sum())
     }
 
     /// Chooses, and makes the mesh.
@@ -250,4 +275,25 @@ impl<'a> DetailStage<'a> {
             time,
         })
     }
+}
+
+/// What the height function reads, bound.
+fn ground(gpu: &Gpu, layouts: &Layouts, terrain: &Terrain) -> BindGroup {
+    let given = terrain.gpu();
+    let filled = |contents: &[u8], usage| {
+        gpu.device().create_buffer_init(&BufferInitDescriptor {
+            label: None,
+            contents,
+            usage,
+        })
+    };
+    group(
+        gpu,
+        &layouts.ground,
+        &[
+            filled(cast_slice(&given.layers), BufferUsages::STORAGE).as_entire_binding(),
+            filled(cast_slice(&given.data), BufferUsages::STORAGE).as_entire_binding(),
+            filled(bytes_of(&given.uniform), BufferUsages::UNIFORM).as_entire_binding(),
+        ],
+    )
 }

@@ -17,13 +17,19 @@ impl DetailStage<'_> {
             stamp: self.stamp,
             capacity: self.capacity,
             ..params
-        };
+        }
+        .edited(&self.edited);
         let queue = gpu.queue();
         queue.write_buffer(&self.uniform, 0, bytes_of(&params));
-        let fresh = self.stamp == 1;
+        let fresh = self.stamp == 1 || std::mem::take(&mut self.remade);
         let counts = self.beginning.counts(fresh);
         queue.write_buffer(&self.kept[3], 0, cast_slice(&counts));
         queue.write_buffer(&self.kept[4], 0, cast_slice(&self.beginning.blocks));
+        if fresh {
+            let back: Vec<u32> = self.beginning.blocks.iter().rev().copied().collect();
+            let at = 4 * (u64::from(self.capacity / 2) - back.len() as u64);
+            queue.write_buffer(&self.kept[4], at, cast_slice(&back));
+        }
         let arguments = self.beginning.arguments(fresh);
         for buffer in &self.arguments {
             queue.write_buffer(buffer, 0, cast_slice(&arguments));

@@ -16,6 +16,8 @@ pub struct BridgeCounters {
     pub bytes: u64,
     /// Tiles that were made, all in all.
     pub made: u64,
+    /// Tiles whose samples were looked at again because the ground changed in them, or anywhere, all in all.
+    pub looked_at: u64,
     /// Tiles that got other samples in place, all in all.
     pub replaced: u64,
     /// Bodies that were woken because their ground changed, all in all.

@@ -19,6 +19,7 @@ use bevy_rapier3d::prelude::{
     RapierContextSimulation, RapierRigidBodySet,
 };
 use bevy_rapier3d::rapier::prelude::RigidBodySet;
+use dolomite_terrain::GroundRect;
 use std::sync::Arc;
 
 /// Steps that a tile stays which nobody needs: a body that rolls to and fro over a border makes none anew.
@@ -222,6 +223,21 @@ pub(super) fn change(
             continue;
         };
         let other_lattice = last.side() != ground.side() || last.step() != ground.step();
+        let same_cells = !other_lattice && last.diagonals() == ground.diagonals();
+        // Where the ground tells what it changed in, all beyond stays as it is.
+        let rects = ground
+            .ground()
+            .changed_rects(&**last.ground())
+            .filter(|_| same_cells);
+        let touched = |min: DVec2, max: DVec2| {
+            rects.as_ref().is_none_or(|rects| {
+                let meets =
+                    |rect: &GroundRect| min.cmple(rect.max).all() && max.cmpge(rect.min).all();
+                rects.iter().any(meets)
+            })
+        };
+        let step = f64::from(ground.step());
+        let side = f64::from(ground.side());
         tiles.of.retain(|(of, tile), known| {
             if *of != entity {
                 return true;
@@ -230,6 +246,12 @@ pub(super) fn change(
                 commands.entity(known.entity).try_despawn();
                 return false;
             }
+            // With the step around it.
+            let corner = tile.as_dvec2() * side;
+            if !touched(corner - step, corner + side + step) {
+                return true;
+            }
+            counters.looked_at += 1;
             let samples = ground.samples(*tile);
             if samples != known.samples || last.diagonals() != ground.diagonals() {
                 let shape = ground.shape(*tile, samples.clone());
@@ -250,6 +272,9 @@ pub(super) fn change(
             continue;
         };
         for body in bodies.boxes(&set, colliders) {
+            if !touched(body.at_min - step, body.at_max + step) {
+                continue;
+            }
             let Some(rise) = risen(&last, &ground, &body) else {
                 continue;
             };

@@ -17,7 +17,7 @@
 //! **Water.** The drawn surface is the ground or the sea above it. The bed counts by half, as deep as it
 //! can be seen: light is bent and absorbed on its way.
 
-use bevy::math::{UVec2, Vec2};
+use bevy::math::{DVec2, UVec2, Vec2};
 use bevy::platform::collections::HashMap;
 use bevy::tasks::{ComputeTaskPool, TaskPool};
 use bytemuck::{Pod, Zeroable};
@@ -181,6 +181,44 @@ impl DetailCells {
     #[must_use]
     pub const fn terrain(&self) -> &Terrain {
         &self.terrain
+    }
+
+    /// Takes the same ground over with other edits: cells in which it changed are forgotten, and the corners of roots
+    /// there are found anew. The rectangles in which it did, in lattice lines; `None` where it is other ground, and nothing
+    /// is done.
+    pub fn follow_edits(&mut self, terrain: &Terrain) -> Option<Vec<[UVec2; 2]>> {
+        let rects = terrain.changed_since(&self.terrain)?;
+        self.terrain = terrain.clone();
+        let side = 2 * self.lattice.root_half();
+        let most = self.lattice.roots * side;
+        let lines = rects.iter().map(|rect| {
+            let [low, high] =
+                [rect.min, rect.max].map(|xz| self.lattice.coordinates(GroundPoint::new(xz)));
+            // A line more, against rounding.
+            let low = (low.floor() - 1.0).max(DVec2::ZERO).as_uvec2().min(most);
+            let high = (high.ceil() + 1.0).max(DVec2::ZERO).as_uvec2().min(most);
+            [low, high]
+        });
+        let lines: Vec<[UVec2; 2]> = lines.collect();
+        for [low, high] in &lines {
+            let (first, last) = ((low + side - 1) / side, high / side);
+            for z in first.y..=last.y {
+                for x in first.x..=last.x {
+                    let point = self.lattice.point(UVec2::new(x, z) * side);
+                    let at = (z * (self.lattice.roots.x + 1) + x) as usize;
+                    self.corners[at] = heights(&self.terrain, &[point])[0];
+                }
+            }
+        }
+        if !lines.is_empty() {
+            self.numbers.retain(|centre, _| {
+                let half = CellPlace::of_centre(*centre).half;
+                !lines.iter().any(|[low, high]| {
+                    (centre + half).cmpge(*low).all() && centre.cmple(high + half).all()
+                })
+            });
+        }
+        Some(lines)
     }
 
     /// How many cells have been made.

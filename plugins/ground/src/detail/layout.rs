@@ -38,11 +38,31 @@ pub struct DetailParams {
     pub pad: f32,
     pub horizon: HorizonView,
     pub border: u32,
-    pub border_pad: [u32; 3],
+    pub edited_count: u32,
+    pub border_pad: [u32; 2],
     pub first_x: [u32; 2],
     pub last_x: [u32; 2],
     pub first_z: [u32; 2],
     pub last_z: [u32; 2],
+    pub edited: [EditedRect; MOST_EDITED],
+}
+
+/// Most rectangles that are told to have been edited since cells were made.
+pub const MOST_EDITED: usize = 16;
+
+/// A part of the ground that was edited: cells on it are made anew where no choice after the one of `stamp` has looked at
+/// them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct EditedRect {
+    /// First lattice line along x and z.
+    pub low: [u32; 2],
+    /// Last ones.
+    pub high: [u32; 2],
+    /// The newest choice before the edit.
+    pub stamp: u32,
+    /// 0.
+    pub pad: [u32; 3],
 }
 
 /// Bit of [`DetailParams::flags`]: triangles that the camera does not see are left out.
@@ -95,12 +115,23 @@ impl DetailParams {
             pad: 0.0,
             horizon: HorizonView::default(),
             border: border.width,
-            border_pad: [0; 3],
+            edited_count: 0,
+            border_pad: [0; 2],
             first_x: longer(border.first, 0),
             last_x: longer(border.last, 0),
             first_z: longer(border.first, 1),
             last_z: longer(border.last, 1),
+            edited: [EditedRect::default(); MOST_EDITED],
         }
+    }
+
+    /// The same with cells made anew where these rectangles were edited; beyond [`MOST_EDITED`] of them are left out.
+    #[must_use]
+    pub fn edited(mut self, rects: &[EditedRect]) -> Self {
+        let count = rects.len().min(MOST_EDITED);
+        self.edited[..count].copy_from_slice(&rects[..count]);
+        self.edited_count = count as u32;
+        self
     }
 
     /// The same with the triangles left out of the list that `picture` shows nothing of; `keep_others` puts
@@ -344,6 +375,9 @@ const LEFT_OUT: [(&str, fn(&Source) -> bool); 6] = [
     ),
 ];
 
+/// Leaves edits out.
+const WITHOUT_EDITS: &str = "TERRAIN_WITHOUT_EDITS";
+
 /// Definitions for the shader that makes cells: the kinds of layers that a terrain has not. Software Vulkan runs
 /// all sides of a branch.
 #[must_use]
@@ -353,30 +387,35 @@ pub fn without(terrain: &Terrain) -> Vec<&'static str> {
         .iter()
         .filter(|(_, is)| !layers.iter().any(|layer| is(&layer.source)))
         .map(|(name, _)| *name)
+        .chain(terrain.edits().is_none().then_some(WITHOUT_EDITS))
         .collect()
 }
 
 /// Everything that [`without`] may give: each kind of layers is there or not, and maps are there where one of
-/// their filters is.
+/// their filters is; and the same with edits and without.
 #[must_use]
 pub fn all_without() -> Vec<Vec<&'static str>> {
     let [kinds @ .., maps, bilinear, bicubic] = LEFT_OUT.map(|(name, _)| name);
     let sets = 0..1_u32 << (kinds.len() + 2);
-    sets.map(|set| {
-        let is = |bit: usize| set >> bit & 1 == 1;
-        let [no_bilinear, no_bicubic] = [is(kinds.len()), is(kinds.len() + 1)];
-        let others = (0..kinds.len())
-            .filter(|bit| is(*bit))
-            .map(|bit| kinds[bit]);
-        let of_maps = [
-            (no_bilinear && no_bicubic, maps),
-            (no_bilinear, bilinear),
-            (no_bicubic, bicubic),
-        ];
-        let of_maps = of_maps.into_iter().filter(|(left_out, _)| *left_out);
-        others.chain(of_maps.map(|(_, name)| name)).collect()
-    })
-    .collect()
+    sets.flat_map(|set| [(set, false), (set, true)])
+        .map(|(set, unedited)| {
+            let is = |bit: usize| set >> bit & 1 == 1;
+            let [no_bilinear, no_bicubic] = [is(kinds.len()), is(kinds.len() + 1)];
+            let others = (0..kinds.len())
+                .filter(|bit| is(*bit))
+                .map(|bit| kinds[bit]);
+            let of_maps = [
+                (no_bilinear && no_bicubic, maps),
+                (no_bilinear, bilinear),
+                (no_bicubic, bicubic),
+            ];
+            let of_maps = of_maps.into_iter().filter(|(left_out, _)| *left_out);
+            others
+                .chain(of_maps.map(|(_, name)| name))
+                .chain(unedited.then_some(WITHOUT_EDITS))
+                .collect()
+        })
+        .collect()
 }
 
 /// Depths that arguments are kept for: all, and the one after the last.

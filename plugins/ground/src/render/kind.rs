@@ -1,11 +1,13 @@
 //! The ground as what draws it knows it: what its functions read.
 
+use std::sync::Arc;
+
 use bevy::camera::visibility::RenderLayers;
 use bevy::math::{DVec2, Vec4};
 use bevy::prelude::*;
 use bevy::render::render_resource::{AsBindGroup, ShaderType};
 use bevy::render::storage::ShaderBuffer;
-use dolomite_terrain::{GpuTerrainUniform, Terrain};
+use dolomite_terrain::{EditTable, GpuTerrainUniform, Terrain};
 
 use super::detail::DetailKind;
 use super::look::GroundLook;
@@ -48,6 +50,8 @@ pub struct GroundKind<const SLOT: usize> {
     pub(super) texture_bytes: u64,
     /// What the buffers hold.
     pub(super) terrain: Option<Terrain>,
+    /// Where in the data the table of edits begins, and what it held when the data were laid out.
+    pub(super) edits: Option<Arc<(usize, EditTable)>>,
     /// Whether it is drawn.
     pub(super) shown: bool,
     /// Layers of which a camera has to see one.
@@ -85,6 +89,26 @@ const DRY: &str = "GROUND_WITHOUT_SEA";
 const FEW_LAYERS: u32 = 8;
 
 impl<const SLOT: usize> GroundKind<SLOT> {
+    /// Takes other edits of the ground over that the buffers hold, if their table has room for them: who renders writes
+    /// what differs (`edits.rs`).
+    pub(super) fn takes_edits(&mut self, terrain: &Terrain) -> bool {
+        let same = self
+            .terrain
+            .as_ref()
+            .is_some_and(|known| known.same_base(terrain));
+        let fits = match (&self.edits, terrain.edits()) {
+            (None, None) => true,
+            (Some(table), Some(edits)) => {
+                table.1.room().holds(edits) && table.1.edits().lattice() == edits.lattice()
+            }
+            _ => false,
+        };
+        if same && fits {
+            self.terrain = Some(terrain.clone());
+        }
+        same && fits
+    }
+
     fn numbers(&self, view: &Viewpoint) -> [Vec4; 4] {
         let anchor = DVec2::new(view.anchor.x, view.anchor.z);
         self.look.numbers(anchor, self.extent_min)

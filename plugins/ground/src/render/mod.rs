@@ -9,6 +9,7 @@ mod builtin;
 pub mod choice;
 pub mod detail;
 mod drawn;
+mod edits;
 mod kind;
 mod look;
 mod noise;
@@ -27,6 +28,8 @@ use bevy::render::{Render, RenderApp, RenderSystems};
 
 pub use detail::probe::{AnswerCensus, DrawnProbeStats, answer_census};
 pub use drawn::{DrawnGround, GroundProgress};
+#[doc(hidden)]
+pub use edits::words_of_edits;
 #[doc(hidden)]
 pub use kind::{GroundKind, HeightUniform};
 #[doc(hidden)]
@@ -98,6 +101,7 @@ fn add_slot<const SLOT: usize>(app: &mut App) {
         PostUpdate,
         terrain::follow::<SLOT>.in_set(GroundSystems::Follow),
     );
+    edits::build::<SLOT>(app);
     choice::build::<GroundKind<SLOT>>(app);
 }
 

@@ -8,13 +8,16 @@ use crate::cover::TerrainView;
 use crate::material::{GroundMaterial, Sea};
 use crate::shown::ShownTerrains;
 use bevy::asset::RenderAssetUsages;
+use bevy::ecs::entity::EntityHashMap;
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::math::DVec2;
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 use dolomite_terrain::{GroundPoint, HeightTile, Planes, Terrain};
 use half::f16;
+use std::time::Duration;
 
 /// The relief map of a terrain; made in the background by the plugin for a terrain that is drawn, and taken away
 /// when it is hidden or no camera has a [`TerrainView`] any more.
@@ -65,7 +68,8 @@ pub(crate) fn forget(
     }
 }
 
-/// Starts a relief map for every drawn terrain that is new or has changed.
+/// Starts a relief map for every drawn terrain that is new or has changed. Where it was edited the old map is seen until the
+/// new one is there, which is begun when nobody has edited for two seconds: it is of the whole ground.
 pub(crate) fn start(
     mut commands: Commands,
     side: Res<ReliefSide>,
@@ -73,6 +77,7 @@ pub(crate) fn start(
     views: Query<(), With<TerrainView>>,
     terrains: Query<(Entity, Ref<Terrain>, Has<Sea>), With<GroundMaterial>>,
     known: Query<(), Or<(With<TerrainRelief>, With<ReliefTask>)>>,
+    mut edited: Local<EntityHashMap<Edited>>,
 ) {
     let Some(side) = side.texels() else {
         return;
@@ -81,16 +86,49 @@ pub(crate) fn start(
         return;
     }
     for (entity, terrain, sea) in terrains.iter_many(shown.entities()) {
-        if !terrain.is_changed() && known.contains(entity) {
-            continue;
+        let terrain_now = drawn(&terrain, sea);
+        if known.contains(entity) {
+            let last = edited.get_mut(&entity);
+            match last.filter(|last| last.terrain.same_base(&terrain_now)) {
+                // Edits alone: the map stays until nobody has edited for a while.
+                Some(last) if terrain.is_changed() => {
+                    if !last.terrain.same(&terrain_now) {
+                        last.since = Some(Instant::now());
+                        last.terrain = terrain_now;
+                    }
+                    continue;
+                }
+                Some(last) if last.since.is_some_and(|since| since.elapsed() > RESTS) => {
+                    last.since = None;
+                }
+                Some(_) => continue,
+                None if !terrain.is_changed() => continue,
+                None => {
+                    commands.entity(entity).remove::<TerrainRelief>();
+                }
+            }
         }
-        let terrain = drawn(&terrain, sea);
-        let task = AsyncComputeTaskPool::get().spawn(async move { relief_map(&terrain, side) });
-        commands
-            .entity(entity)
-            .remove::<TerrainRelief>()
-            .insert(ReliefTask(task, side));
+        edited.insert(
+            entity,
+            Edited {
+                terrain: terrain_now.clone(),
+                since: None,
+            },
+        );
+        let task = AsyncComputeTaskPool::get().spawn(async move { relief_map(&terrain_now, side) });
+        commands.entity(entity).insert(ReliefTask(task, side));
     }
+}
+
+/// How long nobody edits a ground before its relief map is made anew.
+const RESTS: Duration = Duration::from_secs(2);
+
+/// The ground that a map is of, or will be when nobody edits it any more.
+#[derive(Debug)]
+pub(crate) struct Edited {
+    terrain: Terrain,
+    /// Since when it is another one than the map is of.
+    since: Option<Instant>,
 }
 
 /// The ground as it is drawn: without a sea its water is not there.

@@ -1,5 +1,7 @@
 //! From the components of a terrain to what its slot draws.
 
+use std::sync::Arc;
+
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
@@ -97,7 +99,12 @@ pub(super) fn follow<const SLOT: usize>(
     let sea_changed = changed(had_sea, sea.as_ref().map(Ref::is_changed));
     let canopy_changed = changed(had_canopy, canopy.as_ref().map(Ref::is_changed));
     due.terrain |= other || terrain.is_changed() || had_sea != sea.is_some();
-    due.look |= due.terrain
+    let remade = due.terrain
+        && !kind
+            .terrain
+            .as_ref()
+            .is_some_and(|known| known.same_base(&drawn(&terrain, sea.is_some())));
+    due.look |= remade
         || material.is_changed()
         || textures.is_changed()
         || shading.is_changed()
@@ -118,18 +125,9 @@ pub(super) fn follow<const SLOT: usize>(
     }
     if std::mem::take(&mut due.terrain) {
         let terrain = drawn(&terrain, sea.is_some());
-        let gpu = terrain.gpu();
-        let mut buffer =
-            |bytes: &[u8]| buffers.add(ShaderBuffer::new(bytes, RenderAssetUsages::RENDER_WORLD));
-        kind.layers = buffer(bytemuck::cast_slice(&gpu.layers));
-        kind.data = buffer(bytemuck::cast_slice(&gpu.data));
-        kind.heights = gpu.uniform.into();
-        let uniforms = HeightUniform::min_size().get() + GroundLook::min_size().get();
-        kind.buffer_bytes = (size_of_val(&*gpu.layers) + size_of_val(&*gpu.data)) as u64 + uniforms;
-        let bounds = terrain.bounds(&terrain.extent());
-        kind.heights_apart = (bounds.max - bounds.min).max(0.0);
-        kind.extent_min = terrain.extent().min;
-        kind.terrain = Some(terrain);
+        if !kind.takes_edits(&terrain) {
+            lay_out(&mut kind, &mut buffers, terrain);
+        }
     }
     if std::mem::take(&mut due.look) {
         let textured = textured(&material);
@@ -166,6 +164,27 @@ pub(super) fn follow<const SLOT: usize>(
     if kind.texture_bytes != bytes {
         kind.texture_bytes = bytes;
     }
+}
+
+/// The data of a terrain into new buffers.
+fn lay_out<const SLOT: usize>(
+    kind: &mut GroundKind<SLOT>,
+    buffers: &mut Assets<ShaderBuffer>,
+    terrain: Terrain,
+) {
+    let gpu = terrain.gpu();
+    let mut buffer =
+        |bytes: &[u8]| buffers.add(ShaderBuffer::new(bytes, RenderAssetUsages::RENDER_WORLD));
+    kind.layers = buffer(bytemuck::cast_slice(&gpu.layers));
+    kind.data = buffer(bytemuck::cast_slice(&gpu.data));
+    kind.heights = gpu.uniform.into();
+    let uniforms = HeightUniform::min_size().get() + GroundLook::min_size().get();
+    kind.buffer_bytes = (size_of_val(&*gpu.layers) + size_of_val(&*gpu.data)) as u64 + uniforms;
+    let bounds = terrain.bounds(&terrain.extent());
+    kind.heights_apart = (bounds.max - bounds.min).max(0.0);
+    kind.extent_min = terrain.extent().min;
+    kind.edits = gpu.edits.map(Arc::new);
+    kind.terrain = Some(terrain);
 }
 
 /// Bytes of an image on the GPU, with its mip levels.

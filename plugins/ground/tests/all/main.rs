@@ -10,6 +10,8 @@ mod canopy;
 #[cfg(feature = "render")]
 mod chosen;
 mod cover;
+#[cfg(feature = "render")]
+mod edits;
 mod plugin;
 #[cfg(feature = "render")]
 mod several;

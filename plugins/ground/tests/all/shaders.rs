@@ -240,7 +240,9 @@ fn the_records_of_blocks_lie_as_in_rust() {
 
 #[test]
 fn the_records_of_the_level_of_detail_lie_as_in_rust() {
-    use dolomite_ground::detail::layout::{DetailParams, DetailPass, Link, VIEW_CELL_BYTES};
+    use dolomite_ground::detail::layout::{
+        DetailParams, DetailPass, EditedRect, Link, VIEW_CELL_BYTES,
+    };
     use dolomite_ground::detail::{Cell, DetailView, HorizonView};
     let look = composed("detail/look.wgsl");
     same_layout!(
@@ -287,12 +289,15 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
             oldest,
             horizon,
             border,
+            edited_count,
             first_x,
             last_x,
             first_z,
             last_z,
+            edited,
         }
     );
+    same_layout!(&look, EditedRect { low, high, stamp });
     same_layout!(
         &look,
         HorizonView {

@@ -32,9 +32,12 @@ use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::render::render_resource::BlendState;
 use bevy_egui::{
-    EguiContext, EguiGlobalSettings, EguiManagedTextures, EguiPlugin, EguiPostUpdateSet,
-    EguiPreUpdateSet, EguiSchedule,
+    EguiGlobalSettings, EguiManagedTextures, EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet,
+    EguiSchedule,
 };
+
+/// For windows of an app's own in [`InspectorPass`].
+pub use bevy_egui::{EguiContext, egui};
 
 use crate::{Inspector, InspectorWants};
 use state::Shell;

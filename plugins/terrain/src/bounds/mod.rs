@@ -69,7 +69,7 @@ fn affordable(source: &Prepared) -> usize {
         Prepared::Fractal(fractal) if fractal.sum != Sum::Fbm => 16,
         Prepared::Fractal(fractal) if fractal.warp.is_some() => 24,
         Prepared::Fractal(_) | Prepared::Hill(_) => 32,
-        Prepared::Permutation(_) | Prepared::Map(_) => 16,
+        Prepared::Permutation(_) | Prepared::Map(_) | Prepared::Edits(_) => 16,
     }
 }
 
@@ -134,6 +134,9 @@ fn source_bounds(source: &Prepared, cells: &Cells) -> Vec<CellBounds> {
         Prepared::Permutation(permutation) => fractal::permutation(permutation, cells),
         Prepared::Map(map) => (0..cells.len())
             .map(|i| map.cell_bounds(cells.centre(i), cells.half))
+            .collect(),
+        Prepared::Edits(edits) => (0..cells.len())
+            .map(|i| edits.cell_bounds(cells.centre(i), cells.half))
             .collect(),
         Prepared::Hill(hill) => (0..cells.len())
             .map(|i| hill_bounds(hill, cells, i))

@@ -7,7 +7,7 @@ use bevy::math::DVec2;
 impl Terrain {
     /// By how much the ground between samples `spacing` metres apart, anywhere in `rect`, may differ from
     /// what they tell because something stands there alone: hills less than four samples in radius, and
-    /// height maps that have samples of their own in between. Metres, 0 and above.
+    /// height maps and edits that have samples of their own in between. Metres, 0 and above.
     ///
     /// Noise counts nothing here: it is the same everywhere, so that samples meet all of its octaves.
     #[must_use]
@@ -25,6 +25,7 @@ impl Terrain {
                     }
                 }
                 Prepared::Map(map) => map.missed(rect, spacing),
+                Prepared::Edits(edits) => edits.missed(rect, spacing),
                 Prepared::Fractal(_) | Prepared::Permutation(_) => 0.0,
             })
             .sum()

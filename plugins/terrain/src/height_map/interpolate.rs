@@ -9,7 +9,7 @@ use crate::noise::coordinate::{cell, fraction};
 use bevy::math::{DVec2, Vec2};
 
 /// Catmull-Rom weights of samples −1, 0, 1, 2 at t in [0, 1].
-fn weights(t: f32) -> [f32; 4] {
+pub(crate) fn weights(t: f32) -> [f32; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [
         t2 - 0.5 * (t3 + t),
@@ -20,7 +20,7 @@ fn weights(t: f32) -> [f32; 4] {
 }
 
 /// Their derivatives.
-fn slopes(t: f32) -> [f32; 4] {
+pub(crate) fn slopes(t: f32) -> [f32; 4] {
     let t2 = t * t;
     [
         2.0 * t - 1.5 * t2 - 0.5,
@@ -31,7 +31,7 @@ fn slopes(t: f32) -> [f32; 4] {
 }
 
 /// Weights and derivatives in f64.
-fn weights_f64(t: f64) -> ([f64; 4], [f64; 4]) {
+pub(crate) fn weights_f64(t: f64) -> ([f64; 4], [f64; 4]) {
     (
         [
             -0.5 * t * t * t + t * t - 0.5 * t,

@@ -15,6 +15,7 @@ mod pyramid;
 pub use error::HeightMapError;
 pub use file::{HeightMapFile, Holes, MapFormat, RawFormat};
 pub use geodesy::metres_per_degree;
+pub(crate) use interpolate::{slopes, weights, weights_f64};
 
 use crate::ground::{GroundPoint, GroundRect};
 use crate::noise::Frequency;

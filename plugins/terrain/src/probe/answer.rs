@@ -5,6 +5,7 @@ use super::{DrawnAnswer, GroundProbe};
 use crate::ground::GroundSample;
 use crate::terrain::{Terrain, terrain_at};
 use bevy::app::{App, PostUpdate, PreUpdate};
+use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::prelude::*;
 use bevy::math::DVec2;
 use bevy::tasks::{ComputeTaskPool, TaskPool};
@@ -90,11 +91,24 @@ fn find_true(
     mut batch: ResMut<ProbeBatch>,
     mut probes: Query<&mut GroundProbe>,
     mut round: Local<Vec<(usize, DVec2)>>,
+    mut known: Local<EntityHashMap<Terrain>>,
 ) {
-    let changed =
-        removed.read().count() > 0 || terrains.iter().any(|(_, terrain)| terrain.is_changed());
-    if changed {
+    let gone = removed.read().inspect(|entity| {
+        known.remove(entity);
+    });
+    if gone.count() > 0 {
         batch.ask_all();
+    }
+    for (entity, terrain) in &terrains {
+        if !terrain.is_changed() {
+            continue;
+        }
+        // Where it was edited, probes on what changed are asked alone.
+        let before = known.insert(entity, Terrain::clone(&terrain));
+        match before.and_then(|before| terrain.changed_since(&before)) {
+            Some(rects) => batch.ask_within(&rects),
+            None => batch.ask_all(),
+        }
     }
     if batch.waiting == 0 {
         return;

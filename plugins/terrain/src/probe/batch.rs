@@ -1,6 +1,6 @@
 //! All probes in one array: what is asked of who draws, and what comes back.
 
-use crate::ground::GroundPoint;
+use crate::ground::{GroundPoint, GroundRect};
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::prelude::*;
 use bevy::ecs::reflect::ReflectResource;
@@ -323,6 +323,18 @@ impl ProbeBatch {
             slot.waiting = slot.entity.is_some();
             slot.frame = frame;
             self.waiting += usize::from(slot.waiting);
+        }
+    }
+
+    /// The true surface is another one within these rectangles: probes there wait again.
+    pub(super) fn ask_within(&mut self, rects: &[GroundRect]) {
+        let frame = self.frame;
+        for slot in &mut self.slots {
+            let meets = slot.entity.is_some() && rects.iter().any(|rect| rect.contains(slot.place));
+            if meets {
+                self.waiting += usize::from(!slot.waiting);
+                (slot.waiting, slot.frame) = (true, frame);
+            }
         }
     }
 

@@ -205,3 +205,48 @@ fn a_wrong_answer_is_seen() {
     let [value, ..] = probe.run(&one, &[GroundPoint::new(xz)])[0];
     assert!((f64::from(value) - other.sample_f64(xz).height).abs() > 0.01);
 }
+
+/// Edits over noise and over maps: the WGSL beside f64, near and beyond what was edited.
+#[test]
+fn edits_agree() {
+    use dolomite_terrain::{Edit, EditKind, TerrainEdits};
+    let Some(probe) = Probe::new() else { return };
+    for filter in [Filter::Bilinear, Filter::Bicubic] {
+        let samples = vec![40.0; 100 * 100];
+        let spacing = DVec2::splat(3.0);
+        let map = HeightMap::new(100, 100, samples, DVec2::ZERO, spacing, filter);
+        let ground = terrain(900.0, 0.0, vec![plain(Source::Map(map.expect("valid")))]);
+        let mut edits = TerrainEdits::new(&ground).expect("fits");
+        let mut now = ground.clone();
+        let mut random = Random(4);
+        for k in 0..30 {
+            let edit = Edit {
+                kind: if k % 2 == 0 {
+                    EditKind::Raise
+                } else {
+                    EditKind::Lower
+                },
+                place: DVec2::new(random.between(-200.0, 200.0), random.between(-200.0, 200.0)),
+                radius: random.between(5.0, 60.0),
+                strength: random.between(0.5, 20.0),
+                falloff: random.unit(),
+            };
+            now = edits.apply(&now, &edit).expect("valid").terrain;
+        }
+        let places: Vec<_> = (0..20_000)
+            .map(|_| DVec2::new(random.between(-500.0, 500.0), random.between(-500.0, 500.0)))
+            .collect();
+        let points: Vec<_> = places.iter().map(|&xz| GroundPoint::new(xz)).collect();
+        let mut lifted = 0;
+        for (xz, [value, dx, dz]) in places.iter().zip(probe.run(&now, &points)) {
+            let exact = now.sample_f64(*xz);
+            lifted += usize::from(exact.height != 40.0);
+            // A few ulp of 100 m; slopes of some 20 m over 1.5 m.
+            assert!((f64::from(value) - exact.height).abs() < 5e-5, "{xz}");
+            let gradient = DVec2::new(f64::from(dx), f64::from(dz)) - exact.gradient;
+            assert!(gradient.length() < 2e-4, "{xz}: {gradient}");
+        }
+        // Brushes cover a tenth of where is asked.
+        assert!(lifted > 1500, "{lifted}");
+    }
+}

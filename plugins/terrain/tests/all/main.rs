@@ -5,6 +5,7 @@ mod accuracy;
 mod adapter;
 mod batch;
 mod bounds;
+mod edits;
 mod field;
 mod height_map;
 mod layout;

@@ -69,15 +69,29 @@ struct Asked {
 }
 
 impl Asked {
-    /// Whether what stands is the same but for what comes and goes at the borders.
+    /// Whether what stands is the same but for what comes and goes at the borders, and where the ground was edited.
     fn same_world(&self, other: &Self) -> bool {
-        self.terrain.same(&other.terrain)
+        self.terrain.same_base(&other.terrain)
             && Arc::ptr_eq(&self.kinds, &other.kinds)
             && self.seed == other.seed
     }
 
+    /// Whether another terrain is this one with edits that no plant of the search, or of the next one, stands on.
+    fn is_beyond(&self, terrain: &Terrain) -> bool {
+        let reaches = self.kinds.kinds.iter().map(|kind| kind.reach);
+        let farthest = reaches.fold(0.0, f32::max) * self.numbers[1];
+        // Who keeps off another stands no farther than this from it.
+        let farthest = f64::from(farthest) + STEP + 100.0;
+        terrain.changed_since(&self.terrain).is_some_and(|rects| {
+            rects
+                .iter()
+                .all(|rect| rect.distance(self.focus) > farthest)
+        })
+    }
+
     fn fits(&self, other: &Self) -> bool {
         self.same_world(other)
+            && self.terrain.same(&other.terrain)
             && self.numbers == other.numbers
             && self.most == other.most
             && self.focus.distance(other.focus) < STEP
@@ -152,6 +166,12 @@ fn search(
     {
         clear(standing, &mut commands);
     }
+    if let Some(known) = &mut standing.asked
+        && known.same_world(&asked)
+        && known.is_beyond(&asked.terrain)
+    {
+        known.terrain = asked.terrain.clone();
+    }
     let current = standing
         .asked
         .as_ref()
@@ -184,6 +204,7 @@ fn search(
     stats.candidates = found.candidates;
     stats.over = found.over;
     stats.search_ms = ms;
+    let before = std::mem::take(&mut standing.wanted);
     standing.wanted = found
         .instances
         .iter()
@@ -191,7 +212,10 @@ fn search(
         .collect();
     let wanted = &standing.wanted;
     standing.entities.retain(|key, entity| {
-        let stays = wanted.contains_key(key);
+        // Where the ground was edited, roots have moved.
+        let stays = wanted
+            .get(key)
+            .is_some_and(|now| before.get(key) == Some(now));
         if !stays {
             commands.entity(*entity).despawn();
         }

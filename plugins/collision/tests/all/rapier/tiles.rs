@@ -335,3 +335,84 @@ fn an_app_keeps_its_own_rapier() {
     assert!(end.x > 12.0 && end.y > surface, "{end}");
     assert_eq!(rolled(1), whole);
 }
+
+/// An edit reaches the tiles under it and the bodies on them, and no others.
+#[test]
+fn edited_ground_is_met_and_nothing_beside_it_is_touched() {
+    use dolomite_terrain::{Edit, EditKind, GroundRect, Terrain, TerrainData, TerrainEdits};
+    let terrain = Terrain::new(TerrainData {
+        extent: GroundRect::square(DVec2::ZERO, 400.0),
+        layers: Vec::new(),
+        base: 0.0,
+        sea_level: None,
+    })
+    .expect("valid");
+    let mut app = app();
+    let tiles = GroundTiles::new(Arc::new(terrain.clone()), 1.0, 8).expect("usable");
+    let ground_entity = app.world_mut().spawn(tiles).id();
+    let near = cube(&mut app, 0.4, Vec3::new(0.5, 0.41, 0.5));
+    let far = cube(&mut app, 0.4, Vec3::new(60.5, 0.41, 0.5));
+    steps(&mut app, 400);
+    assert!(asleep(&mut app, near) && asleep(&mut app, far));
+    let mut edits = TerrainEdits::new(&terrain).expect("fits");
+    let mut edit = |terrain: &Terrain, x: f64, kind| {
+        let brush = Edit {
+            kind,
+            place: DVec2::new(x, 0.0),
+            radius: 6.0,
+            strength: 1.5,
+            falloff: 0.5,
+        };
+        edits.apply(terrain, &brush).expect("valid").terrain
+    };
+    let set = |app: &mut App, ground: &Terrain| {
+        let mut tiles = app
+            .world_mut()
+            .get_mut::<GroundTiles>(ground_entity)
+            .expect("spawned above");
+        tiles.set_ground(Arc::new(ground.clone()));
+    };
+    let now = edit(&terrain, 0.0, EditKind::Raise);
+    let before = counters(&app);
+    set(&mut app, &now);
+    steps(&mut app, 2);
+    assert!(!asleep(&mut app, near) && asleep(&mut app, far));
+    assert_eq!(counters(&app).woken - before.woken, 1);
+    assert_eq!(counters(&app).lifted - before.lifted, 1);
+    steps(&mut app, 400);
+    let at = place(&app, near);
+    let height = now.height(DVec2::new(at.x.into(), at.z.into()));
+    assert!(
+        (f64::from(at.y) - height - 0.4).abs() < 0.05,
+        "{at} over {height}"
+    );
+    // Both awake, each on tiles of its own: those of one alone are looked at.
+    for (entity, x) in [(near, 0.5), (far, 60.5)] {
+        let lifted = Transform::from_xyz(x, 2.5, 0.5);
+        app.world_mut().entity_mut(entity).insert(lifted);
+    }
+    steps(&mut app, 20);
+    let before = counters(&app);
+    assert!(before.tiles >= 4, "{}", before.tiles);
+    let lower = edit(&now, 60.0, EditKind::Lower);
+    set(&mut app, &lower);
+    steps(&mut app, 1);
+    let after = counters(&app);
+    let (looked, replaced) = (
+        after.looked_at - before.looked_at,
+        after.replaced - before.replaced,
+    );
+    assert!(
+        looked >= 1 && looked < u64::from(before.tiles),
+        "{looked} of {}",
+        before.tiles
+    );
+    assert!(replaced >= 1 && replaced <= looked);
+    steps(&mut app, 300);
+    let at = place(&app, far);
+    let height = lower.height(DVec2::new(at.x.into(), at.z.into()));
+    assert!(
+        (f64::from(at.y) - height - 0.4).abs() < 0.1,
+        "{at} over {height}"
+    );
+}

@@ -68,28 +68,34 @@ impl<K> DetailViews<K> {
 }
 
 /// The stores that the cameras need: one for each size of the smallest cell, as large as the greatest view of it asks
-/// for.
+/// for. Whether their ground was edited.
 fn keep_stores(
     stores: &mut HashMap<u32, CellStore>,
     terrain: &Terrain,
     cameras: &[(Entity, TerrainLod)],
     device: &RenderDevice,
     queue: &RenderQueue,
-) {
+) -> bool {
     let mut wanted: HashMap<u32, u32> = HashMap::new();
     for (_, detail) in cameras {
         let room = capacity_for(device, detail);
         let most = wanted.entry(detail.finest.to_bits()).or_default();
         *most = room.max(*most);
     }
+    let mut edited = false;
     stores.retain(|finest, store| {
-        wanted.get(finest) == Some(&store.capacity) && store.ground.terrain().same(terrain)
+        wanted.get(finest) == Some(&store.capacity)
+            && store
+                .follow_edits(queue, terrain)
+                .inspect(|changed| edited |= changed)
+                .is_some()
     });
     for (finest, capacity) in wanted {
         stores.entry(finest).or_insert_with(|| {
             CellStore::new(device, queue, terrain, f32::from_bits(finest), capacity)
         });
     }
+    edited
 }
 
 /// The newest counters of the views of a store: cells in use, vertices of all views, and the oldest choice of a view.
@@ -252,7 +258,7 @@ pub fn prepare<K: DetailKind>(
     producer.fault = pipelines.fault(&cache);
     let one_sided = !producer.traits.double_sided;
     let DetailViews { stores, views, .. } = details;
-    keep_stores(stores, terrain, &seeing, &device, &queue);
+    let edited = keep_stores(stores, terrain, &seeing, &device, &queue);
     producer.shared_bytes += stores.values().map(CellStore::bytes).sum::<u64>();
     // Of each store from which cells are to be dropped: those that no choice from this one on has looked at.
     let mut sweeps: HashMap<u32, u32> = HashMap::new();
@@ -291,6 +297,8 @@ pub fn prepare<K: DetailKind>(
         };
         state.own_bytes = own.bytes();
         state.looked_at = cells_in_use(state);
+        // Whoever sees the part or not: the roots are made anew.
+        state.settled &= !edited;
         // Shadow views see what the camera does not.
         let shadowed = !state.shadows.is_empty();
         let culled = detail

@@ -178,6 +178,7 @@ impl DetailState {
                 ],
             )
         };
+        let params = params.edited(&store.edited);
         let horizon = self.horizon(&store.ground, &view, params.anchor_height);
         let params = match &self.culled {
             Some((picture, others)) => params.cull(picture, *others),

@@ -13,7 +13,9 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bytemuck::cast_slice;
 use dolomite_terrain::Terrain;
 
-use crate::detail::layout::{Beginning, LEAST_CAPACITY, SHARED_CELL_BYTES, STOCK_HEAD_BYTES};
+use crate::detail::layout::{
+    Beginning, EditedRect, LEAST_CAPACITY, MOST_EDITED, SHARED_CELL_BYTES, STOCK_HEAD_BYTES,
+};
 use crate::detail::{Cell, DetailCells, TerrainLod};
 use crate::render::room::Room;
 
@@ -28,8 +30,10 @@ pub(super) struct CellStore {
     pub beginning: Beginning,
     /// Cells that there is room for.
     pub capacity: u32,
-    /// Whether nothing has been made yet.
+    /// Whether the roots are to be made: nothing has been made yet, or the ground was edited.
     pub fresh: bool,
+    /// Where the ground was edited, and since which choice; the newest ones last.
+    pub edited: Vec<EditedRect>,
     /// Number of the newest choice of all views.
     pub stamp: u32,
     /// Heights of the roots' corners.
@@ -80,7 +84,7 @@ impl CellStore {
             corners: device.create_buffer_with_data(&BufferInitDescriptor {
                 label: Some("detail_corners"),
                 contents: cast_slice(&beginning.corners),
-                usage: BufferUsages::STORAGE,
+                usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
             }),
             cells: empty("detail_cells", (SHARED_CELL_BYTES - 16) * room),
             links,
@@ -89,9 +93,33 @@ impl CellStore {
             beginning,
             capacity,
             fresh: true,
+            edited: Vec::new(),
             stamp: 0,
             room: Room::default(),
         }
+    }
+
+    /// Takes other edits of the same ground over: cells on what changed are made anew when a choice looks at them next.
+    /// Whether anything changed; `None` where it is other ground.
+    pub fn follow_edits(&mut self, queue: &RenderQueue, terrain: &Terrain) -> Option<bool> {
+        let lines = self.ground.follow_edits(terrain)?;
+        if lines.is_empty() {
+            return Some(false);
+        }
+        let stamp = self.stamp;
+        for [low, high] in lines {
+            self.edited.push(EditedRect {
+                low: low.to_array(),
+                high: high.to_array(),
+                stamp,
+                ..EditedRect::default()
+            });
+        }
+        join_oldest(&mut self.edited);
+        self.beginning.corners = Beginning::new(&self.ground).corners;
+        queue.write_buffer(&self.corners, 0, cast_slice(&self.beginning.corners));
+        self.fresh = true;
+        Some(true)
     }
 
     /// Number of a new choice.
@@ -119,5 +147,40 @@ impl CellStore {
         // Some two cells are looked at for a vertex.
         let needed = vertices.saturating_mul(2);
         room.sweep(*capacity, *stamp, used, needed, views)
+    }
+}
+
+/// Joins rectangles until no more are left than are told: those first that waste the least ground. What is joined counts as
+/// edited when the younger of both was, so that nothing is missed; cells that are looked at in every frame are older than
+/// the newest edits alone, and these are joined last.
+fn join_oldest(edited: &mut Vec<EditedRect>) {
+    let area = |rect: &EditedRect| {
+        let side = |k: usize| f64::from(rect.high[k] - rect.low[k]);
+        side(0) * side(1)
+    };
+    let both = |a: &EditedRect, b: &EditedRect| EditedRect {
+        low: [0, 1].map(|k| a.low[k].min(b.low[k])),
+        high: [0, 1].map(|k| a.high[k].max(b.high[k])),
+        stamp: a.stamp.max(b.stamp),
+        pad: [0; 3],
+    };
+    while edited.len() > MOST_EDITED {
+        let newest = edited.last().map_or(0, |rect| rect.stamp);
+        let older = edited.iter().take_while(|rect| rect.stamp < newest).count();
+        // Of one edit alone there may be more than are told.
+        let count = if older > 1 { older } else { edited.len() };
+        let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
+        let waste = |(a, b): &(usize, usize)| {
+            let (a, b) = (&edited[*a], &edited[*b]);
+            area(&both(a, b)) - area(a) - area(b)
+        };
+        let Some((a, b)) = pairs.min_by(|x, y| waste(x).total_cmp(&waste(y))) else {
+            return;
+        };
+        let joined = both(&edited[a], &edited[b]);
+        edited.remove(b);
+        edited[a] = joined;
+        // The newest stay last.
+        edited.sort_by_key(|rect| rect.stamp);
     }
 }

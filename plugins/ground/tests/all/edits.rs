@@ -1,0 +1,289 @@
+//! Ground that is edited while it is drawn: what is made anew, that the bound holds, and that undoing restores the picture.
+
+use crate::app;
+use crate::blocks::support::{terrain, view};
+
+use bevy::math::{DVec2, UVec2};
+use bevy::prelude::*;
+use bevy::render::RenderApp;
+use dolomite_geometry::GeometryStats;
+use dolomite_ground::detail::layout::DetailParams;
+use dolomite_ground::detail::{Choice, DetailCells, DetailView, Metric, TerrainLod};
+use dolomite_ground::render::words_of_edits;
+use dolomite_ground::{GroundLayer, GroundMaterial, Surface, TerrainView};
+use dolomite_terrain::{
+    Edit, EditKind, Edits, GroundProbe, GroundRect, Hill, Layer, Source, Terrain, TerrainData,
+    TerrainEdits,
+};
+use dolomite_testkit::detail::{DetailRun, DetailStage};
+use dolomite_testkit::gpu::for_test;
+use std::collections::HashMap;
+
+fn brush(kind: EditKind, place: DVec2, strength: f64) -> Edit {
+    Edit {
+        kind,
+        place,
+        radius: 20.0,
+        strength,
+        falloff: 0.7,
+    }
+}
+
+/// Vertices by their place, to the bit.
+fn heights(run: &DetailRun) -> HashMap<[u32; 2], f32> {
+    let each = run.positions.iter();
+    each.map(|&[x, y, z]| ([x.to_bits(), z.to_bits()], y))
+        .collect()
+}
+
+fn params(cells: &DetailCells, view: DetailView) -> DetailParams {
+    DetailParams::new(cells, view, 0, [1 << 17, 1 << 18])
+}
+
+/// Cells under a brush are made anew and no others, and what is drawn then is what is drawn of ground that never was
+/// another; looking away, editing there and looking back too. Undone, it is what was drawn before, to the bit.
+#[test]
+fn gpu_cells_under_a_brush_are_made_anew_and_no_others() {
+    let Some(gpu) = for_test() else { return };
+    let ground = terrain();
+    let mut edits = TerrainEdits::new(&ground).expect("fits");
+    let ground = ground.with_edits(Some(Edits::none(*edits.lattice())));
+    let metric = Metric::ErrorBound { pixels: 2.0 };
+    let [north, south] = [0.0, 3.0].map(|yaw| view(&ground, yaw, 6.0, metric));
+    let mut cells = DetailCells::new(ground.clone(), 0.25);
+    let mut stage = DetailStage::new(&gpu, &cells, 1 << 18).expect("passes");
+    let first = stage.run(params(&cells, north)).expect("runs");
+    let all = stage.made().expect("counts");
+    let again = stage.run(params(&cells, north)).expect("runs");
+    assert_eq!(stage.made().expect("counts"), 0, "all is there");
+    assert_eq!(heights(&again), heights(&first));
+
+    // 60 m ahead of the eye, and 70 m behind it.
+    let ahead = DVec2::new(1e5 + 37.25, -1e5 - 170.0);
+    let behind = DVec2::new(1e5 + 37.25, -1e5 - 40.0);
+    let lower = edits.apply(&ground, &brush(EditKind::Lower, ahead, 6.0));
+    let now = lower.expect("valid").terrain;
+    stage.edit(&mut cells, &now);
+    let edited = stage.run(params(&cells, north)).expect("runs");
+    let made = stage.made().expect("counts");
+    println!("{made} blocks of {all} made anew");
+    assert!(made > 20 && made < all / 3, "{made} of {all}");
+    let rests = stage.run(params(&cells, north)).expect("runs");
+    assert_eq!(stage.made().expect("counts"), 0, "once");
+    assert_eq!(heights(&rests), heights(&edited));
+
+    // Against ground that has always been so.
+    let compare = |ours: &DetailRun, now: &Terrain, view: DetailView| {
+        let fresh = DetailCells::new(now.clone(), 0.25);
+        let mut other = DetailStage::new(&gpu, &fresh, 1 << 18).expect("passes");
+        let theirs = other.run(params(&fresh, view)).expect("runs");
+        let (ours, theirs) = (heights(ours), heights(&theirs));
+        let both = ours.iter().filter(|(place, _)| theirs.contains_key(*place));
+        let mut shared = 0;
+        for (place, height) in both {
+            // Geomorphs on their way differ with the error of a cell beside the brush, which counts more than it must.
+            assert!((height - theirs[place]).abs() < 0.05, "{place:?}");
+            shared += 1;
+        }
+        // What stands beside an edit is bounded with the tiles of the edit where it was made after it, and not before.
+        let most = ours.len().max(theirs.len());
+        assert!(shared * 100 > most * 95, "{shared} of {most}");
+    };
+    compare(&edited, &now, north);
+
+    // Behind the back: nothing is made until somebody looks.
+    stage.run(params(&cells, south)).expect("runs");
+    stage.run(params(&cells, north)).expect("runs");
+    let raise = edits.apply(&now, &brush(EditKind::Raise, behind, 4.0));
+    let both = raise.expect("valid").terrain;
+    stage.edit(&mut cells, &both);
+    let still = stage.run(params(&cells, north)).expect("runs");
+    let few = stage.made().expect("counts");
+    assert!(few < made, "{few}: what lies above the brush alone");
+    // Coarse cells over the brush see what stands on it.
+    assert!(still.positions.len() as f64 > 0.9 * edited.positions.len() as f64);
+    let looked = stage.run(params(&cells, south)).expect("runs");
+    let made = stage.made().expect("counts");
+    assert!(made > 20, "{made}");
+    compare(&looked, &both, south);
+
+    // Back.
+    let before = edits.undo(&both).and_then(|once| edits.undo(&once));
+    stage.edit(&mut cells, &before.expect("two steps"));
+    let undone = stage.run(params(&cells, north)).expect("runs");
+    assert_eq!(heights(&undone), heights(&first), "to the bit");
+    assert_eq!(undone.triangles.len(), first.triangles.len());
+}
+
+/// Every vertex that has arrived stands on the edited ground, and triangles are within their pixels of it.
+#[test]
+fn gpu_the_bound_holds_on_edited_ground() {
+    let Some(gpu) = for_test() else { return };
+    let ground = terrain();
+    let mut edits = TerrainEdits::new(&ground).expect("fits");
+    let mut now = ground.with_edits(Some(Edits::none(*edits.lattice())));
+    let pixels = 2.0;
+    let metric = Metric::ErrorBound { pixels };
+    let seen = view(&ground, 0.0, 12.0, metric);
+    let mut cells = DetailCells::new(now.clone(), 0.25);
+    let mut stage = DetailStage::new(&gpu, &cells, 1 << 18).expect("passes");
+    let eye = DVec2::new(1e5 + 37.25, -1e5 - 110.5);
+    for (k, (kind, strength)) in [
+        (EditKind::Lower, 9.0),
+        (EditKind::Flatten { height: None }, 1.0),
+        (EditKind::Raise, 12.0),
+        (EditKind::Smooth, 1.0),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let away = 40.0 + 35.0 * k as f64;
+        let place = eye + DVec2::new((k as f64 - 1.5) * 9.0, -away);
+        let made = edits.apply(&now, &brush(kind, place, strength));
+        now = made.expect("valid").terrain;
+        stage.edit(&mut cells, &now);
+        let run = stage.run(params(&cells, seen)).expect("runs");
+        assert_eq!(run.coarsening, 1.0);
+        let anchor = DVec2::new(f64::from(seen.anchor[0]), f64::from(seen.anchor[1]));
+        let scale = f64::from(seen.scale);
+        let eye_at = Vec3::from(seen.eye).as_dvec3();
+        let (mut looked, mut most) = (0, 0.0_f64);
+        for triangle in &run.triangles {
+            let corners = triangle.map(|k| Vec3::from(run.positions[k as usize]).as_dvec3());
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let places = corners
+                .iter()
+                .map(|corner| middle.lerp(*corner, 0.5))
+                .chain([middle]);
+            for at in places {
+                let xz = DVec2::new(at.x, at.z) + anchor;
+                if (xz - place).length() > 30.0 {
+                    continue;
+                }
+                let truth = now.height(xz).max(0.0);
+                let distance = (at - eye_at).length();
+                // Of a vertical length at most.
+                let error = (at.y - truth).abs() * scale / distance;
+                looked += 1;
+                most = most.max(error);
+            }
+        }
+        println!("{most:.3} px of {pixels} at {looked} places");
+        assert!(looked > 2000, "{looked}");
+        assert!(most <= f64::from(pixels), "{most}");
+    }
+}
+
+/// Flat ground of 400 m with a hill.
+fn hill() -> Terrain {
+    let hill = Hill {
+        centre: DVec2::ZERO,
+        radius: 60.0,
+        height: 12.0,
+    };
+    let terrain = Terrain::new(TerrainData {
+        extent: GroundRect::square(DVec2::ZERO, 400.0),
+        layers: vec![Layer {
+            source: Source::Hill(hill),
+            mask: None,
+        }],
+        base: 0.0,
+        sea_level: None,
+    });
+    terrain.expect("valid")
+}
+
+/// In an app: nothing is written where nothing is edited; then a few tiles a stroke; answers are of the edited ground, by
+/// either choice; and the picture after undoing is the one before.
+#[test]
+fn gpu_an_app_edits_its_ground() {
+    for choice in [Choice::Cells, Choice::Blocks] {
+        let Some(mut app) = app::app() else { return };
+        app.insert_resource(GlobalAmbientLight {
+            brightness: 2000.0,
+            ..default()
+        });
+        let surface = Surface::Flat {
+            colour: [0.3, 0.5, 0.2],
+            roughness: 0.9,
+        };
+        let material = GroundMaterial {
+            layers: vec![GroundLayer::new("", surface)],
+        };
+        let ground = hill();
+        let mut edits = TerrainEdits::new(&ground).expect("fits");
+        let entity = app.world_mut().spawn((ground.clone(), material)).id();
+        let sun = Transform::from_xyz(30.0, 20.0, 10.0).looking_at(Vec3::ZERO, Vec3::Y);
+        app.world_mut().spawn((DirectionalLight::default(), sun));
+        let target = app::target(&mut app, 160, 120);
+        let lod = TerrainLod {
+            metric: Metric::ErrorBound { pixels: 1.0 },
+            choice,
+            ..TerrainLod::default()
+        };
+        let place = Transform::from_xyz(0.0, 60.0, 90.0).looking_at(Vec3::ZERO, Vec3::Y);
+        app::camera(&mut app, &target, (TerrainView, lod, place));
+        let places = [
+            DVec2::new(3.0, 4.0),
+            DVec2::new(-9.0, 2.5),
+            DVec2::new(55.0, -20.0),
+        ];
+        let probes = places.map(|xz| {
+            let at = Transform::from_xyz(xz.x as f32, 0.0, xz.y as f32);
+            app.world_mut().spawn((GroundProbe::default(), at)).id()
+        });
+        let words = |app: &App| words_of_edits(app.sub_app(RenderApp).world());
+        let answers = |app: &App, ground: &Terrain| {
+            for (probe, xz) in probes.iter().zip(places) {
+                let probe = app.world().get::<GroundProbe>(*probe).expect("a probe");
+                let drawn = probe.drawn.expect("an answer");
+                let truth = ground.height(xz);
+                let off = (drawn.sample.height - truth).abs();
+                assert!(
+                    off <= drawn.bound + 1e-4,
+                    "{choice:?} {xz}: {off} > {}",
+                    drawn.bound
+                );
+                assert_eq!(probe.sample.expect("the true one").height, truth);
+            }
+        };
+        app::frames(&mut app, 12);
+        answers(&app, &ground);
+        let before = app::picture(&mut app, &target).data.expect("pixels");
+        assert_eq!(words(&app), 0, "nothing is edited");
+        let rested = app.world().resource::<GeometryStats>().dispatches;
+        assert_eq!(rested, 0, "the view rests");
+
+        let mut now = ground.clone();
+        for k in 0..3 {
+            let place = DVec2::new(4.0 * f64::from(k), 0.0);
+            let made = edits.apply(&now, &brush(EditKind::Lower, place, 5.0));
+            now = made.expect("valid").terrain;
+            app.world_mut().entity_mut(entity).insert(now.clone());
+            app::frames(&mut app, 8);
+            answers(&app, &now);
+        }
+        // The first edit lays the buffer out with what it holds; the next ones write what differs.
+        let written = words(&app);
+        assert!(
+            written > 0 && written < 2 * 9 * (1225 + 12) + 2 * 12 * 40,
+            "{written}"
+        );
+        let edited = app::picture(&mut app, &target).data.expect("pixels");
+        assert_ne!(before, edited, "a crater is seen");
+        while let Some(undone) = edits.undo(&now) {
+            now = undone;
+        }
+        app.world_mut().entity_mut(entity).insert(now.clone());
+        app::frames(&mut app, 12);
+        answers(&app, &ground);
+        let after = app::picture(&mut app, &target).data.expect("pixels");
+        assert!(before == after, "{choice:?}: the picture is another one");
+        let written = words(&app) - written;
+        assert!(written < 2 * 9 * (1225 + 12) + 2 * 12 * 40, "{written}");
+        assert_eq!(
+            UVec2::new(160, 120).element_product() * 4,
+            before.len() as u32
+        );
+    }
+}
