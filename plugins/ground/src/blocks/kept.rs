@@ -126,6 +126,16 @@ impl KeptBlocks {
         &self.terrain
     }
 
+    /// The ground is another one; the lattice stays.
+    pub(super) fn set_terrain(&mut self, terrain: Terrain) {
+        self.terrain = terrain;
+    }
+
+    /// Puts a block in place of that of a slot in use.
+    pub(super) fn replace(&mut self, slot: u32, block: Box<Block>) {
+        self.slots[slot as usize] = Some(block);
+    }
+
     /// Height of the water, or far below everything.
     #[must_use]
     pub fn sea(&self) -> f32 {
