@@ -195,6 +195,7 @@ pub const ALL: &[ShaderFile] = files![
     "terrain/bindings.wgsl",
     "terrain/permutation.wgsl",
     "terrain/fixed.wgsl",
+    "terrain/four.wgsl",
     "terrain/fractal.wgsl",
     "terrain/hash.wgsl",
     "terrain/height.wgsl",

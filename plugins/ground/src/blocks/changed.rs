@@ -102,9 +102,7 @@ mod tests {
             .chain(hills.iter().copied().map(Source::Hill));
         Terrain::new(TerrainData {
             extent: GroundRect::new(DVec2::new(-512.0, -256.0), DVec2::new(512.0, 256.0)),
-            layers: sources
-                .map(|source| Layer { source, mask: None })
-                .collect(),
+            layers: sources.map(|source| Layer { source, mask: None }).collect(),
             base: 0.0,
             sea_level: None,
         })
@@ -140,7 +138,7 @@ mod tests {
             DVec3::new(-300.0, 60.0, 120.0),
             DVec3::new(260.0, 50.0, 200.0),
         ];
-        let hill = |x: f64, z: f64, radius: f64| Hill {
+        let hill = |x: f64, z: f64, radius: f32| Hill {
             centre: DVec2::new(x, z),
             radius,
             height: 25.0,
@@ -177,7 +175,9 @@ mod tests {
         // A wrong rectangle leaves blocks of the old ground: the comparison sees it.
         let elsewhere = [GroundRect::square(DVec2::new(100.0, -200.0), 10.0)];
         blocks.change(ground(&hills), 0.125, &elsewhere);
-        let stale = std::panic::catch_unwind(|| compare(&blocks, ground(&hills)));
+        let stale = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            compare(&blocks, ground(&hills));
+        }));
         assert!(stale.is_err());
     }
 

@@ -294,9 +294,9 @@ impl KeptBlocks {
 
     /// Changes all blocks: for tests of what a wrong number does.
     #[cfg(test)]
-    pub(super) fn change(&mut self, change: impl Fn(&mut Block)) {
+    pub(super) fn alter(&mut self, alter: impl Fn(&mut Block)) {
         for block in self.slots.iter_mut().flatten() {
-            change(block);
+            alter(block);
         }
     }
 }
