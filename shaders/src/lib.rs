@@ -197,6 +197,7 @@ pub const ALL: &[ShaderFile] = files![
     "terrain/edits.wgsl",
     "terrain/permutation.wgsl",
     "terrain/fixed.wgsl",
+    "terrain/four.wgsl",
     "terrain/fractal.wgsl",
     "terrain/hash.wgsl",
     "terrain/height.wgsl",

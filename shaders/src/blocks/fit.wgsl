@@ -178,8 +178,8 @@ fn close(candidates: u32) {
     arguments[0] = atomicLoad(&drawn);
     arguments[1] = 1u;
     arguments[2] = 1u;
-    // 124 x 64 samples, 7 x 64 vertices.
-    arguments[3] = 124u;
+    // 32 x 64 fours of samples, 7 x 64 vertices.
+    arguments[3] = 32u;
     arguments[4] = made;
     arguments[5] = 1u;
     arguments[6] = 7u;

@@ -155,9 +155,6 @@ fn across(low: vec3<f32>, high: vec3<f32>, axis: vec3<f32>) -> f32 {
 fn pixels_a_metre(low: vec3<f32>, high: vec3<f32>, distance: f32) -> f32 {
     let right = detail.view.right;
     let up = detail.view.up;
-    if detail.view.orthographic == 1.0 {
-        return detail.view.scale * sqrt(right.y * right.y + up.y * up.y);
-    }
     let x = across(low, high, right);
     let y = across(low, high, up);
     let forward = detail.view.forward;
@@ -166,7 +163,8 @@ fn pixels_a_metre(low: vec3<f32>, high: vec3<f32>, distance: f32) -> f32 {
     let near = max(depth, distance * detail.view.cos_corner);
     let moved = max(depth, near - (high.y - low.y) * abs(forward.y));
     let far = sqrt(x * x + y * y) / (near * moved);
-    return detail.view.scale * min(far, 1.0 / (detail.view.cos_corner * moved));
+    let seen = min(far, 1.0 / (detail.view.cos_corner * moved));
+    return detail.view.scale * select(seen, sqrt(right.y * right.y + up.y * up.y), detail.view.orthographic == 1.0);
 }
 
 // How far the farthest corner of a box is inside of a plane.
@@ -196,24 +194,21 @@ fn share_of(frame: Frame, low: vec3<f32>, high: vec3<f32>) -> f32 {
     return select(1.0, shadowed, least < 0.0);
 }
 
-// Pixels, or segments, a metre in a box relative to the anchor, by the metric; times its share, over the tolerance.
+// Pixels, or segments, a metre in a box relative to the anchor, by the metric; times its share, over the tolerance. No branch
+// depends on a uniform alone: lavapipe compiles a pass with a few of those again each time that it is bound, for 4 to 10 ms.
 fn box_factor(frame: Frame, low: vec3<f32>, high: vec3<f32>) -> f32 {
     let share = select(share_of(frame, low, high), 0.0, low.y > high.y);
     let least = low - detail.view.eye;
     let most = high - detail.view.eye;
     let away = max(max(least, -most), vec3(0.0));
     let distance = sqrt(away.x * away.x + away.y * away.y + away.z * away.z);
-    var ratio = 0.0;
-    if detail.view.metric == 2u {
-        ratio = pixels_a_metre(least, most, distance);
-    } else if detail.view.metric == 1u {
-        ratio = detail.view.scale / select(max(distance, detail.view.near), 1.0, detail.view.orthographic == 1.0);
-    } else {
-        let steep = clamp((high.y - low.y) * detail.view.classic.w, 0.0, 1.0);
-        let blend = min(detail.view.classic.z * distance + 0.4 * (1.0 - steep), 1.0);
-        let near = distance * detail.view.classic.z < 0.6;
-        ratio = select(detail.view.classic.x, detail.view.classic.y + (detail.view.classic.x - detail.view.classic.y) * blend, near);
-    }
+    let near_by = select(max(distance, detail.view.near), 1.0, detail.view.orthographic == 1.0);
+    let steep = clamp((high.y - low.y) * detail.view.classic.w, 0.0, 1.0);
+    let blend = min(detail.view.classic.z * distance + 0.4 * (1.0 - steep), 1.0);
+    let levels = detail.view.classic.y + (detail.view.classic.x - detail.view.classic.y) * blend;
+    let by_place = select(detail.view.classic.x, levels, distance * detail.view.classic.z < 0.6);
+    let by_edge = select(by_place, detail.view.scale / near_by, detail.view.metric == 1u);
+    let ratio = select(by_edge, pixels_a_metre(least, most, distance), detail.view.metric == 2u);
     return select(share * detail.view.inverse_tolerance * ratio, 0.0, share == 0.0);
 }
 

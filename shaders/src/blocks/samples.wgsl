@@ -10,6 +10,9 @@ const WIDE: u32 = 22u;
 const WIDE_COUNT: u32 = 484u;
 const SAMPLES: u32 = 89u;
 const SAMPLE_COUNT: u32 = 7921u;
+// Fours of a row, the last not whole; of a block.
+const FOURS: u32 = 23u;
+const FOUR_COUNT: u32 = 2047u;
 // Samples before the block.
 const BEFORE_BLOCK: u32 = 12u;
 

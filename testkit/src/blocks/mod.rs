@@ -155,6 +155,18 @@ impl<'a> BlockStage<'a> {
     pub fn run(&mut self, params: DetailParams, budget: u32) -> Result<BlockRun, DetailError> {
         self.choose(params, budget, true)
     }
+
+    /// The same without reading the mesh back, which takes longer than the passes: for whoever asks what these take.
+    ///
+    /// # Errors
+    /// [`DetailError`].
+    pub fn run_unread(
+        &mut self,
+        params: DetailParams,
+        budget: u32,
+    ) -> Result<BlockRun, DetailError> {
+        self.choose(params, budget, false)
+    }
 }
 
 fn words(gpu: &Gpu, buffer: &Buffer) -> Result<Vec<u32>, DetailError> {

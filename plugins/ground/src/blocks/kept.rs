@@ -126,6 +126,16 @@ impl KeptBlocks {
         &self.terrain
     }
 
+    /// The ground is another one; the lattice stays.
+    pub(super) fn set_terrain(&mut self, terrain: Terrain) {
+        self.terrain = terrain;
+    }
+
+    /// Puts a block in place of that of a slot in use.
+    pub(super) fn replace(&mut self, slot: u32, block: Box<Block>) {
+        self.slots[slot as usize] = Some(block);
+    }
+
     /// Height of the water, or far below everything.
     #[must_use]
     pub fn sea(&self) -> f32 {
@@ -284,9 +294,9 @@ impl KeptBlocks {
 
     /// Changes all blocks: for tests of what a wrong number does.
     #[cfg(test)]
-    pub(super) fn change(&mut self, change: impl Fn(&mut Block)) {
+    pub(super) fn alter(&mut self, alter: impl Fn(&mut Block)) {
         for block in self.slots.iter_mut().flatten() {
-            change(block);
+            alter(block);
         }
     }
 }

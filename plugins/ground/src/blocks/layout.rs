@@ -113,6 +113,8 @@ pub const COUNT_WORDS: usize = ALL_COUNT_WORDS;
 pub const MOST_MADE: u32 = 64;
 /// Samples of a block.
 pub const SAMPLE_COUNT: u32 = 89 * 89;
+/// Fours of samples of a block, the last of a row not whole: what a thread of the pass that samples works on.
+pub const FOUR_COUNT: u32 = 89 * 89_u32.div_ceil(4);
 /// Bytes of the samples, and of as many errors.
 pub const SAMPLE_BYTES: u64 = 8 * SAMPLE_COUNT as u64 * MOST_MADE as u64;
 /// Bytes of the arguments of the pass that looks.
@@ -280,7 +282,7 @@ const DRAWN: u64 = 0;
 /// The passes that make, among [`PASSES`], and their workgroups for so many blocks.
 #[must_use]
 pub const fn making(blocks: u32) -> [(usize, [u32; 3]); 3] {
-    let samples = SAMPLE_COUNT.div_ceil(GROUP);
+    let samples = FOUR_COUNT.div_ceil(GROUP);
     let vertices = (VERTICES as u32).div_ceil(GROUP);
     [
         (9, [samples, blocks, 1]),

@@ -18,12 +18,14 @@
 //! | [`errors`] | that of vertices, nested |
 //! | [`mod@make`] | a block from its samples and its parent |
 //! | [`kept`] | the blocks of a terrain |
+//! | [`changed`] | which of them are others where the ground changed |
 //! | [`ratio`] | errors in a view |
 //! | [`mod@choose`] | which blocks a view draws, how coarsely, and what it wants |
 //! | [`leaves`] | which vertices of a block are there, and its triangles |
 //! | [`mod@mesh`] | where they stand: the mesh of a view |
 //! | [`mod@locate`] | the triangle under a place: height queries |
 
+pub mod changed;
 pub mod choose;
 pub mod errors;
 pub mod kept;

@@ -42,7 +42,7 @@ fn no_error_is_above_the_bound_and_a_third_of_the_errors_is_too_little() {
         assert!(looked > 10_000, "{looked}");
 
         // The same by errors of a third as much.
-        blocks.change(|block| {
+        blocks.alter(|block| {
             for error in &mut block.errors {
                 *error *= if *error == ALWAYS { 1.0 } else { 1.0 / 3.0 };
             }
@@ -127,7 +127,7 @@ fn blocks_agree_on_what_they_share_and_everything_is_nested() {
         let cuts = blocks.cuts;
         assert!(cuts.cut < cuts.vertices / 3, "{cuts:?}");
         // Errors that grow on the way down, and intervals of small blocks that hold more than those of large ones.
-        blocks.change(|block| {
+        blocks.alter(|block| {
             for error in &mut block.errors {
                 *error *= if *error > 0.1 && *error < 1.0 {
                     1.3

@@ -50,7 +50,7 @@ fn meshes_are_closed_and_errors_that_are_not_nested_tear_them() {
     }
     assert!(depths > 4, "blocks of {depths} sizes");
     // Every third vertex as if nothing that it needs had to be there.
-    blocks.change(|block| {
+    blocks.alter(|block| {
         for error in block.errors.iter_mut().skip(1).step_by(3) {
             *error *= if *error == ALWAYS { 1.0 } else { 4.0 };
         }

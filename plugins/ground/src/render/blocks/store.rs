@@ -6,11 +6,12 @@
 use bevy::render::render_resource::{Buffer, BufferDescriptor, BufferUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bytemuck::cast_slice;
-use dolomite_terrain::Terrain;
+use dolomite_terrain::{GroundRect, Terrain};
 
+use crate::blocks::changed::reaches_any;
 use crate::blocks::kept::lattice_of;
 use crate::blocks::layout::{
-    Beginning, HEAD_BYTES, LEAST_SLOTS, RECORD_WORDS, SAMPLE_BYTES, STOCK_HEAD_BYTES,
+    Beginning, GpuHead, HEAD_BYTES, LEAST_SLOTS, RECORD_WORDS, SAMPLE_BYTES, STOCK_HEAD_BYTES,
 };
 use crate::detail::{DetailCells, TerrainLod};
 use crate::render::room::Room;
@@ -56,6 +57,13 @@ pub(super) fn slots_for(device: &RenderDevice, detail: &TerrainLod) -> u32 {
     (detail.max_vertices / VERTICES_A_BLOCK).clamp(LEAST_SLOTS, most)
 }
 
+/// A terrain on the lattice of its blocks.
+fn ground_of(terrain: &Terrain, finest: f32) -> DetailCells {
+    let mut ground = DetailCells::new(terrain.clone(), finest);
+    ground.lattice = lattice_of(terrain, finest);
+    ground
+}
+
 impl BlockStore {
     /// Buffers for so many slots; nothing is made. `stamp` is the number of the newest choice of the kind.
     pub fn new(
@@ -65,8 +73,7 @@ impl BlockStore {
         (finest, slots): (f32, u32),
         stamp: u32,
     ) -> Self {
-        let mut ground = DetailCells::new(terrain.clone(), finest);
-        ground.lattice = lattice_of(terrain, finest);
+        let ground = ground_of(terrain, finest);
         let beginning = Beginning::new(&ground.lattice);
         let empty = |label, size: u64| {
             device.create_buffer(&BufferDescriptor {
@@ -93,6 +100,38 @@ impl BlockStore {
             stamp,
             room: Room::default(),
         }
+    }
+
+    /// The ground is `terrain` from now on, which differs within these rectangles alone: drops the blocks that are others.
+    /// Whether any were, so that views have to choose anew; `None` where the terrain has another lattice, so that a store of
+    /// its own is needed.
+    ///
+    /// Whatever is reached, all blocks are dropped, where [`KeptBlocks::change`](crate::blocks::kept::KeptBlocks::change) makes
+    /// anew those that are others: the tree is on the GPU. Buffers stay, and the first frame draws the roots.
+    #[expect(dead_code, reason = "for ground that is edited while it is drawn")]
+    pub fn change(
+        &mut self,
+        queue: &RenderQueue,
+        terrain: &Terrain,
+        finest: f32,
+        changed: &[GroundRect],
+    ) -> Option<bool> {
+        let ground = ground_of(terrain, finest);
+        if ground.lattice != self.ground.lattice {
+            return None;
+        }
+        self.ground = ground;
+        let is_reached = reaches_any(&self.ground.lattice, changed);
+        if is_reached {
+            // Slots that nothing stands in have no half side: passes go over all.
+            let mut heads = vec![GpuHead::default(); self.slots as usize];
+            heads[..self.beginning.heads.len()].copy_from_slice(&self.beginning.heads);
+            queue.write_buffer(&self.heads, 0, cast_slice(&heads));
+            queue.write_buffer(&self.stock, 0, cast_slice(&self.beginning.stock()));
+            self.fresh = true;
+            self.room = Room::default();
+        }
+        Some(is_reached)
     }
 
     /// Bytes of its buffers.
