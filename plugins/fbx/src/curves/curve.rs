@@ -200,7 +200,7 @@ fn stands(keys: &[Keyframe], beyond: [&Extrapolation; 2]) -> bool {
         .iter()
         .any(|how| how.mode == ExtrapolationMode::Slope);
     let level = |key: &Keyframe| key.left.dy == 0.0 && key.right.dy == 0.0;
-    keys.windows(2).all(lies) && !(climbs && !keys.iter().all(level))
+    keys.windows(2).all(lies) && (!climbs || keys.iter().all(level))
 }
 
 /// A tangent's reach as a share of the time between the two keys, and its slope over that time.
