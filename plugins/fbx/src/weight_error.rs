@@ -116,6 +116,7 @@ fn bounded(stretches: &[Stretch], poser: &mut Poser, expected: f64, budget: &Bud
                 to: stretch.end,
                 skew: 0.0,
                 within: false,
+                ends: !stretch.jumps && !stretch.jumps_after,
                 depth: 0,
             };
             found.first(poser, span, most);

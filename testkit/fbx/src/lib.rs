@@ -21,6 +21,7 @@
 //! | [`looks`] | the property for materials, cameras, lights and what is lost |
 //! | [`shrink`](mod@shrink) | small failures |
 //! | [`run`](mod@run) | many files |
+//! | [`total`] | more, in pieces that can be ended between |
 
 #![expect(clippy::disallowed_methods, reason = "f64 oracles of tests")]
 
@@ -35,6 +36,7 @@ pub mod random;
 pub mod run;
 pub mod scene;
 pub mod shrink;
+pub mod total;
 pub mod truth;
 
 pub use beside::beside;
@@ -42,3 +44,4 @@ pub use generate::generate;
 pub use hold::{Failure, Seen, hold};
 pub use run::{Outcome, run, run_by};
 pub use scene::Scene;
+pub use total::{Total, run_in_pieces};

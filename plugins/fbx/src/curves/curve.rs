@@ -42,6 +42,8 @@ impl<'a> Curve<'a> {
     pub(crate) fn of(curve: &'a AnimCurve) -> Option<Self> {
         let keys: &[Keyframe] = &curve.keyframes;
         let ticks = curve.element.scene.metadata.ktime_second as f64;
+        let stands = stands(keys, [&curve.pre_extrapolation, &curve.post_extrapolation]);
+        let keys = if stands { &keys[..1] } else { keys };
         (!keys.is_empty()).then_some(Self {
             keys,
             before: Beyond::from(&curve.pre_extrapolation),
@@ -182,6 +184,23 @@ impl<'a> Curve<'a> {
         let inner = ((begin + rest) / self.ticks).clamp(first.time, last.time);
         Some((inner, number))
     }
+}
+
+/// Whether a curve never leaves the value of its first key.
+fn stands(keys: &[Keyframe], beyond: [&Extrapolation; 2]) -> bool {
+    let Some(first) = keys.first() else {
+        return true;
+    };
+    let lies = |pair: &[Keyframe]| {
+        let bent = pair[0].right.dy != 0.0 || pair[1].left.dy != 0.0;
+        pair[1].value == first.value && !(bent && pair[0].interpolation == Interpolation::Cubic)
+    };
+    // Lines beyond the keys have the slopes of tangents.
+    let climbs = beyond
+        .iter()
+        .any(|how| how.mode == ExtrapolationMode::Slope);
+    let level = |key: &Keyframe| key.left.dy == 0.0 && key.right.dy == 0.0;
+    keys.windows(2).all(lies) && (!climbs || keys.iter().all(level))
 }
 
 /// A tangent's reach as a share of the time between the two keys, and its slope over that time.

@@ -88,7 +88,7 @@ impl Majorant {
     }
 
     /// By its orders alone.
-    fn by_orders(orders: [f64; ORDERS]) -> Self {
+    pub(crate) fn by_orders(orders: [f64; ORDERS]) -> Self {
         Self(orders, orders[1] / 2.0)
     }
 

@@ -32,12 +32,16 @@ pub(super) struct Actors<'a> {
     all: &'a Bodies,
     /// What looks at a span saw: for each, what is off of each node that moves, and how far the three axes of its shell are.
     kept: Vec<Vec<(DAffine3, DMat3)>>,
+    /// The same of the end of the last span.
+    end: Vec<(DAffine3, DMat3)>,
     swings: Vec<DMat3>,
     /// No morph target moves.
     is_plain: bool,
     /// Scratch of [`Actors::rate`].
     rates: [Vec<Rates>; 2],
     chains: [Vec<Chain>; 2],
+    /// The time that both poses are of.
+    posed: Option<f64>,
     /// Poses of nodes that were worked out, and what costs as much.
     work: usize,
 }
@@ -97,6 +101,8 @@ impl<'a> Actors<'a> {
             movers: order.filter(|&node| moving[node]).collect(),
             off: vec![nothing(); count],
             kept: Vec::new(),
+            end: Vec::new(),
+            posed: None,
             swings: vec![DMat3::ZERO; count],
             is_plain: morphs.is_empty(),
             rates: [vec![Rates::UNKNOWN; count], vec![Rates::UNKNOWN; count]],
@@ -130,6 +136,7 @@ impl<'a> Actors<'a> {
 
     /// Nothing of what it saw stands for what is no transform.
     pub(super) fn forget(&mut self) {
+        self.posed = None;
         self.curves
             .iter_mut()
             .for_each(|(_, curves)| curves.forget());
@@ -137,6 +144,7 @@ impl<'a> Actors<'a> {
 
     /// The file's poses alone, at `time`.
     fn true_pose(&mut self, time: f64) {
+        self.posed = None;
         for (node, curves) in &mut self.curves {
             self.truth[*node] = curves.at(time);
         }
@@ -152,6 +160,9 @@ impl<'a> Actors<'a> {
     }
 
     fn pose(&mut self, time: f64) {
+        if self.posed.replace(time) == Some(time) {
+            return;
+        }
         self.work += self.movers.len().max(1);
         for (node, curves) in &mut self.curves {
             self.truth[*node] = curves.at(time);
@@ -185,9 +196,6 @@ impl<'a> Actors<'a> {
             .world_where(&self.truth, &mut self.true_world, moves);
         self.shells
             .world_where(&self.played, &mut self.world, moves);
-        for &node in &self.movers {
-            self.off[node] = difference(&self.true_world[node], &self.world[node]);
-        }
     }
 
     /// The farthest of all points, as they are off.
@@ -331,6 +339,7 @@ impl Subject for Actors<'_> {
     fn look(&mut self, time: f64, floor: f64) -> f64 {
         self.pose(time);
         for &node in &self.movers {
+            self.off[node] = difference(&self.true_world[node], &self.world[node]);
             let axes = &self.true_world[node].matrix3;
             let off = &self.off[node].matrix3;
             let swing = |axis: usize| {
@@ -347,12 +356,28 @@ impl Subject for Actors<'_> {
             return;
         }
         if self.kept.len() <= index {
-            self.kept.push(Vec::new());
+            self.kept.resize(index + 1, Vec::new());
         }
         let (off, swings) = (&self.off, &self.swings);
         self.kept[index].clear();
         let pairs = self.movers.iter().map(|&node| (off[node], swings[node]));
         self.kept[index].extend(pairs);
+    }
+
+    fn keep_end(&mut self, index: usize) {
+        if self.is_plain {
+            self.end.clone_from(&self.kept[index]);
+        }
+    }
+
+    fn keep_again(&mut self) {
+        if !self.is_plain {
+            return;
+        }
+        if self.kept.is_empty() {
+            self.kept.push(Vec::new());
+        }
+        std::mem::swap(&mut self.kept[0], &mut self.end);
     }
 
     fn mixed(&mut self, rows: &[Vec<f64>], floor: f64) -> Option<f64> {

@@ -6,22 +6,24 @@
 //! products of these down the chain). Let `D` be by how much a point is off over such a span, taken to be one long,
 //! and let no Taylor coefficient of order `n` of it be longer than `c` there ([`Majorant`]). Then:
 //!
-//! 1. The polynomial `q` of degree `n - 1` through `D` at the `n` zeros of Chebyshev's polynomial is within
-//!    `r = 2 c / 4^n` of it: `|D - q| <= c |(t - t1) ... (t - tn)|`, and that product is at most `2 / 4^n`.
+//! 1. The polynomial `q` of degree `n - 1` through `D` at `n` places of the span is within `r` of it: `|D - q| <= c |(t - t1) ...
+//!    (t - tn)|`, whose most is known ([`places`](super::places)). Where nothing jumps at the ends of spans these are two of
+//!    the places (Lobatto's), so that a span has a look in common with the next; else all lie within.
 //! 2. No value of `q` is longer than the longest at these `n` times by more than their Lebesgue constant `L(n)`. So
 //!    `|D| <= L(n) e + r`, where `e` is the largest error at the `n` times.
-//! 3. At `N > n - 1` such times a polynomial of degree `n - 1` is at most `1 / cos(pi (n - 1) / 2 N)` times as long
-//!    as the longest at these (Ehlich and Zeller, "Schwankung von Polynomen zwischen Gitterpunkten", 1964). So `|D| <= C (e + r) + r`
-//!    for `N` times, with `C` = 1.0353 for `N = 6 (n - 1)`; and `|D| <= C |q| + r` where `q` itself is evaluated, which is a mixture of
-//!    matrices that are known already.
+//! 3. A polynomial is nowhere longer than the longest of the Bézier points of its pieces, which are mixtures of what it is at the
+//!    places: matrices that are known already. So `|D| <= h + r`, where `h` is the longest of these.
+//! 4. Where what is off is no mixture (morph targets): at `N > n - 1` zeros of Chebyshev's polynomial a polynomial of degree
+//!    `n - 1` is at most `1 / cos(pi (n - 1) / 2 N)` times as long as the longest at these (Ehlich and Zeller, "Schwankung von
+//!    Polynomen zwischen Gitterpunkten", 1964). So `|D| <= C (e + r) + r` for `N` times, with `C` = 1.0353 for `N = 6 (n - 1)`.
 //!
-//! All three hold for vectors, since they hold along each direction, and so for the farthest of many points. With `n = 1` `r`
+//! All hold for vectors, since they hold along each direction, and so for the farthest of many points. With `n = 1` `r`
 //! is how far anything goes from where it is in the middle, which is known across kinks and keys too, near poles of angles and
 //! where a power of nothing begins: spans that have one are halved until it lies in a short one.
 //!
 //! Times of glTF are in f32, so that a key of the result stands some nanoseconds beside the file's. Both are taken to be at the first of them:
 //! over the nanoseconds one motion is then off its continuation by no more than its speeds before and after it come to, which is
-//! added ([`Span::skew`]), or where that is too much they are a span of their own.
+//! added ([`Span::skew`]), once more for the look that stands there, or where that is too much they are a span of their own.
 //!
 //! A span is done with where its bound is no more than [`SLACK`] above the largest error that was found anywhere: the largest of all bounds is
 //! what is stated, so that no error is above it, and some error is below it by no more than that. What is not done with by the second
@@ -33,31 +35,31 @@
 //!
 //! # What it costs
 //! Expected before it was built: spans of a frame turn by some tenths of a radian down a chain, where `r` is below a
-//! hundredth of a bound of 0.1 mm for `n = 4` (0.3^4 / 24 / 128 = 2.6e-6 m a metre), so 4 looks for most spans, none of
-//! them at keys, and a mixture of these at 18 places for those whose error is above half of the largest.
+//! hundredth of a bound of 0.1 mm for `n = 4` (0.3^4 / 24 / 64 = 5e-6 m a metre), so three looks for most spans, and two to
+//! eight mixtures of these for those whose error is above half of the largest.
 
-use crate::curves::{Majorant, ORDERS};
+use super::places::{Places, dense, within};
+use crate::curves::Majorant;
 use std::collections::{BinaryHeap, VecDeque};
 
 /// What is stated may be above what was found by this factor: at keys and between them, and where it lies within frames, which
 /// nothing is held to.
 const SLACK: [f64; 2] = [1.06, 1.5];
 
-/// Numbers of times of a first look, with their Lebesgue constants: 1/n times the sum of cot((2 k + 1) pi / 4 n).
-const FIRST: [(usize, f64); 5] = [(1, 1.0), (2, 1.415), (3, 1.667), (4, 1.848), (6, 2.105)];
-
 /// A first look has as many times as bring the rest below this share of the largest error, the same two.
-const ROUGH: [f64; 2] = [0.15, 0.35];
+const ROUGH: [f64; 2] = [0.15, 0.3];
 
 /// The same for a second look.
 const FINE: f64 = 0.01;
 
-/// What keys beside each other may add is no more than this share.
+/// By how much keys beside each other may be off is no more than this share.
 const SKEWED: f64 = 0.004;
 
-/// Places for each degree at which a polynomial is evaluated, and 1 / cos(pi / 12).
-const DENSE: usize = 6;
+/// How much longer a polynomial may be than at [`dense`] places: 1 / cos(pi / 12).
 const RIPPLE: f64 = 1.035_277;
+
+/// Lebesgue constants of places with the ends are below this.
+const SKEWED_LOOKS: f64 = 2.0;
 
 /// Halvings of a span at most.
 const DEPTH: u32 = 30;
@@ -68,6 +70,10 @@ pub(crate) trait Subject {
     fn look(&mut self, time: f64, floor: f64) -> f64;
     /// Keeps what the last look saw, as number `index` of a span's.
     fn keep(&mut self, _index: usize) {}
+    /// What was kept as number `index` is that of the next span's begin too.
+    fn keep_end(&mut self, _index: usize) {}
+    /// What the last span's end kept becomes number 0.
+    fn keep_again(&mut self) {}
     /// The largest error of the polynomials through what was kept, for each row of weights; `None` where errors are no
     /// polynomials of that.
     fn mixed(&mut self, _rows: &[Vec<f64>], _floor: f64) -> Option<f64> {
@@ -88,6 +94,8 @@ pub(crate) struct Span {
     pub(crate) skew: f64,
     /// It lies within frames.
     pub(crate) within: bool,
+    /// Nothing jumps at its ends.
+    pub(crate) ends: bool,
     pub(crate) depth: u32,
 }
 
@@ -113,14 +121,6 @@ impl Span {
         let middle = f64::midpoint(self.from, self.to);
         let length = self.to - self.from;
         self.depth < DEPTH && length > 1e-13 * (1.0 + middle.abs()) * 64.0
-    }
-
-    fn times(&self, count: usize) -> impl Iterator<Item = f64> {
-        let (middle, half) = (
-            f64::midpoint(self.from, self.to),
-            (self.to - self.from) / 2.0,
-        );
-        zeros(count).map(move |x| middle + half * x)
     }
 }
 
@@ -168,8 +168,8 @@ pub(crate) struct Found {
     nothing: f64,
     /// Times that were looked at.
     pub(crate) looks: usize,
-    /// For each number of looks, how much of each is in the polynomial at each of its places.
-    rows: Vec<Vec<Vec<f64>>>,
+    /// What the look at the end of the last span found.
+    end: Option<End>,
     /// How fast what is off may change in the span before, a second; `None` where there is none.
     speed: Option<f64>,
     /// Seconds of spans whose bounds stand because work came to its limit.
@@ -182,36 +182,13 @@ pub(crate) struct Found {
 /// Peaks that are kept.
 const PEAKS: usize = 512;
 
-/// How far the rest of a polynomial of degree `count - 1` goes.
-fn rest(rate: &Majorant, count: usize) -> f64 {
-    match count < ORDERS {
-        true if count == 1 => rate.1,
-        true => rate.0[count] * 2.0 / f64::from(1_u32 << (2 * count)),
-        false => f64::INFINITY,
-    }
-}
-
-/// Zeros of Chebyshev's polynomial of degree `count`, -1 to 1.
-fn zeros(count: usize) -> impl Iterator<Item = f64> {
-    (0..count).map(move |k| {
-        let angle = std::f64::consts::PI * (2 * k + 1) as f64 / (2 * count) as f64;
-        glam::DVec2::from_angle(angle).x
-    })
-}
-
-/// Lagrange's polynomials to the zeros of degree `count`, at [`DENSE`] times as many other places less one.
-fn rows(count: usize) -> Vec<Vec<f64>> {
-    let nodes: Vec<f64> = zeros(count).collect();
-    let places = zeros(DENSE * count.saturating_sub(1));
-    let row = |x: f64| {
-        let of = |i: usize| {
-            let others = (0..count).filter(|&k| k != i);
-            let factors = others.map(|k| (x - nodes[k]) / (nodes[i] - nodes[k]));
-            factors.product()
-        };
-        (0..count).map(of).collect()
-    };
-    places.map(row).collect()
+/// A look at the end of a span.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    time: f64,
+    /// The error, or `floor` where it is less.
+    error: f64,
+    floor: f64,
 }
 
 impl Found {
@@ -221,7 +198,6 @@ impl Found {
             expected,
             nothing,
             high,
-            rows: (0..ORDERS).map(rows).collect(),
             ..Self::default()
         }
     }
@@ -232,7 +208,6 @@ impl Found {
         for (kind, known) in out.kinds.iter_mut().zip(&self.kinds) {
             kind.found = known.found;
         }
-        out.rows.clone_from(&self.rows);
         out
     }
 
@@ -292,39 +267,59 @@ impl Found {
         self.look(subject, time, false, floor);
     }
 
+    /// The largest of a span's places, the middle first: what the majorant is of is there.
     fn largest(
         &mut self,
         subject: &mut impl Subject,
         span: &Span,
-        count: usize,
+        places: &Places,
         floor: f64,
     ) -> f64 {
-        let mut most = floor.max(0.0);
-        for (index, time) in span.times(count).enumerate() {
-            most = most.max(self.look(subject, time, span.within, most));
+        let (count, mut most) = (places.count(), floor.max(0.0));
+        let last = count - 1;
+        let middle = (count % 2 == 1).then_some(last / 2);
+        let others = (0..count).filter(|index| Some(*index) != middle);
+        for index in middle.into_iter().chain(others) {
+            let time = places.time(index, span.from, span.to);
+            if index == 0 && places.ends {
+                let end = self.end.take();
+                // What was less than its floor may have been less than this one.
+                let known = |end: &End| end.error > end.floor || end.floor <= most;
+                if let Some(end) = end.filter(|end| end.time == time && known(end)) {
+                    most = most.max(end.error);
+                    subject.keep_again();
+                    continue;
+                }
+            }
+            let floor = most;
+            let error = self.look(subject, time, span.within, floor);
+            most = most.max(error);
             subject.keep(index);
+            if index == last && places.ends {
+                self.end = Some(End { time, error, floor });
+                subject.keep_end(index);
+            }
         }
         most
     }
 
-    /// The bound after `count` looks, by the second and the third of the module's.
+    /// The bound after looks at some places, by the second and the third of the module's.
     fn bound(
         &mut self,
         subject: &mut impl Subject,
         span: &Span,
-        (count, lebesgue): (usize, f64),
+        places: &Places,
         rest: f64,
     ) -> f64 {
         let enough = self.enough(span.within);
-        let most = self.largest(subject, span, count, (enough - rest) / lebesgue);
-        let bound = lebesgue * most + rest;
-        if count == 1 || bound <= self.enough(span.within) {
+        let most = self.largest(subject, span, places, (enough - rest) / places.lebesgue);
+        let bound = places.lebesgue * most + rest;
+        if places.hull.is_empty() || bound <= self.enough(span.within) {
             return bound;
         }
-        let floor = ((self.enough(span.within) - rest) / RIPPLE).max(0.0);
-        let rows = &self.rows[count];
-        match subject.mixed(rows, floor) {
-            Some(most) => bound.min(RIPPLE * most.max(floor) + rest),
+        let floor = (self.enough(span.within) - rest).max(0.0);
+        match subject.mixed(&places.hull, floor) {
+            Some(hull) => bound.min(hull.max(floor).max(most) + rest),
             None => bound,
         }
     }
@@ -353,9 +348,11 @@ impl Found {
         let before = self.speed.replace(speed).unwrap_or(f64::INFINITY);
         if span.skew > 0.0 {
             let skewed = (speed + before) * span.skew;
+            // The look at its begin is off by that too.
+            let counts = if span.ends { 1.0 + SKEWED_LOOKS } else { 1.0 };
             if skewed <= SKEWED * self.enough(span.within).max(self.expected) {
                 let kind = &mut self.kinds[usize::from(span.within)];
-                kind.skewed = kind.skewed.max(skewed);
+                kind.skewed = kind.skewed.max(counts * skewed);
             } else {
                 let key = span.from + span.skew;
                 let aside = Span {
@@ -386,24 +383,22 @@ impl Found {
             let rate = rate.unwrap_or_else(|| subject.rate(span.from, span.to));
             let near =
                 ROUGH[usize::from(span.within)] * self.enough(span.within).max(self.expected);
-            let degree = FIRST
-                .into_iter()
-                .find(|(count, _)| rest(&rate, *count) <= near);
-            let degree = match degree {
-                Some(degree) => degree,
+            let all = Places::all(span.ends);
+            let places = match all.iter().find(|places| places.rest(&rate) <= near) {
+                Some(places) => places,
                 // Where no derivative is known, and where there is no work left, it is the way from the middle that counts.
                 None if !rate.0[1].is_finite()
                     || !span.can_be_halved()
                     || subject.work() >= most =>
                 {
-                    FIRST[0]
+                    &all[0]
                 }
                 None => {
                     queue.extend(span.halves());
                     continue;
                 }
             };
-            let bound = self.bound(subject, &span, degree, rest(&rate, degree.0));
+            let bound = self.bound(subject, &span, places, places.rest(&rate));
             self.settle(span, bound);
         }
     }
@@ -449,10 +444,8 @@ impl Found {
     fn second(&mut self, subject: &mut impl Subject, span: Span, bound: f64, most: usize) {
         let rate = subject.rate(span.from, span.to);
         let near = FINE * self.seen()[usize::from(span.within)] + self.nothing / 4.0;
-        let count = FIRST
-            .into_iter()
-            .find(|(count, _)| rest(&rate, *count) <= near);
-        let Some(degree) = count else {
+        let mut all = Places::all(span.ends).iter();
+        let Some(places) = all.find(|places| places.rest(&rate) <= near) else {
             match span.can_be_halved() {
                 true => {
                     let halves = span.halves().into_iter();
@@ -462,14 +455,17 @@ impl Found {
             }
             return;
         };
-        let rest = rest(&rate, degree.0);
-        let mut best = bound.min(self.bound(subject, &span, degree, rest));
-        if degree.0 > 1 && best > self.enough(span.within) {
-            // What is off is no polynomial of what was kept: it is looked at in as many places.
-            let floor = (self.enough(span.within) - rest) / RIPPLE - rest;
-            let places = DENSE * (degree.0 - 1);
-            let most = self.largest(subject, &span, places, floor);
-            best = best.min(RIPPLE * (most + rest) + rest);
+        let rest = places.rest(&rate);
+        let mut best = bound.min(self.bound(subject, &span, places, rest));
+        let degree = places.count() - 1;
+        if degree > 0 && best > self.enough(span.within) {
+            // What is off is no polynomial of what was kept, or its hull is too wide: it is looked at in as many places.
+            let mut far = ((self.enough(span.within) - rest) / RIPPLE - rest).max(0.0);
+            for x in dense(degree) {
+                let time = within(x, span.from, span.to);
+                far = far.max(self.look(subject, time, span.within, far));
+            }
+            best = best.min(RIPPLE * (far + rest) + rest);
         }
         self.prove(span.within, best);
     }
@@ -515,7 +511,7 @@ mod tests {
         }
     }
 
-    fn largest(speed: f64, kink: f64, most: usize) -> (f64, f64, Found) {
+    fn largest(speed: f64, kink: f64, most: usize, ends: bool) -> (f64, f64, Found) {
         let mut swing = Swing {
             speed,
             kink,
@@ -528,6 +524,7 @@ mod tests {
                 to: f64::from(i + 1) * 0.5,
                 skew: 0.0,
                 within: false,
+                ends,
                 depth: 0,
             };
             found.first(&mut swing, span, most);
@@ -541,8 +538,13 @@ mod tests {
 
     #[test]
     fn what_is_stated_is_never_below_and_little_above() {
-        for (speed, kink) in [(0.1, 9.0), (3.0, 9.0), (40.0, 9.0), (3.0, 0.7), (0.0, 1.3)] {
-            let (truth, stated, found) = largest(speed, kink, 10_000);
+        let all = [(0.1, 9.0), (3.0, 9.0), (40.0, 9.0), (3.0, 0.7), (0.0, 1.3)];
+        for ((speed, kink), ends) in all
+            .into_iter()
+            .zip([true, false].into_iter().cycle())
+            .chain(all.into_iter().zip([false, true].into_iter().cycle()))
+        {
+            let (truth, stated, found) = largest(speed, kink, 10_000, ends);
             assert!(stated >= truth, "{speed} {kink}: {stated} of {truth}");
             assert!(
                 stated <= (SLACK[0] + 1e-6) * truth,
@@ -554,29 +556,15 @@ mod tests {
 
     #[test]
     fn what_is_stated_without_work_is_true_and_said_to_be_loose() {
-        for most in [0, 5, 40, 100] {
-            let (truth, stated, found) = largest(40.0, 0.7, most);
+        for (most, ends) in [(0, true), (5, false), (40, true), (60, false)] {
+            let (truth, stated, found) = largest(40.0, 0.7, most, ends);
             assert!(stated >= truth, "{most}: {stated} of {truth}");
             assert!(
                 stated > 1.06 * truth && found.loose > 0.0,
                 "{most}: {found:?}"
             );
         }
-        let (_, _, found) = largest(3.0, 9.0, 10_000);
+        let (_, _, found) = largest(3.0, 9.0, 10_000, true);
         assert!(!found.peaks.is_empty());
-    }
-
-    #[test]
-    fn lebesgue_constants_are_those_of_the_formula() {
-        for (count, constant) in FIRST {
-            let cotangents = (0..count).map(|k| {
-                let angle = std::f64::consts::PI * (2 * k + 1) as f64 / (4 * count) as f64;
-                let p = glam::DVec2::from_angle(angle);
-                p.x / p.y
-            });
-            let sum = cotangents.sum::<f64>() / count as f64;
-            let above = constant - sum;
-            assert!(above > -1e-15 && above < 2e-3, "{count}: {sum}");
-        }
     }
 }

@@ -9,6 +9,7 @@ mod actors;
 mod bodies;
 mod bound;
 mod chain;
+mod places;
 mod played;
 mod times;
 

@@ -1,9 +1,9 @@
 //! Majorants of keys as they are played, over a span between keys.
 
 use crate::clips::Value;
-use crate::curves::{Majorant, Over, cubic, part};
+use crate::curves::{Majorant, ORDERS, Over, cubic, part};
 use crate::model::{Channel, Interpolation, Property};
-use glam::DQuat;
+use glam::{DQuat, DVec4};
 
 /// Numbers of a value.
 fn width(channel: &Channel) -> usize {
@@ -100,9 +100,18 @@ pub(super) fn turn(channel: &Channel, over: Over) -> Majorant {
         Stretch::Still(_) => Majorant::still(1.0),
         Stretch::Moves(key, begin, end) => match channel.interpolation {
             Interpolation::Cubic => {
-                let mut parts = Vec::with_capacity(4);
-                numbers(channel, over, &mut parts);
-                sphere(&parts, channel, key, f64::midpoint(begin, end))
+                let quat = |key: usize, which: usize| {
+                    let at = (key * 3 + which) * 4;
+                    DVec4::from_array([0, 1, 2, 3].map(|i| f64::from(channel.values[at + i])))
+                };
+                let length = f64::from(channel.times[key + 1]) - f64::from(channel.times[key]);
+                let (a, d) = (quat(key, 1), quat(key + 1, 1));
+                let (leave, arrive) = (quat(key, 2) * length, quat(key + 1, 0) * length);
+                let points = [a, a + leave / 3.0, d - arrive / 3.0, d];
+                let axes = points.map(|point| point.to_array());
+                let axis = |i: usize| part(axes.map(|point| point[i]), begin, end);
+                let parts = [axis(0), axis(1), axis(2), axis(3)];
+                sphere([0, 1, 2, 3].map(|i| DVec4::from_array(parts.map(|part| part[i]))))
             }
             _ => {
                 let quat = |key: usize| {
@@ -116,31 +125,43 @@ pub(super) fn turn(channel: &Channel, over: Over) -> Majorant {
     }
 }
 
-/// Of the matrix of a quaternion that is made one long: q x / |q|^2, from both sides.
-fn sphere(parts: &[Majorant], channel: &Channel, key: usize, share: f64) -> Majorant {
-    let long = |of: &dyn Fn(&Majorant) -> f64| {
-        let squares = parts.iter().map(|part| of(part) * of(part));
-        squares.sum::<f64>().sqrt()
+/// Of the matrix of a quaternion that is made one long: q x / |q|^2, from both sides. The length of keys' curves is
+/// hardly off 1, so that it is worked out as the polynomial that it is.
+fn sphere(points: [DVec4; 4]) -> Majorant {
+    let [p, q, r, s] = points;
+    // Around the middle of the span.
+    let a = [
+        (p + 3.0 * (q + r) + s) / 8.0,
+        0.75 * (s + r - q - p),
+        1.5 * (s - r - q + p),
+        s - 3.0 * (r - q) - p,
+    ];
+    let mut squares = [0.0; ORDERS];
+    for (i, x) in a.iter().enumerate() {
+        for (k, y) in a.iter().enumerate() {
+            squares[i + k] += x.dot(*y);
+        }
+    }
+    // Taylor coefficients of a polynomial half a span away from the middle at most.
+    let around = |coefficients: &[f64], order: usize| {
+        let mut sum = 0.0;
+        let mut factor = 1.0;
+        for (k, x) in coefficients.iter().enumerate().skip(order) {
+            sum += factor * x.abs();
+            factor *= 0.5 * (k + 1) as f64 / (k + 1 - order) as f64;
+        }
+        sum
     };
-    let orders = std::array::from_fn(|k| long(&|part| part.0[k]));
-    let mut long = Majorant(orders, long(&|part| part.1));
-    let length = f64::from(channel.times[key + 1]) - f64::from(channel.times[key]);
-    let quat = |key: usize, which: usize| {
-        let at = (key * 3 + which) * 4;
-        DQuat::from_array([0, 1, 2, 3].map(|i| f64::from(channel.values[at + i])))
-    };
-    let [a, b, c, d] = crate::clips::hermite(share);
-    let middle = quat(key, 1) * a
-        + quat(key, 2) * (b * length)
-        + quat(key + 1, 1) * c
-        + quat(key + 1, 0) * (d * length);
-    let least = middle.length() - long.1;
-    long.0[0] = long.0[0].min(middle.length() + long.1);
-    let squared = long.product(&long);
-    let mut out = squared.product(&squared.reciprocal(least.max(0.0) * least.max(0.0)));
+    let squared = Majorant::by_orders(std::array::from_fn(|k| around(&squares, k)));
+    let least = squares[0] - (squared.0[0] - squares[0].abs());
+    let sizes = a.map(DVec4::length);
+    let orders = std::array::from_fn(|k| if k < 4 { around(&sizes, k) } else { 0.0 });
+    let long = Majorant::by_orders(orders);
+    let mut out = long.product(&long).product(&squared.reciprocal(least));
     out.0[0] = 1.0;
     // Directions of two ways of four numbers are apart by at most twice what they are, over the length of one.
-    out.1 = 4.0 * long.1 / middle.length();
+    let way = a[1].length() / 2.0 + a[2].length() / 4.0 + a[3].length() / 8.0;
+    out.1 = 4.0 * way / a[0].length();
     if out.1.is_nan() {
         out.1 = 2.0;
     }

@@ -4,7 +4,7 @@ use super::actors::Actors;
 use super::bound::{Found, Span, Subject};
 use crate::clips::{Shells, Source, Stretch, in_parts, threads};
 use crate::curves::Reading;
-use crate::model::Clip;
+use crate::model::{Channel, Clip, Interpolation};
 
 /// An error that does not matter beside the bound, as a share of it.
 const NOTHING: f64 = 2e-4;
@@ -47,7 +47,9 @@ pub(crate) fn check(
     let take = source.take;
     let moving = shells.moved_by(take.moving.iter().copied());
     let keys = key_times(clip);
-    let spans = spans(take.plan.gaps(), &keys, clip.begin);
+    let steps = |c: &Channel| c.interpolation == Interpolation::Step && c.times.len() > 1;
+    let ends = !clip.channels.iter().any(steps);
+    let spans = spans(take.plan.gaps(), &keys, clip.begin, ends);
     let end = take.plan.end.max(take.plan.begin);
     let poses = spans.len() * take.moving.len().max(1);
     let left = usize::try_from(source.budget.left_for_checks()).unwrap_or(usize::MAX);
@@ -127,8 +129,13 @@ fn key_times(clip: &Clip) -> Vec<f32> {
 }
 
 /// Times between keys, of the file's or of the result's, and whether each begins with a key of the file's that counts while
-/// what lies on one side of it does not.
-fn spans(stretches: impl Iterator<Item = Stretch>, keys: &[f32], begin: f64) -> Vec<(Span, bool)> {
+/// what lies on one side of it does not; `ends` says that the result has no steps.
+fn spans(
+    stretches: impl Iterator<Item = Stretch>,
+    keys: &[f32],
+    begin: f64,
+    ends: bool,
+) -> Vec<(Span, bool)> {
     // Times that f32 hardly tells apart are the two sides of a jump.
     let side = |time: f64| ((time - begin).abs() * 2.5e-7).max(1.5e-7);
     let mut out: Vec<(Span, bool)> = Vec::new();
@@ -160,6 +167,7 @@ fn spans(stretches: impl Iterator<Item = Stretch>, keys: &[f32], begin: f64) -> 
                         to: end,
                         skew,
                         within: stretch.within,
+                        ends,
                         depth: 0,
                     };
                     out.push((span, key));

@@ -9,6 +9,7 @@ mod counted;
 mod effort;
 mod far;
 mod inherit;
+mod layers;
 #[cfg(feature = "bevy")]
 mod loader;
 mod looks;

@@ -20,7 +20,8 @@ fn soak(arguments: &str, report: &str, code: u8) -> (System, Said) {
              build) mkdir -p \"$SYSTEM/target/release\"\n\
                printf '%s\\n' '#!/usr/bin/env bash' \"cat \\\"$SYSTEM/report\\\"\" >\"$SYSTEM/target/release/dolomite_lab\"\n\
                printf '%s' '{report}' >\"$SYSTEM/report\"\n\
-               chmod +x \"$SYSTEM/target/release/dolomite_lab\" ;;\n\
+               printf '%s\\n' '#!/usr/bin/env bash' 'printf \"{{\\n  \\\"arguments\\\": \\\"%s\\\"\\n}}\\n\" \"$*\"' >\"$SYSTEM/target/release/dolomite_fbx_search\"\n\
+               chmod +x \"$SYSTEM\"/target/release/* ;;\n\
              nextest) printf 'one \"quoted\"\\tline\\n'; exit {code} ;;\n\
              esac"
         ),
@@ -59,6 +60,17 @@ fn tests_that_fail_are_a_failure_and_their_words_are_kept() {
     let kept = system.file("out/ignored.json");
     assert!(kept.contains("\"passed\": false"), "{kept}");
     assert!(kept.contains("\"one \\\"quoted\\\" line\""), "{kept}");
+}
+
+/// Many hours' work goes on where it was.
+#[test]
+fn a_search_keeps_what_it_has_found_between_its_pieces() {
+    let (system, said) = soak("fbx", "", 0);
+    assert_eq!(said.code, 0, "{said:#?}");
+    let kept = system.file("out/fbx.json");
+    let asked = "--files 1000000 --out ";
+    assert!(kept.contains(asked), "{kept}");
+    assert!(kept.contains("/target/soak_fbx.json\"\n}\n}\n"), "{kept}");
 }
 
 #[test]

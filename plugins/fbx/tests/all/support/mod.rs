@@ -4,6 +4,7 @@ pub mod ascii;
 #[expect(dead_code, reason = "its false claims are of the tests of memory")]
 pub mod binary;
 pub mod chain;
+pub mod held;
 pub mod looks;
 pub mod made;
 pub mod scene;
