@@ -5,11 +5,12 @@
 // `Terrain::sample` in plugins/terrain/src/terrain.rs.
 
 #import dolomite::terrain::bindings::{load_octave, terrain, terrain_layers}
+#import dolomite::terrain::edits::edits_height
 #import dolomite::terrain::fixed::{Fixed, fixed_add, metres_fixed}
 #import dolomite::terrain::fractal::{octave_cell, smooth_abs}
 #import dolomite::terrain::height::hill_height
 #import dolomite::terrain::height_map::map_height
-#import dolomite::terrain::layer::{BICUBIC, BILINEAR, BILLOW, CLASSIC, ERODED, FBM, HILL, Layer, OCTAVE_WORDS, Octave, RIDGED}
+#import dolomite::terrain::layer::{BICUBIC, BILINEAR, BILLOW, CLASSIC, EDITS_BILINEAR, ERODED, FBM, HILL, Layer, OCTAVE_WORDS, Octave, RIDGED}
 #import dolomite::terrain::noise::cell_noise
 #import dolomite::terrain::permutation::permutation_height
 
@@ -143,6 +144,16 @@ fn four_heights(x: Four, z: Fixed) -> vec4<f32> {
                 hill_height(layer, x.b, z).x,
                 hill_height(layer, x.c, z).x,
                 hill_height(layer, x.d, z).x,
+            );
+        }
+#endif
+#ifndef TERRAIN_WITHOUT_EDITS
+        if layer.kind >= EDITS_BILINEAR {
+            added = vec4(
+                edits_height(layer, x.a, z).x,
+                edits_height(layer, x.b, z).x,
+                edits_height(layer, x.c, z).x,
+                edits_height(layer, x.d, z).x,
             );
         }
 #endif

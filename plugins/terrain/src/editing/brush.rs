@@ -150,7 +150,7 @@ impl Window {
         let reach = edit.radius / lattice.spacing();
         let across = 2.0 * reach + 1.0;
         let samples = across.x * across.y;
-        if !(samples <= MAX_SAMPLES as f64) {
+        if samples.is_nan() || samples > MAX_SAMPLES as f64 {
             return Err(EditError::TooManySamples {
                 radius: edit.radius,
                 samples,

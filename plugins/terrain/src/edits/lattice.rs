@@ -45,7 +45,7 @@ impl EditLattice {
         let first = ((extent.min - through) / spacing).floor() - 3.0;
         let last = ((extent.max - through) / spacing).ceil() + 3.0;
         let cells = last - first;
-        if !usable || !(cells.max_element() <= Self::MAX_SIDE) {
+        if !usable || cells.is_nan() || cells.max_element() > Self::MAX_SIDE {
             return None;
         }
         let tiles = (cells / f64::from(CELLS)).ceil().as_uvec2();
