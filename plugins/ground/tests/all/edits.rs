@@ -12,8 +12,8 @@ use dolomite_ground::detail::{Choice, DetailCells, DetailView, Metric, TerrainLo
 use dolomite_ground::render::words_of_edits;
 use dolomite_ground::{GroundLayer, GroundMaterial, Surface, TerrainView};
 use dolomite_terrain::{
-    Edit, EditKind, Edits, GroundProbe, GroundRect, Hill, Layer, Source, Terrain, TerrainData,
-    TerrainEdits,
+    Edit, EditKind, Edits, Ground, GroundProbe, GroundRect, Hill, Layer, Source, Terrain,
+    TerrainData, TerrainEdits,
 };
 use dolomite_testkit::detail::{DetailRun, DetailStage};
 use dolomite_testkit::gpu::for_test;

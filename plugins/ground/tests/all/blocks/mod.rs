@@ -5,5 +5,5 @@ mod answers;
 mod culled;
 mod reference;
 mod room;
-mod support;
+pub mod support;
 mod times;
