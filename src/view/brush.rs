@@ -187,7 +187,7 @@ fn ray(world: &mut World) -> Option<(DVec3, DVec3)> {
     let (size, at) = (window.size(), window.cursor_position()?);
     let mut cameras = world.query::<&FreeCamera>();
     let camera = cameras.iter(world).next()?;
-    let tangent = f64::from(0.5 * camera.fov.to_radians()).tan();
+    let tangent = f64::from(bevy::math::ops::tan(0.5 * camera.fov.to_radians()));
     let on = DVec2::new(
         f64::from(2.0 * at.x / size.x - 1.0) * f64::from(size.x / size.y),
         f64::from(1.0 - 2.0 * at.y / size.y),
