@@ -64,8 +64,14 @@ pub fn add(table: &mut Table) {
             .about("Edit the ground with a round brush, take steps back, save them with the scene")
             .subcommand_required(true)
             .arg_required_else_help(true)
-            .subcommand(brush("raise", "Raise it by metres").arg(number("value").value_name("METRES").required(true)))
-            .subcommand(brush("lower", "Lower it by metres").arg(number("value").value_name("METRES").required(true)))
+            .subcommand(
+                brush("raise", "Raise it by metres")
+                    .arg(number("value").value_name("METRES").required(true)),
+            )
+            .subcommand(
+                brush("lower", "Lower it by metres")
+                    .arg(number("value").value_name("METRES").required(true)),
+            )
             .subcommand(
                 brush("flatten", "Level it at a height, or at that of its middle")
                     .arg(number("value").value_name("HEIGHT")),

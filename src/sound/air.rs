@@ -190,14 +190,11 @@ mod tests {
     use super::*;
     use crate::scene::{SceneRequest, load};
     use crate::settings::paths::assets_dir;
+    use dolomite::terrain::TerrainData;
 
     #[test]
     fn the_shore_is_where_the_sea_begins() {
-        let request = SceneRequest {
-            scene: "mountain".to_owned(),
-            ..SceneRequest::default()
-        };
-        let scene = load(&request, &assets_dir().unwrap()).unwrap();
+        let scene = load(&SceneRequest::new("mountain"), &assets_dir().unwrap()).unwrap();
         let terrain = &scene.terrain;
         let mut found = 0;
         for k in 0..200 {
@@ -212,10 +209,13 @@ mod tests {
             assert!(shore.distance(place) < 260.0, "{place} {shore}");
         }
         assert!(found > 20, "{found}");
-        assert_eq!(
-            shore(&Terrain::new(terrain.extent()), DVec2::ZERO),
-            None,
-            "no sea, no shore"
-        );
+        let dry = TerrainData {
+            extent: terrain.extent(),
+            base: 5.0,
+            layers: Vec::new(),
+            sea_level: None,
+        };
+        let dry = Terrain::new(dry).unwrap();
+        assert_eq!(shore(&dry, DVec2::ZERO), None, "no sea, no shore");
     }
 }

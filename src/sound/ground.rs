@@ -54,11 +54,7 @@ mod tests {
     use crate::settings::paths::assets_dir;
 
     fn scene(name: &str) -> LoadedScene {
-        let request = SceneRequest {
-            scene: name.to_owned(),
-            ..SceneRequest::default()
-        };
-        load(&request, &assets_dir().unwrap()).unwrap()
+        load(&SceneRequest::new(name), &assets_dir().unwrap()).unwrap()
     }
 
     /// On the island there is each kind of ground, and where it is agrees with height and slope.

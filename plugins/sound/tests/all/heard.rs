@@ -16,11 +16,11 @@ fn tone(app: &mut App) -> SoundId {
     let values: Vec<f32> = (0..RATE as usize / 64 * 64)
         .map(|k| 0.5 * wave(k))
         .collect();
-    let samples = Samples::new(RATE, &values).unwrap();
+    let samples = Samples::new(RATE, &values).expect("a tone");
     app.world_mut()
         .resource_mut::<Sounds>()
         .add("tone", vec![samples])
-        .unwrap()
+        .expect("one name")
 }
 
 fn far() -> Loudness {

@@ -61,7 +61,7 @@ pub fn loud(samples: &[[f32; 2]]) -> [f32; 2] {
     [0, 1].map(|side| {
         let square: f64 = samples
             .iter()
-            .map(|pair| f64::from(pair[side]).powi(2))
+            .map(|pair| f64::from(pair[side]) * f64::from(pair[side]))
             .sum();
         (square / samples.len().max(1) as f64).sqrt() as f32
     })
