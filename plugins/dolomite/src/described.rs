@@ -233,7 +233,8 @@ fn geometry(app: &mut App) {
         Description::new("A point light's shadow map is drawn where something in its reach moved")
             .field(
                 "redraw",
-                Field::new("When it changes, all of it is drawn again"),
+                Field::new("When it changes, all of it is drawn again")
+                    .range(0.0..=f64::from(u32::MAX)),
             ),
     )
     .describe::<AmbientOcclusion>(
