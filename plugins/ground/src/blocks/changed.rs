@@ -148,7 +148,7 @@ mod tests {
             settle(&mut blocks, &view(eye), Limits::default());
         }
         let all = blocks.len();
-        assert!(all > 60, "{all}");
+        assert!(all > 40, "{all}");
         // One after the other, so that the second change finds what the first left; then both are taken back.
         let mut hills = vec![hill(-310.0, 20.0, 8.0)];
         let first = [GroundRect::square(hills[0].centre, 16.0)];
@@ -164,7 +164,7 @@ mod tests {
             }
             let (changed, fresh) = (by_place(blocks), by_place(&fresh));
             let both = fresh.keys().filter(|place| changed.contains_key(*place));
-            assert!(both.clone().count() > 60);
+            assert!(both.clone().count() > 40);
             for place in both {
                 assert!(changed[place] == fresh[place], "{place:?}");
             }
@@ -173,7 +173,7 @@ mod tests {
         blocks.change(ground(&[]), 0.125, &[first[0], second[0]]);
         compare(&blocks, ground(&[]));
         // A wrong rectangle leaves blocks of the old ground: the comparison sees it.
-        let elsewhere = [GroundRect::square(DVec2::new(100.0, -200.0), 10.0)];
+        let elsewhere = [GroundRect::square(DVec2::new(5000.0, 0.0), 10.0)];
         blocks.change(ground(&hills), 0.125, &elsewhere);
         let stale = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
             compare(&blocks, ground(&hills));
