@@ -46,9 +46,9 @@ pub(crate) fn decibels(amplitude: f32) -> Decibels {
 }
 
 enum Manager {
-    Samples(AudioManager<Offline>),
+    Samples(Box<AudioManager<Offline>>),
     #[cfg(feature = "device")]
-    Device(AudioManager<CpalBackend>),
+    Device(Box<AudioManager<CpalBackend>>),
 }
 
 /// The open output. There is one while sound is on and somebody listens.
@@ -101,7 +101,7 @@ fn device() -> Result<(Manager, TrackHandle, TrackHandle), SoundError> {
     }
     let (manager, effects, ambience) = with::<CpalBackend>(Default::default())
         .map_err(|error| SoundError::Device(error.to_string()))?;
-    Ok((Manager::Device(manager), effects, ambience))
+    Ok((Manager::Device(Box::new(manager)), effects, ambience))
 }
 
 #[cfg(not(feature = "device"))]
@@ -152,7 +152,7 @@ impl SoundOutput {
                     return Err(SoundError::Rate(rate));
                 }
                 let Ok((manager, effects, ambience)) = with::<Offline>(rate);
-                (Manager::Samples(manager), effects, ambience)
+                (Manager::Samples(Box::new(manager)), effects, ambience)
             }
         };
         Ok(Self {
