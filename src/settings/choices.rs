@@ -105,7 +105,7 @@ impl Choices {
     }
 }
 
-/// Where choices lie: `menu.ron` beside [`paths::user_settings`].
+/// Where choices lie: a file beside [`paths::user_settings`].
 #[must_use]
 pub fn user_choices() -> Option<PathBuf> {
     paths::user_settings().map(|path| path.with_file_name("menu.ron"))

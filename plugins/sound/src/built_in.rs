@@ -1,6 +1,6 @@
 //! The sounds that come with the crate. `cargo run -p dolomite_sounds` makes their files.
 
-use crate::sounds::SoundId;
+use crate::id::SoundId;
 
 /// A step on rock or scree; each time one of two.
 pub const STEP_ROCK: SoundId = SoundId(0);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use bevy::ecs::message::Message;
 use thiserror::Error;
 
-use crate::sounds::SoundId;
+use crate::id::SoundId;
 
 /// Why a sound, an emitter or a device was refused. Nothing here ends an app: what is refused is not heard.
 #[derive(Debug, Error)]

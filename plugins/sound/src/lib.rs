@@ -19,6 +19,7 @@
 pub mod built_in;
 pub mod choose;
 pub mod error;
+mod id;
 pub mod limiter;
 pub mod offline;
 pub mod output;
@@ -33,9 +34,10 @@ pub mod wav;
 pub mod wind;
 
 pub use error::{SoundError, SoundFault};
+pub use id::SoundId;
 pub use output::SoundOutput;
 pub use parts::{Bus, Loudness, PlaySound, SoundEmitter, SoundListener};
 pub use plugin::{SoundPlugin, SoundSystems};
 pub use samples::Samples;
 pub use settings::{SoundCounters, SoundSettings, SoundTarget};
-pub use sounds::{SoundId, Sounds};
+pub use sounds::Sounds;

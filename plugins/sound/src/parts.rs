@@ -8,7 +8,7 @@ use bevy::reflect::Reflect;
 use bevy::reflect::std_traits::ReflectDefault;
 use bevy::transform::components::Transform;
 
-use crate::sounds::SoundId;
+use crate::id::SoundId;
 
 /// Hears: goes on a camera or a head. Of several the one with the lowest entity number hears. Without one nothing is
 /// opened and nothing runs.

@@ -3,16 +3,12 @@
 use std::path::Path;
 
 use bevy::ecs::resource::Resource;
-use bevy::reflect::Reflect;
 
 use crate::built_in;
 use crate::error::SoundError;
+use crate::id::SoundId;
 use crate::samples::Samples;
 use crate::wav;
-
-/// The number of a sound in [`Sounds`].
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct SoundId(pub u32);
 
 /// Most sounds.
 pub const MOST_SOUNDS: usize = 65_536;

@@ -14,10 +14,11 @@ use kira::sound::static_sound::StaticSoundHandle;
 
 use crate::choose::{Candidate, choose};
 use crate::error::{SoundError, SoundFault};
+use crate::id::SoundId;
 use crate::output::{Begin, INAUDIBLE, SoundOutput, bend, fade_out, glide};
 use crate::parts::{Loudness, PlaySound, SoundEmitter, SoundListener};
 use crate::settings::{MOST_VOICES, SoundCounters, SoundSettings};
-use crate::sounds::{SoundId, Sounds};
+use crate::sounds::Sounds;
 use crate::space::{Ears, Heard, delay};
 
 /// Whose voice it is.

@@ -1,4 +1,4 @@
-//! Steps: a heel that lands, and what the ground answers.
+//! Steps: a heel that lands, and what the ground gives back.
 
 use crate::filter::{Filter, Pass, filtered};
 use crate::noise::Noise;
