@@ -149,7 +149,7 @@ fn check_scene(scene: &str) {
     }
 }
 
-/// Tests that open an adapter; their names hold `gpu`, so that they run one at a time.
+/// Tests that open an adapter; their names hold `gpu`, so that they run in their group.
 mod gpu {
     #[test]
     fn mountain_is_as_it_was() {

@@ -46,7 +46,7 @@ fn apart(a: &[u8], b: &[u8]) -> f64 {
     sum as f64 / a.len() as f64
 }
 
-/// In a module of this name, so that tests which open an adapter run one at a time.
+/// In a module of this name, so that tests which open an adapter run in their group.
 mod gpu {
     use super::*;
 

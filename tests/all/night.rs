@@ -33,7 +33,7 @@ fn found(game: &Offscreen) -> (GeometryCensus, GeometryStats) {
     )
 }
 
-/// In a module of this name, so that tests which open an adapter run one at a time.
+/// In a module of this name, so that tests which open an adapter run in their group.
 mod gpu {
     use super::*;
 

@@ -30,8 +30,14 @@ const SELECTIONS: [(&str, &[&str], bool); 6] = [
 /// it stands below tests and the lab alone.
 const IN_PARTS: &str = "dolomite_testkit ";
 
-/// The names of the packages below `plugins/`.
-fn plugins() -> Vec<String> {
+/// What a plugin may name of Bevy stands in these two: they are a plugin's own where it is compiled by itself.
+const BEVY_ITSELF: [&str; 2] = ["bevy ", "bevy_internal "];
+
+/// Sound on the system's device: its crates are compiled for it alone, and none of them stands below Bevy.
+const DEVICE: &str = "device";
+
+/// The names of the packages below `plugins/`, each with the names of its features.
+fn plugins() -> Vec<(String, Vec<String>)> {
     let folders = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../plugins"))
         .expect("plugins/ is a folder");
     let mut names: Vec<_> = folders
@@ -47,8 +53,15 @@ fn plugins() -> Vec<String> {
             let name = text
                 .lines()
                 .find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'));
-            name.unwrap_or_else(|| panic!("{} has no name", manifest.display()))
-                .to_owned()
+            let name = name.unwrap_or_else(|| panic!("{} has no name", manifest.display()));
+            let features = text
+                .lines()
+                .skip_while(|line| *line != "[features]")
+                .skip(1)
+                .take_while(|line| !line.starts_with('['))
+                .filter_map(|line| Some(line.split_once(" = ")?.0.to_owned()))
+                .filter(|feature| feature != "default" && feature != DEVICE);
+            (name.to_owned(), features.collect())
         })
         .collect();
     names.sort();
@@ -132,7 +145,7 @@ fn every_selection_builds_the_same_crates() {
     for (name, packages, tests) in SELECTIONS {
         compare(name, &cargo_tree(packages, tests));
     }
-    for plugin in plugins() {
+    for (plugin, _) in plugins() {
         compare(
             &format!("tests of {plugin}"),
             &cargo_tree(&["-p", &plugin], true),
@@ -143,6 +156,41 @@ fn every_selection_builds_the_same_crates() {
         "these are compiled once more; tools/one_bevy/Cargo.toml has to ask for their features:\n{}",
         lines.join("\n")
     );
+}
+
+/// A plugin by itself, with none and with all of its features, beside the parts of Bevy (`tools/bevy_parts`): only what it may
+/// name of Bevy is its own, so that `.ci/run` compiles Bevy's own crates once for all plugins. It has no features of tests.
+#[test]
+fn a_plugin_alone_compiles_nothing_of_bevy_but_its_names() {
+    let all = cargo_tree(&["--workspace"], true);
+    let mut lines = Vec::new();
+    let mut with_features = 0;
+    let mut others = 0;
+    for (plugin, features) in plugins() {
+        let features = features.join(",");
+        with_features += usize::from(!features.is_empty());
+        let both = ["-p", &plugin, "-p", "dolomite_bevy_parts"];
+        let none = both.into_iter().chain(["--no-default-features"]);
+        let with = none.clone().chain(["--features", &features]);
+        for packages in [none.collect::<Vec<_>>(), with.collect()] {
+            for line in differences(&all, &cargo_tree(&packages, false)) {
+                if BEVY_ITSELF.iter().any(|own| line.starts_with(own)) {
+                    others += 1;
+                } else if !line.starts_with("dolomite") {
+                    lines.push(format!("{}: {line}", packages.join(" ")));
+                }
+            }
+        }
+    }
+    lines.sort();
+    lines.dedup();
+    assert!(
+        lines.is_empty(),
+        "these are compiled once more; tools/bevy_parts/Cargo.toml has to ask for their features:\n{}",
+        lines.join("\n")
+    );
+    // Plugins ask for less than everything, and have features: else nothing was compared.
+    assert!(others > 10 && with_features > 5, "{others}, {with_features}");
 }
 
 /// Bevy itself has one set of features, for no build script or macro uses it.
