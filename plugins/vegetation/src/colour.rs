@@ -64,6 +64,28 @@ pub fn calm_at(first: f32, distance: f32) -> f32 {
     smoothstep(0.0, 1.0, distance / (5.0 * first))
 }
 
+/// The normal by which a face reflects `share`, 0 to 1, of the light that comes from behind it, and all of what comes from the
+/// sky: of the same angle to the sun as that light is less. As it is where the sun stands before it. Both are unit vectors;
+/// `sun` points to the sun.
+#[inline]
+#[must_use]
+pub fn lit_through(normal: Vec3, sun: Vec3, share: f32) -> Vec3 {
+    let from_sun = normal.dot(sun);
+    if from_sun >= 0.0 {
+        return normal;
+    }
+    let to_sun = -from_sun * share;
+    // Straight from behind any direction is aside: one that is not near the sun's.
+    let other = if sun.x.abs() > 0.7 { Vec3::Y } else { Vec3::X };
+    let beside = normal - from_sun * sun;
+    let aside = if beside.length_squared() > 1e-6 {
+        beside
+    } else {
+        sun.cross(other)
+    };
+    to_sun * sun + (1.0 - to_sun * to_sun).max(0.0).sqrt() * aside.normalize()
+}
+
 fn mix(a: f32, b: f32, share: f32) -> f32 {
     a + (b - a) * share
 }
@@ -99,6 +121,31 @@ mod tests {
                 (own - calm).abs().max_element() < 0.5 / 255.0,
                 "{own} {calm}"
             );
+        }
+    }
+
+    /// Light from behind is the share that comes through; nothing jumps where the sun goes behind, and the side that a face
+    /// turns to the sky stays.
+    #[test]
+    fn light_from_behind_comes_through_by_its_share() {
+        let sun = Vec3::new(0.48, 0.6, 0.64);
+        let aside = Vec3::new(0.8, 0.0, -0.6);
+        for share in [0.0, 0.3, 1.0] {
+            for k in -10_i16..=10 {
+                let sine = f32::from(k) * 0.1;
+                let normal = sine * sun + (1.0 - sine * sine).sqrt() * aside;
+                let lit = lit_through(normal, sun, share);
+                let expected = if sine < 0.0 { -sine * share } else { sine };
+                assert!((lit.length() - 1.0).abs() < 1e-6, "{lit}");
+                assert!((lit.dot(sun) - expected).abs() < 1e-6, "{sine} {lit}");
+                if k > -10 && k < 10 {
+                    let ahead = lit.dot(aside);
+                    assert!(
+                        (ahead - (1.0 - expected * expected).sqrt()).abs() < 1e-6,
+                        "{sine} {lit}"
+                    );
+                }
+            }
         }
     }
 

@@ -36,3 +36,18 @@ fn shade_at(t: f32) -> f32 {
 fn calm_at(first: f32, distance: f32) -> f32 {
     return smoothstep(0.0, 1.0, clamp(distance / (5.0 * first), 0.0, 1.0));
 }
+
+// The normal by which a face reflects `share` of the light that comes from behind it, and all of what comes from the sky. As
+// it is where the sun stands before it. `sun` points to the sun; both are unit vectors.
+fn lit_through(normal: vec3<f32>, sun: vec3<f32>, share: f32) -> vec3<f32> {
+    let from_sun = dot(normal, sun);
+    if from_sun >= 0.0 {
+        return normal;
+    }
+    let to_sun = -from_sun * share;
+    // Straight from behind any direction is aside: one that is not near the sun's.
+    let other = select(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), abs(sun.x) > 0.7);
+    let beside = normal - from_sun * sun;
+    let aside = select(cross(sun, other), beside, dot(beside, beside) > 1e-6);
+    return to_sun * sun + sqrt(max(1.0 - to_sun * to_sun, 0.0)) * normalize(aside);
+}

@@ -4,7 +4,7 @@
 
 #import bevy_pbr::utils::octahedral_encode
 #import bevy_pbr::pbr_deferred_types::{pack_unorm4x8_, pack_24bit_normal_and_flags, DEFERRED_FLAGS_FOG_ENABLED_BIT, DEFERRED_MESH_FLAGS_SHADOW_RECEIVER_BIT}
-#import dolomite::vegetation::colour::{blade_colour, shade_at}
+#import dolomite::vegetation::colour::{blade_colour, lit_through, shade_at}
 #import dolomite::vegetation::draw_types::Look
 #import dolomite::vegetation::straight::straight_along
 
@@ -47,14 +47,11 @@ fn stored(in: Varying, look: Look, sun: vec3<f32>) -> GBuffer {
     // A blade is folded along its middle: its halves look to different sides.
     var normal = normalize(in.normal + in.across.xyz * (0.55 * (1.0 - calm) * in.place.y));
     var colour = mix(blade_colour(look, in.tint.xy, t) * shade_at(t), in.given.xyz, in.given.w);
-    let from_sun = dot(normal, sun);
-    if from_sun < 0.0 {
-        // Lit from behind: what comes through is yellower, and has the sun's direction on the other side. The share is
-        // that of the light, not of the colour, so that it is seen as a blade with its normal turned.
-        let through = in.across.w * mix(0.6, 1.0, t);
-        normal = normal - 2.0 * from_sun * sun;
-        colour *= through * vec3(1.25, 1.15, 0.55);
-    }
+    // Lit from behind: what comes through is yellower. The share is that of the sun's light and not of the colour, which the
+    // sky lights from all around, in the shade too.
+    let behind = smoothstep(0.0, 0.3, -dot(normal, sun));
+    normal = lit_through(normal, sun, in.across.w * mix(0.6, 1.0, t));
+    colour *= mix(vec3(1.0), vec3(1.25, 1.15, 0.55), behind);
     var out: GBuffer;
     out.deferred = vec4(
         pack_unorm4x8_(vec4(pow(max(colour, vec3(0.0)), vec3(1.0 / 2.2)), mix(0.72, 0.95, calm))),
