@@ -190,7 +190,10 @@ fn a_plugin_alone_compiles_nothing_of_bevy_but_its_names() {
         lines.join("\n")
     );
     // Plugins ask for less than everything, and have features: else nothing was compared.
-    assert!(others > 10 && with_features > 5, "{others}, {with_features}");
+    assert!(
+        others > 10 && with_features > 5,
+        "{others}, {with_features}"
+    );
 }
 
 /// Bevy itself has one set of features, for no build script or macro uses it.

@@ -1,7 +1,7 @@
 //! The first directory of a TIFF, looked over before the decoder sees it: it makes room for as many values as a tag
 //! claims, 32 bytes each, before it finds that the file has fewer.
 
-use super::Failure;
+use super::failure::Failure;
 use crate::error::ElevationError;
 use crate::input::Input;
 use std::io::{Read, SeekFrom};

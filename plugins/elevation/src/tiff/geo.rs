@@ -1,6 +1,8 @@
 //! Where a GeoTIFF's samples lie (OGC 19-008r4): pixel scale and tie point, or a transformation, and keys.
 
-use super::{Failure, Tiff, text};
+use super::Tiff;
+use super::failure::Failure;
+use super::metadata::text;
 use crate::error::{ElevationError, typed};
 use crate::georeference::{Crs, FOOT, Georeference, Registration, US_FOOT};
 use crate::options::Options;

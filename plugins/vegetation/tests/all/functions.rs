@@ -167,7 +167,9 @@ fn light_from_behind_is_that_of_rust_gpu() {
             // Every eighth sun stands straight behind.
             let normal = if k % 8 == 0 { -sun } else { direction() };
             let share = unit();
-            let given = [normal.x, normal.y, normal.z, share, sun.x, sun.y, sun.z, 0.0];
+            let given = [
+                normal.x, normal.y, normal.z, share, sun.x, sun.y, sun.z, 0.0,
+            ];
             let lit = lit_through(normal, sun, share);
             (words(&given), lit.to_array().to_vec())
         })

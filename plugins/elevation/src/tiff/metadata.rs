@@ -1,0 +1,80 @@
+//! What GDAL says of a TIFF in tags of its own: no data, scale, offset and unit.
+
+use ::tiff::decoder::ifd::Value;
+use ::tiff::tags::Tag;
+
+use super::failure::Failure;
+use super::{Tiff, geo};
+use crate::error::ElevationError;
+
+/// XML with scale, offset and unit.
+const GDAL_METADATA: Tag = Tag::Unknown(42112);
+
+/// The number that GDAL says is no data.
+pub(super) fn nodata(
+    tiff: &mut Tiff<'_>,
+    failure: &Failure<'_>,
+) -> Result<Vec<f64>, ElevationError> {
+    let Some(text) = text(tiff, Tag::GdalNodata, failure)? else {
+        return Ok(Vec::new());
+    };
+    let text = text.trim();
+    if text.is_empty() {
+        return Ok(Vec::new());
+    }
+    let number = text
+        .parse::<f64>()
+        .map_err(|_| failure.damaged("tag GDAL_NODATA", format!("{text:?} is not a number")))?;
+    Ok(vec![number])
+}
+
+/// A text tag, without the zeros at its end.
+pub(super) fn text(
+    tiff: &mut Tiff<'_>,
+    tag: Tag,
+    failure: &Failure<'_>,
+) -> Result<Option<String>, ElevationError> {
+    let fail = |error| failure.of(&format!("tag {tag:?}"), error);
+    let text = match tiff.find_tag(tag).map_err(fail)? {
+        None => return Ok(None),
+        Some(Value::Ascii(text)) => text,
+        Some(other) => String::from_utf8_lossy(&other.into_u8_vec().map_err(fail)?).into_owned(),
+    };
+    Ok(Some(text.trim_end_matches('\0').to_owned()))
+}
+
+/// What GDAL's own XML says of the band.
+pub(super) struct Metadata {
+    pub(super) scale: f64,
+    pub(super) offset: f64,
+    /// Metres a unit of height.
+    pub(super) unit: Option<f64>,
+}
+
+impl Metadata {
+    pub(super) fn read(
+        tiff: &mut Tiff<'_>,
+        band: u32,
+        failure: &Failure<'_>,
+    ) -> Result<Self, ElevationError> {
+        let xml = text(tiff, GDAL_METADATA, failure)?.unwrap_or_default();
+        let item = |role: &str| {
+            let of_band = format!("sample=\"{band}\"");
+            let items = xml.split("<Item").skip(1);
+            let mut items = items.filter_map(|item| item.split_once('>'));
+            let (_, rest) = items.find(|(attributes, _)| {
+                attributes.contains(&format!("role=\"{role}\"")) && attributes.contains(&of_band)
+            })?;
+            Some(rest.split('<').next()?.trim().to_owned())
+        };
+        let number = |role| {
+            let number: f64 = item(role)?.parse().ok()?;
+            number.is_finite().then_some(number)
+        };
+        Ok(Self {
+            scale: number("scale").filter(|&scale| scale != 0.0).unwrap_or(1.0),
+            offset: number("offset").unwrap_or(0.0),
+            unit: item("unittype").and_then(|name| geo::unit_by_name(&name)),
+        })
+    }
+}
