@@ -21,6 +21,7 @@ mod night;
 #[path = "../../plugins/character/tests/all/support/person.rs"]
 mod person;
 mod quality;
+mod reload;
 mod soldiers;
 mod stage;
 mod start;
