@@ -16,8 +16,8 @@ use std::collections::BTreeMap;
 /// Products of vertices and spans between keys of a clip that a bound may cost so many times more of; where there are more, it is less near.
 const BOUNDED: usize = 100_000;
 
-/// A distance that does not matter, as a share of what keys may be off by.
-const NOTHING: f64 = 0.01;
+/// A distance that does not matter, metres.
+const NOTHING: f64 = 1e-8;
 
 /// Vertices of one mesh whose weights are not the file's.
 pub(crate) struct Refitted {
@@ -41,7 +41,7 @@ pub(crate) fn weight_error(
     refitted: &Refitted,
     model: &Model,
     takes: &[Take],
-    (max_error, budget): (f64, &Budget),
+    budget: &Budget,
 ) -> Result<f64, FbxError> {
     let vertices = vertices(refitted, model);
     let shells = Shells::of(model);
@@ -77,12 +77,7 @@ pub(crate) fn weight_error(
             rest.clone(),
         );
         budget.must(stretches.len() * each / VERTICES, "the weights of a skin")?;
-        farthest = farthest.max(bounded(
-            &stretches,
-            &mut poser,
-            (farthest, max_error),
-            budget,
-        ));
+        farthest = farthest.max(bounded(&stretches, &mut poser, farthest, budget));
     }
     Ok(farthest)
 }
@@ -102,13 +97,8 @@ const WORK: (usize, usize) = (1_000_000, 100);
 const VERTICES: usize = 20;
 
 /// A bound of the largest distance in a clip; what is above `expected` is of interest.
-fn bounded(
-    stretches: &[Stretch],
-    poser: &mut Poser,
-    (expected, max_error): (f64, f64),
-    budget: &Budget,
-) -> f64 {
-    let mut found = Found::new(expected, NOTHING * max_error, f64::INFINITY);
+fn bounded(stretches: &[Stretch], poser: &mut Poser, expected: f64, budget: &Budget) -> f64 {
+    let mut found = Found::new(expected, NOTHING, f64::INFINITY);
     let each = match poser.groups.len() {
         0 => poser.vertices.len(),
         groups => 4 * groups,
@@ -117,17 +107,10 @@ fn bounded(
     let left = usize::try_from(budget.left()).unwrap_or(usize::MAX);
     let most = most.min(left.saturating_mul(VERTICES));
     for stretch in stretches {
-        let lasts = stretch.end > stretch.begin;
-        // The bound of what lasts is one of its ends too, but for both sides of what jumps.
-        for (time, counts) in [
-            (stretch.begin, stretch.jumps || !lasts),
-            (stretch.end, stretch.jumps_after),
-        ] {
-            if counts {
-                found.key(poser, time);
-            }
+        for time in [stretch.begin, stretch.end] {
+            found.key(poser, time);
         }
-        if lasts {
+        if stretch.end > stretch.begin {
             let span = Span {
                 from: stretch.begin,
                 to: stretch.end,

@@ -25,3 +25,4 @@ pub(crate) use play::{Player, Pose, play};
 pub(crate) use reduce::Reduced;
 pub(crate) use refine::Source;
 pub(crate) use sample::{MorphCurves, Samples, Take};
+pub(crate) use value::Value;

@@ -97,10 +97,7 @@ pub(super) fn pack(
             best = Some(good);
         }
     }
-    // Where the bound leaves no room for rounding, keys as they were chosen may be less.
-    let as_chosen = sparse.first().map_or(usize::MAX, |first| bytes(first));
-    best.filter(|best| best.bytes < as_chosen)
-        .map(|best| (best.error, best.made))
+    best.map(|best| (best.error, best.made))
 }
 
 impl Packing<'_> {

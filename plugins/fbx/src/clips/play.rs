@@ -1,6 +1,6 @@
 //! Playing keys back as glTF's specification says, in f64.
 
-use super::value::{Arc, Value, hermite};
+use super::value::{Value, hermite};
 use crate::model::{Channel, Interpolation, Property, Trs};
 use glam::{DQuat, DVec3};
 
@@ -12,8 +12,6 @@ pub(crate) struct Player<'a> {
     channel: &'a Channel,
     width: usize,
     at: usize,
-    /// The way from a key of a rotation to the next one, and which: many times lie between the same two.
-    arc: Option<(usize, Arc)>,
     /// Scratch for weights.
     weights: Vec<f64>,
 }
@@ -29,7 +27,6 @@ impl<'a> Player<'a> {
             channel,
             width,
             at: 0,
-            arc: None,
             weights: Vec::new(),
         }
     }
@@ -92,25 +89,15 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// Of a linear channel of rotations: the way from key `at` to the next one.
-    pub(crate) fn arc(&mut self, at: usize) -> &Arc {
-        let known = self.arc.take().filter(|(known, _)| *known == at);
+    fn linear(&self, at: usize, share: f64, out: &mut [f64]) {
         let (from, to) = (self.key(at), self.key(at + 1));
-        let made = known.unwrap_or_else(|| {
+        if self.channel.property == Property::Rotation {
             let quat =
                 |k: &[f32]| DQuat::from_array([0, 1, 2, 3].map(|i| f64::from(k[i]))).finish();
-            (at, DQuat::line(&quat(from), &quat(to)))
-        });
-        &self.arc.insert(made).1
-    }
-
-    fn linear(&mut self, at: usize, share: f64, out: &mut [f64]) {
-        if self.channel.property == Property::Rotation {
-            let mixed = DQuat::on_line(self.arc(at), share);
+            let mixed = DQuat::on_line(&DQuat::line(&quat(from), &quat(to)), share);
             out.copy_from_slice(&mixed.to_array());
             return;
         }
-        let (from, to) = (self.key(at), self.key(at + 1));
         for (i, out) in out.iter_mut().enumerate() {
             let (from, to) = (f64::from(from[i]), f64::from(to[i]));
             *out = from + (to - from) * share;

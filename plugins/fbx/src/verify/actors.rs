@@ -3,7 +3,6 @@
 use super::bodies::{Bodies, Weights};
 use super::bound::Subject;
 use super::chain::{Chain, down};
-use super::places::{BEGIN, END};
 use super::played;
 use crate::clips::{MorphCurves, Player, Pose, SHELL, Shells, Source, play};
 use crate::curves::{Majorant, NodeCurves, Over, Rates, Reading};
@@ -31,8 +30,10 @@ pub(super) struct Actors<'a> {
     /// Bodies that move, and their morph targets' weights.
     bodies: Vec<(usize, Weights)>,
     all: &'a Bodies,
-    /// What looks at a span saw: for each slot, what is off of each node that moves, and how far the three axes of its shell are.
+    /// What looks at a span saw: for each, what is off of each node that moves, and how far the three axes of its shell are.
     kept: Vec<Vec<(DAffine3, DMat3)>>,
+    /// The same of the end of the last span.
+    end: Vec<(DAffine3, DMat3)>,
     swings: Vec<DMat3>,
     /// No morph target moves.
     is_plain: bool,
@@ -100,6 +101,7 @@ impl<'a> Actors<'a> {
             movers: order.filter(|&node| moving[node]).collect(),
             off: vec![nothing(); count],
             kept: Vec::new(),
+            end: Vec::new(),
             posed: None,
             swings: vec![DMat3::ZERO; count],
             is_plain: morphs.is_empty(),
@@ -228,13 +230,13 @@ impl<'a> Actors<'a> {
             self.rates[0][*node] = curves.over(over);
         }
         let label = over.since(self.begin);
-        for (channel, player) in self.channels.iter().zip(&mut self.players) {
+        for channel in &self.channels {
             let rates = &mut self.rates[1][channel.node];
             match channel.property {
                 Property::Translation => {
                     rates.translation = played::vector(channel, label).0;
                 }
-                Property::Rotation => rates.turn = played::turn(channel, player, label),
+                Property::Rotation => rates.turn = played::turn(channel, label),
                 Property::Scale => rates.scale = played::vector(channel, label).1,
                 Property::Weights => {}
             }
@@ -349,36 +351,46 @@ impl Subject for Actors<'_> {
         self.farthest(floor)
     }
 
-    fn keep(&mut self, slot: usize) {
+    fn keep(&mut self, index: usize) {
         if !self.is_plain {
             return;
         }
-        if self.kept.len() <= slot {
-            self.kept.resize(slot + 1, Vec::new());
+        if self.kept.len() <= index {
+            self.kept.resize(index + 1, Vec::new());
         }
         let (off, swings) = (&self.off, &self.swings);
-        self.kept[slot].clear();
+        self.kept[index].clear();
         let pairs = self.movers.iter().map(|&node| (off[node], swings[node]));
-        self.kept[slot].extend(pairs);
+        self.kept[index].extend(pairs);
+    }
+
+    fn keep_end(&mut self, index: usize) {
+        if self.is_plain {
+            self.end.clone_from(&self.kept[index]);
+        }
     }
 
     fn keep_again(&mut self) {
-        if self.kept.len() > END {
-            self.kept.swap(BEGIN, END);
+        if !self.is_plain {
+            return;
         }
+        if self.kept.is_empty() {
+            self.kept.push(Vec::new());
+        }
+        std::mem::swap(&mut self.kept[0], &mut self.end);
     }
 
-    fn mixed(&mut self, rows: &[Vec<f64>], slots: &[usize], floor: f64) -> Option<f64> {
+    fn mixed(&mut self, rows: &[Vec<f64>], floor: f64) -> Option<f64> {
         if !self.is_plain {
             return None;
         }
         let mut most = floor;
         self.work += rows.len() * self.movers.len() / 2;
         for row in rows {
-            for (number, &node) in self.movers.iter().enumerate() {
+            for (slot, &node) in self.movers.iter().enumerate() {
                 let (mut off, mut swing) = (nothing(), DMat3::ZERO);
-                for (weight, &slot) in row.iter().zip(slots) {
-                    let (one, other) = &self.kept[slot][number];
+                for (weight, kept) in row.iter().zip(&self.kept) {
+                    let (one, other) = &kept[slot];
                     off.matrix3 += one.matrix3 * *weight;
                     off.translation += one.translation * *weight;
                     swing += *other * *weight;

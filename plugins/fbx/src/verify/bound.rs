@@ -25,10 +25,6 @@
 //! over the nanoseconds one motion is then off its continuation by no more than its speeds before and after it come to, which is
 //! added ([`Span::skew`]), once more for the look that stands there, or where that is too much they are a span of their own.
 //!
-//! The majorant of a span is one around its middle, so that both motions are known there already: it is looked at first, then
-//! the ends, of which one is known from the span before, and only then what lies between ([`Places`]). A span whose bound is small
-//! enough on the way costs no more.
-//!
 //! A span is done with where its bound is no more than [`SLACK`] above the largest error that was found anywhere: the largest of all bounds is
 //! what is stated, so that no error is above it, and some error is below it by no more than that. What is not done with by the second
 //! is by the third, or put aside and looked at more finely when the largest error of all is about known, the largest bound first. What jumps (steps of
@@ -42,7 +38,7 @@
 //! hundredth of a bound of 0.1 mm for `n = 4` (0.3^4 / 24 / 64 = 5e-6 m a metre), so three looks for most spans, and two to
 //! eight mixtures of these for those whose error is above half of the largest.
 
-use super::places::{BEGIN, END, MIDDLE, Places, SLOTS, dense, within};
+use super::places::{Places, dense, within};
 use crate::curves::Majorant;
 use std::collections::{BinaryHeap, VecDeque};
 
@@ -52,10 +48,6 @@ const SLACK: [f64; 2] = [1.06, 1.5];
 
 /// A first look has as many times as bring the rest below this share of the largest error, the same two.
 const ROUGH: [f64; 2] = [0.15, 0.3];
-
-/// Fewer times, of which the others are more, are tried before them where the rest leaves this share of what a bound may be to
-/// the error itself.
-const LEFT: f64 = 0.35;
 
 /// The same for a second look.
 const FINE: f64 = 0.01;
@@ -76,13 +68,15 @@ const DEPTH: u32 = 30;
 pub(crate) trait Subject {
     /// The largest error at a time; what is less than `floor` may be said to be `floor`.
     fn look(&mut self, time: f64, floor: f64) -> f64;
-    /// Keeps what the last look saw, in a slot of a span's.
-    fn keep(&mut self, _slot: usize) {}
-    /// What the last span kept in [`END`] is in [`BEGIN`] from here on.
+    /// Keeps what the last look saw, as number `index` of a span's.
+    fn keep(&mut self, _index: usize) {}
+    /// What was kept as number `index` is that of the next span's begin too.
+    fn keep_end(&mut self, _index: usize) {}
+    /// What the last span's end kept becomes number 0.
     fn keep_again(&mut self) {}
-    /// The largest error of mixtures of what is kept in `slots`, for each row of weights; `None` where errors are no
-    /// mixtures of that.
-    fn mixed(&mut self, _rows: &[Vec<f64>], _slots: &[usize], _floor: f64) -> Option<f64> {
+    /// The largest error of the polynomials through what was kept, for each row of weights; `None` where errors are no
+    /// polynomials of that.
+    fn mixed(&mut self, _rows: &[Vec<f64>], _floor: f64) -> Option<f64> {
         None
     }
     /// The majorant of all errors over a span between keys.
@@ -175,7 +169,7 @@ pub(crate) struct Found {
     /// Times that were looked at.
     pub(crate) looks: usize,
     /// What the look at the end of the last span found.
-    end: Option<Look>,
+    end: Option<End>,
     /// How fast what is off may change in the span before, a second; `None` where there is none.
     speed: Option<f64>,
     /// Seconds of spans whose bounds stand because work came to its limit.
@@ -188,12 +182,9 @@ pub(crate) struct Found {
 /// Peaks that are kept.
 const PEAKS: usize = 512;
 
-/// No error at a span's places, by their slots, is above these.
-type Seen = [Option<f64>; SLOTS];
-
 /// A look at the end of a span.
 #[derive(Debug, Clone, Copy)]
-struct Look {
+struct End {
     time: f64,
     /// The error, or `floor` where it is less.
     error: f64,
@@ -276,49 +267,40 @@ impl Found {
         self.look(subject, time, false, floor);
     }
 
-    /// The largest of a span's places, or `floor`; the middle first, which the majorant is of too.
+    /// The largest of a span's places, the middle first: what the majorant is of is there.
     fn largest(
         &mut self,
         subject: &mut impl Subject,
         span: &Span,
         places: &Places,
         floor: f64,
-        seen: &mut Seen,
     ) -> f64 {
-        let mut most = floor.max(0.0);
-        let middle = places.slots.iter().position(|&slot| slot == MIDDLE);
-        let others = (0..places.count()).filter(|index| Some(*index) != middle);
+        let (count, mut most) = (places.count(), floor.max(0.0));
+        let last = count - 1;
+        let middle = (count % 2 == 1).then_some(last / 2);
+        let others = (0..count).filter(|index| Some(*index) != middle);
         for index in middle.into_iter().chain(others) {
-            let slot = places.slots[index];
-            if seen[slot].is_none() && slot == BEGIN {
-                seen[slot] = self.again(subject, span, most);
-            }
-            if let Some(known) = seen[slot] {
-                most = most.max(known);
-                continue;
-            }
             let time = places.time(index, span.from, span.to);
+            if index == 0 && places.ends {
+                let end = self.end.take();
+                // What was less than its floor may have been less than this one.
+                let known = |end: &End| end.error > end.floor || end.floor <= most;
+                if let Some(end) = end.filter(|end| end.time == time && known(end)) {
+                    most = most.max(end.error);
+                    subject.keep_again();
+                    continue;
+                }
+            }
             let floor = most;
             let error = self.look(subject, time, span.within, floor);
             most = most.max(error);
-            seen[slot] = Some(error);
-            subject.keep(slot);
-            if slot == END {
-                self.end = Some(Look { time, error, floor });
+            subject.keep(index);
+            if index == last && places.ends {
+                self.end = Some(End { time, error, floor });
+                subject.keep_end(index);
             }
         }
         most
-    }
-
-    /// The look at the end of the last span, where that is the begin of this one; `floor` where it is less.
-    fn again(&mut self, subject: &mut impl Subject, span: &Span, floor: f64) -> Option<f64> {
-        let end = self.end.take().filter(|end| end.time == span.from)?;
-        subject.keep_again();
-        // What was less than its floor may have been less than this one: what was kept says.
-        match end.error > end.floor || end.floor <= floor {
-            true => Some(end.error),
-            false => subject.mixed(&[vec![1.0]], &[BEGIN], floor),
-        }
     }
 
     /// The bound after looks at some places, by the second and the third of the module's.
@@ -328,17 +310,15 @@ impl Found {
         span: &Span,
         places: &Places,
         rest: f64,
-        seen: &mut Seen,
     ) -> f64 {
         let enough = self.enough(span.within);
-        let floor = (enough - rest) / places.lebesgue;
-        let most = self.largest(subject, span, places, floor, seen);
+        let most = self.largest(subject, span, places, (enough - rest) / places.lebesgue);
         let bound = places.lebesgue * most + rest;
         if places.hull.is_empty() || bound <= self.enough(span.within) {
             return bound;
         }
         let floor = (self.enough(span.within) - rest).max(0.0);
-        match subject.mixed(&places.hull, &places.slots, floor) {
+        match subject.mixed(&places.hull, floor) {
             Some(hull) => bound.min(hull.max(floor).max(most) + rest),
             None => bound,
         }
@@ -401,31 +381,25 @@ impl Found {
         while let Some(span) = queue.pop_front() {
             let rate = known.take();
             let rate = rate.unwrap_or_else(|| subject.rate(span.from, span.to));
-            let enough = self.enough(span.within);
-            let near = ROUGH[usize::from(span.within)] * enough.max(self.expected);
+            let near =
+                ROUGH[usize::from(span.within)] * self.enough(span.within).max(self.expected);
             let all = Places::all(span.ends);
-            let last = all.iter().position(|places| places.rest(&rate) <= near);
-            // Where no derivative is known, and where there is no work left, it is the way from the middle that counts.
-            let no_more = last.is_none()
-                && (!rate.0[1].is_finite() || !span.can_be_halved() || subject.work() >= most);
-            let last = if no_more { Some(0) } else { last };
-            let (mut seen, mut bound) = ([None; SLOTS], f64::INFINITY);
-            for (number, places) in all.iter().enumerate() {
-                let rest = places.rest(&rate);
-                let is_last = last == Some(number);
-                let may_do = places.nested && rest <= (1.0 - LEFT) * enough;
-                if !is_last && !may_do {
+            let places = match all.iter().find(|places| places.rest(&rate) <= near) {
+                Some(places) => places,
+                // Where no derivative is known, and where there is no work left, it is the way from the middle that counts.
+                None if !rate.0[1].is_finite()
+                    || !span.can_be_halved()
+                    || subject.work() >= most =>
+                {
+                    &all[0]
+                }
+                None => {
+                    queue.extend(span.halves());
                     continue;
                 }
-                bound = bound.min(self.bound(subject, &span, places, rest, &mut seen));
-                if is_last || bound <= self.enough(span.within) {
-                    break;
-                }
-            }
-            match last.is_some() || bound <= self.enough(span.within) {
-                true => self.settle(span, bound),
-                false => queue.extend(span.halves()),
-            }
+            };
+            let bound = self.bound(subject, &span, places, places.rest(&rate));
+            self.settle(span, bound);
         }
     }
 
@@ -482,7 +456,7 @@ impl Found {
             return;
         };
         let rest = places.rest(&rate);
-        let mut best = bound.min(self.bound(subject, &span, places, rest, &mut [None; SLOTS]));
+        let mut best = bound.min(self.bound(subject, &span, places, rest));
         let degree = places.count() - 1;
         if degree > 0 && best > self.enough(span.within) {
             // What is off is no polynomial of what was kept, or its hull is too wide: it is looked at in as many places.

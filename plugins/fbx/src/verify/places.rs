@@ -7,24 +7,13 @@ use crate::curves::{Majorant, ORDERS};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// What is seen at a place is kept in a slot: at the begin and the end of a span, and in its middle, which many kinds of
-/// places have in common.
-pub(super) const BEGIN: usize = 0;
-pub(super) const END: usize = 1;
-pub(super) const MIDDLE: usize = 2;
-
-/// Slots of all kinds of places together.
-pub(super) const SLOTS: usize = 17;
-
 /// Places, -1 to 1, and what follows from their number.
 #[derive(Debug)]
 pub(super) struct Places {
     /// Growing.
     pub(super) at: Vec<f64>,
-    /// Where what is seen at each is kept.
-    pub(super) slots: Vec<usize>,
-    /// All kinds of more places have these too, or their middle, which costs little: it is no loss to try them first.
-    pub(super) nested: bool,
+    /// The ends are two of them.
+    pub(super) ends: bool,
     /// Their Lebesgue constant, or a little more: no polynomial of a degree less than their number is longer by more.
     pub(super) lebesgue: f64,
     /// Over a span that is one long, the most of the product of all distances from them.
@@ -37,30 +26,29 @@ pub(super) struct Places {
 const WITHIN: [(usize, f64); 5] = [(1, 1.0), (2, 1.415), (3, 1.667), (4, 1.848), (6, 2.105)];
 
 /// With its ends: how many, Lebesgue constants, and products. The product of `n` is at most 4 / 4^n; that of three is known.
-const ENDS: [(usize, f64, f64); 4] = [
+const ENDS: [(usize, f64, f64); 5] = [
     (2, 1.0, 1.0 / 4.0),
     (3, 1.2501, 0.048_113),
+    (4, 1.667, 1.0 / 64.0),
     (5, 1.80, 1.0 / 256.0),
     (6, 1.99, 1.0 / 1024.0),
 ];
 
 static OF_WITHIN: LazyLock<Vec<Places>> = LazyLock::new(|| {
-    let mut next = MIDDLE;
     let each = WITHIN.into_iter().map(|(count, lebesgue)| {
         // Two over four to the power of their number.
         let product = 2.0 / f64::from(1_u32 << (2 * count));
-        Places::of(zeros(count), false, lebesgue, product, &mut next)
+        Places::of(zeros(count), false, lebesgue, product)
     });
     each.collect()
 });
 
 static OF_ENDS: LazyLock<Vec<Places>> = LazyLock::new(|| {
-    let mut next = MIDDLE;
-    let middle = Places::of(zeros(1), false, 1.0, 0.5, &mut next);
+    let middle = Places::of(zeros(1), false, 1.0, 0.5);
     let each = ENDS.into_iter().map(|(count, lebesgue, product)| {
         let last = count - 1;
         let at = (0..count).map(|k| -cosine(PI * k as f64 / last as f64));
-        Places::of(at.collect(), true, lebesgue, product, &mut next)
+        Places::of(at.collect(), true, lebesgue, product)
     });
     [middle].into_iter().chain(each).collect()
 });
@@ -85,25 +73,14 @@ pub(super) fn dense(degree: usize) -> Vec<f64> {
 const DENSE: usize = 6;
 
 impl Places {
-    /// `next` is the next slot that is free.
-    fn of(at: Vec<f64>, ends: bool, lebesgue: f64, product: f64, next: &mut usize) -> Self {
-        let count = at.len();
-        let slots = (0..count).map(|index| match index {
-            0 if ends => BEGIN,
-            _ if ends && index == count - 1 => END,
-            _ if count % 2 == 1 && index == count / 2 => MIDDLE,
-            _ => {
-                *next += 1;
-                *next
-            }
-        });
+    fn of(at: Vec<f64>, ends: bool, lebesgue: f64, product: f64) -> Self {
+        let hull = hull(&at, ends);
         Self {
-            slots: slots.collect(),
-            hull: hull(&at, ends),
-            nested: count == 1 || ends && count < 6,
             at,
+            ends,
             lebesgue,
             product,
+            hull,
         }
     }
 
@@ -126,12 +103,12 @@ impl Places {
         }
     }
 
-    /// On the way from `from` to `to`, both exact, and the middle.
+    /// On the way from `from` to `to`, both exact.
     pub(super) fn time(&self, index: usize, from: f64, to: f64) -> f64 {
-        match self.slots[index] {
-            BEGIN => from,
-            END => to,
-            MIDDLE => f64::midpoint(from, to),
+        let last = self.count() - 1;
+        match index {
+            0 if self.ends => from,
+            _ if self.ends && index == last => to,
             _ => within(self.at[index], from, to),
         }
     }
@@ -254,20 +231,6 @@ mod tests {
     }
 
     #[test]
-    fn each_slot_is_one_place_of_all_kinds() {
-        for ends in [false, true] {
-            let mut known = [None; SLOTS];
-            for places in Places::all(ends) {
-                for (index, &slot) in places.slots.iter().enumerate() {
-                    let place = places.time(index, -1.0, 1.0);
-                    let before: f64 = *known[slot].get_or_insert(place);
-                    assert_eq!(before, place, "{places:?}");
-                }
-            }
-        }
-    }
-
-    #[test]
     fn polynomials_stay_within_their_hulls() {
         let mut seed = 7_u64;
         let mut random = || {
@@ -289,7 +252,7 @@ mod tests {
                     .iter()
                     .map(|each| row(each).abs())
                     .fold(0.0, f64::max);
-                if places.slots[0] == BEGIN {
+                if places.ends {
                     hull = values
                         .iter()
                         .fold(hull, |hull, value| hull.max(value.abs()));

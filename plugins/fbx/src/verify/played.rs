@@ -1,9 +1,9 @@
 //! Majorants of keys as they are played, over a span between keys.
 
-use crate::clips::Player;
+use crate::clips::Value;
 use crate::curves::{Majorant, ORDERS, Over, cubic, part};
 use crate::model::{Channel, Interpolation, Property};
-use glam::DVec4;
+use glam::{DQuat, DVec4};
 
 /// Numbers of a value.
 fn width(channel: &Channel) -> usize {
@@ -93,8 +93,8 @@ pub(super) fn numbers(channel: &Channel, over: Over, out: &mut Vec<Majorant>) {
     }
 }
 
-/// The majorant of the matrix of a channel of rotations, and of its player.
-pub(super) fn turn(channel: &Channel, player: &mut Player, over: Over) -> Majorant {
+/// The majorant of the matrix of a channel of rotations.
+pub(super) fn turn(channel: &Channel, over: Over) -> Majorant {
     match stretch(channel, over) {
         Stretch::Across => Majorant::within(1.0, 2.0),
         Stretch::Still(_) => Majorant::still(1.0),
@@ -114,7 +114,11 @@ pub(super) fn turn(channel: &Channel, player: &mut Player, over: Over) -> Majora
                 sphere([0, 1, 2, 3].map(|i| DVec4::from_array(parts.map(|part| part[i]))))
             }
             _ => {
-                let half = player.arc(key).angle();
+                let quat = |key: usize| {
+                    let numbers = &channel.values[key * 4..key * 4 + 4];
+                    DQuat::from_array([0, 1, 2, 3].map(|i| f64::from(numbers[i]))).finish()
+                };
+                let half = DQuat::line(&quat(key), &quat(key + 1)).angle();
                 Majorant::moving(0.0, 2.0 * half * (end - begin)).rotation()
             }
         },

@@ -6,8 +6,8 @@ use crate::clips::{Shells, Source, Stretch, in_parts, threads};
 use crate::curves::Reading;
 use crate::model::{Channel, Clip, Interpolation};
 
-/// An error that does not matter beside the bound, as a share of it: what is stated may be above what was found by so much.
-const NOTHING: f64 = 0.02;
+/// An error that does not matter beside the bound, as a share of it.
+const NOTHING: f64 = 2e-4;
 
 /// What a check found.
 #[derive(Debug, Clone, PartialEq)]
