@@ -55,7 +55,7 @@ fn place(terrain: &Terrain, random: &mut Random, kind: usize) -> DVec2 {
         2 => -height(terrain, at),
         _ => {
             let off = |by: DVec2| height(terrain, at + by) - height(terrain, at - by);
-            off(DVec2::X).hypot(off(DVec2::Y))
+            DVec2::new(off(DVec2::X), off(DVec2::Y)).length()
         }
     };
     let mut step = if kind.is_multiple_of(4) {
@@ -117,7 +117,8 @@ impl Found {
         self.views += 1;
         for _ in 0..500 {
             let turn = DVec2::from_angle(random.unit() * std::f64::consts::TAU);
-            let at = eye + turn * REACH * (0.02 + 0.98 * random.unit().powi(3));
+            let share = random.unit();
+            let at = eye + turn * REACH * (0.02 + 0.98 * share * share * share);
             let found = near.iter().find_map(|&&[a, b, c]| {
                 let area = |a: DVec2, b: DVec2, c: DVec2| (b - a).perp_dot(c - a);
                 let [p, q, r] = [a, b, c].map(flat);
@@ -125,7 +126,7 @@ impl Found {
                 let [u, v, w] = weights.map(|weight| weight / area(p, q, r));
                 // On a side both triangles are the same.
                 let inside = u.min(v).min(w) >= -1e-9;
-                inside.then(|| u * a.y + v * b.y + w * c.y)
+                inside.then_some(u * a.y + v * b.y + w * c.y)
             });
             let Some(drawn) = found else {
                 continue;

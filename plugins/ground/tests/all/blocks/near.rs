@@ -71,13 +71,14 @@ fn look(
     let (mut largest, mut looked) = (0.0_f64, 0);
     for _ in 0..PLACES {
         let turn = DVec2::from_angle(random.unit() * TAU);
-        let at = eye + turn * REACH * (0.02 + 0.98 * random.unit().powi(3));
+        let share = random.unit();
+        let at = eye + turn * REACH * (0.02 + 0.98 * share * share * share);
         let drawn = near.iter().find_map(|&[a, b, c]| {
             let area = |a: DVec2, b: DVec2, c: DVec2| (b - a).perp_dot(c - a);
             let [p, q, r] = [a, b, c].map(flat);
             let weights = [area(at, q, r), area(p, at, r), area(p, q, at)];
             let [u, v, w] = weights.map(|weight| weight / area(p, q, r));
-            (u.min(v).min(w) >= -1e-9).then(|| u * a.y + v * b.y + w * c.y)
+            (u.min(v).min(w) >= -1e-9).then_some(u * a.y + v * b.y + w * c.y)
         });
         let Some(drawn) = drawn else {
             continue;
