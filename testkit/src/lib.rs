@@ -16,6 +16,7 @@
 //! | `raster` | `stage` | pixels that triangles leave uncovered |
 //! | `detail` | `detail` | the passes that choose the ground's detail, and answer places |
 //! | `blocks` | `detail` | the same in blocks |
+//! | `missed` | `detail` | places of a ground of which samples say too little |
 //! | `skinning` | `skinning` | skinning from a palette on the adapter, by the CPU reference, and in f64 |
 //! | `flip` | `flip` | how far apart two pictures are |
 //! | `light` | `light` | scenes of the light oracle in an app, and the radiance that its camera sees |
@@ -39,6 +40,8 @@ pub mod light;
 pub mod logs;
 pub mod mesh;
 pub mod metrics;
+#[cfg(feature = "detail")]
+pub mod missed;
 pub mod places;
 pub mod random;
 #[cfg(feature = "stage")]

@@ -8,6 +8,8 @@
 const BED_SHARE: f32 = 0.5;
 // What may lie between samples, as a multiple of the largest second difference of neighbouring ones.
 const TAIL: f32 = 0.9;
+// By how much ground may lie beyond samples, as a multiple of the same.
+const BEYOND: f32 = 4.0;
 
 // The greater; what is not a number counts as nothing.
 fn greater(a: f32, b: f32) -> f32 {
@@ -21,6 +23,11 @@ fn residual(off: vec2<f32>) -> f32 {
 // How far a sample lies from the middle between two others.
 fn bend(middle: vec2<f32>, a: vec2<f32>, b: vec2<f32>) -> f32 {
     return residual(0.5 * ((middle - a) + (middle - b)));
+}
+
+// The same of heights of the bed.
+fn bend_of_bed(middle: f32, a: f32, b: f32) -> f32 {
+    return abs(0.5 * ((middle - a) + (middle - b)));
 }
 
 // How far the bilinear surface between four samples is from its two triangles at most: a quarter of its twist.

@@ -6,10 +6,10 @@
 #import dolomite::detail::unseen::unseen
 #import dolomite::blocks::bindings::{heads, lists, made_list, record_at, records}
 #import dolomite::blocks::border::{border_point, metres_between}
-#import dolomite::blocks::errors::{TAIL, bend, greater, twist}
+#import dolomite::blocks::errors::{BEYOND, TAIL, bend, bend_of_bed, greater, twist}
 #import dolomite::blocks::nest::{Nest, centre_count, middle_count, nest_centre, nest_middle, tails, twists}
 #import dolomite::blocks::record::{ALWAYS, CELLS, CELL_HIGHS, CELL_LOWS, CORNERS, CORNER_COUNT, ERRORS, HEIGHTS, HIGHS, LOWS, NEST, NO_BLOCK, RINGED, RINGED_COUNT, RING_ERRORS, VERTICES, block_quarter, number_at, quarter_corner, ring_number, ringed_number}
-#import dolomite::blocks::samples::{BEFORE_BLOCK, SAMPLES, SAMPLE_COUNT, WIDE, WIDE_COUNT, sample_row, samples, surface}
+#import dolomite::blocks::samples::{BEFORE_BLOCK, SAMPLES, SAMPLE_COUNT, WIDE, WIDE_COUNT, drawn, sample_row, samples}
 #import dolomite::blocks::uneven::{has_border, put_uneven}
 #import dolomite::terrain::fixed::ground_offset
 
@@ -20,9 +20,11 @@ const AROUND: i32 = 3;
 const RINGED_CORNERS: u32 = 19u;
 const EMPTY_LOW: f32 = 3e38;
 
-// Of each cell with its ring: lowest, highest.
+// Of each cell with its ring: lowest, highest; of the samples of the bed first, then of the drawn surface.
 var<workgroup> lows: array<f32, 484>;
 var<workgroup> highs: array<f32, 484>;
+// By how much the bed may lie beyond its samples.
+var<workgroup> beyond: array<f32, 484>;
 // Errors of mixed corners, -1 to 17 by rows.
 var<workgroup> mixed: array<f32, 361>;
 // Bits of the largest error of a mixed corner of the block; ordered bits of the lowest and the highest.
@@ -65,36 +67,65 @@ fn parent_error(made: Made, cell: vec2<i32>) -> f32 {
 fn make_cell(made: Made, k: u32) {
     let cell = vec2(i32(k % WIDE), i32(k / WIDE)) - vec2(AROUND);
     let first = made.row + 4u * (k / WIDE) * SAMPLES + 4u * (k % WIDE);
-    // sXZ.
-    let s00 = surface(first);
-    let s10 = surface(first + 1u);
-    let s20 = surface(first + 2u);
-    let s30 = surface(first + 3u);
-    let s40 = surface(first + 4u);
-    let s01 = surface(first + 1u * SAMPLES);
-    let s11 = surface(first + 1u + 1u * SAMPLES);
-    let s21 = surface(first + 2u + 1u * SAMPLES);
-    let s31 = surface(first + 3u + 1u * SAMPLES);
-    let s41 = surface(first + 4u + 1u * SAMPLES);
-    let s02 = surface(first + 2u * SAMPLES);
-    let s12 = surface(first + 1u + 2u * SAMPLES);
-    let s22 = surface(first + 2u + 2u * SAMPLES);
-    let s32 = surface(first + 3u + 2u * SAMPLES);
-    let s42 = surface(first + 4u + 2u * SAMPLES);
-    let s03 = surface(first + 3u * SAMPLES);
-    let s13 = surface(first + 1u + 3u * SAMPLES);
-    let s23 = surface(first + 2u + 3u * SAMPLES);
-    let s33 = surface(first + 3u + 3u * SAMPLES);
-    let s43 = surface(first + 4u + 3u * SAMPLES);
-    let s04 = surface(first + 4u * SAMPLES);
-    let s14 = surface(first + 1u + 4u * SAMPLES);
-    let s24 = surface(first + 2u + 4u * SAMPLES);
-    let s34 = surface(first + 3u + 4u * SAMPLES);
-    let s44 = surface(first + 4u + 4u * SAMPLES);
+    // bXZ of the bed, sXZ as it is drawn.
+    let b00 = samples[first];
+    let b10 = samples[first + 1u];
+    let b20 = samples[first + 2u];
+    let b30 = samples[first + 3u];
+    let b40 = samples[first + 4u];
+    let b01 = samples[first + 1u * SAMPLES];
+    let b11 = samples[first + 1u + 1u * SAMPLES];
+    let b21 = samples[first + 2u + 1u * SAMPLES];
+    let b31 = samples[first + 3u + 1u * SAMPLES];
+    let b41 = samples[first + 4u + 1u * SAMPLES];
+    let b02 = samples[first + 2u * SAMPLES];
+    let b12 = samples[first + 1u + 2u * SAMPLES];
+    let b22 = samples[first + 2u + 2u * SAMPLES];
+    let b32 = samples[first + 3u + 2u * SAMPLES];
+    let b42 = samples[first + 4u + 2u * SAMPLES];
+    let b03 = samples[first + 3u * SAMPLES];
+    let b13 = samples[first + 1u + 3u * SAMPLES];
+    let b23 = samples[first + 2u + 3u * SAMPLES];
+    let b33 = samples[first + 3u + 3u * SAMPLES];
+    let b43 = samples[first + 4u + 3u * SAMPLES];
+    let b04 = samples[first + 4u * SAMPLES];
+    let b14 = samples[first + 1u + 4u * SAMPLES];
+    let b24 = samples[first + 2u + 4u * SAMPLES];
+    let b34 = samples[first + 3u + 4u * SAMPLES];
+    let b44 = samples[first + 4u + 4u * SAMPLES];
+    let s00 = drawn(b00);
+    let s10 = drawn(b10);
+    let s20 = drawn(b20);
+    let s30 = drawn(b30);
+    let s40 = drawn(b40);
+    let s01 = drawn(b01);
+    let s11 = drawn(b11);
+    let s21 = drawn(b21);
+    let s31 = drawn(b31);
+    let s41 = drawn(b41);
+    let s02 = drawn(b02);
+    let s12 = drawn(b12);
+    let s22 = drawn(b22);
+    let s32 = drawn(b32);
+    let s42 = drawn(b42);
+    let s03 = drawn(b03);
+    let s13 = drawn(b13);
+    let s23 = drawn(b23);
+    let s33 = drawn(b33);
+    let s43 = drawn(b43);
+    let s04 = drawn(b04);
+    let s14 = drawn(b14);
+    let s24 = drawn(b24);
+    let s34 = drawn(b34);
+    let s44 = drawn(b44);
     var finest = 0.0;
     finest = greater(finest, greater(greater(bend(s10, s00, s20), bend(s30, s20, s40)), greater(bend(s01, s00, s02), bend(s03, s02, s04))));
     finest = greater(finest, greater(greater(bend(s12, s02, s22), bend(s32, s22, s42)), greater(bend(s21, s20, s22), bend(s23, s22, s24))));
     finest = greater(finest, greater(greater(bend(s14, s04, s24), bend(s34, s24, s44)), greater(bend(s41, s40, s42), bend(s43, s42, s44))));
+    var of_bed = 0.0;
+    of_bed = greater(of_bed, greater(greater(bend_of_bed(b10, b00, b20), bend_of_bed(b30, b20, b40)), greater(bend_of_bed(b01, b00, b02), bend_of_bed(b03, b02, b04))));
+    of_bed = greater(of_bed, greater(greater(bend_of_bed(b12, b02, b22), bend_of_bed(b32, b22, b42)), greater(bend_of_bed(b21, b20, b22), bend_of_bed(b23, b22, b24))));
+    of_bed = greater(of_bed, greater(greater(bend_of_bed(b14, b04, b24), bend_of_bed(b34, b24, b44)), greater(bend_of_bed(b41, b40, b42), bend_of_bed(b43, b42, b44))));
     var twisted = 0.0;
     twisted = greater(twisted, greater(greater(twist(s00, s10, s01, s11), twist(s10, s20, s11, s21)), greater(twist(s20, s30, s21, s31), twist(s30, s40, s31, s41))));
     twisted = greater(twisted, greater(greater(twist(s01, s11, s02, s12), twist(s11, s21, s12, s22)), greater(twist(s21, s31, s22, s32), twist(s31, s41, s32, s42))));
@@ -107,26 +138,41 @@ fn make_cell(made: Made, k: u32) {
     let corner = centre - vec2(made.cell_half);
     let sides = metres_between(bitcast<vec2<i32>>(corner), bitcast<vec2<i32>>(centre + vec2(made.cell_half)));
     let alone = unseen(ground_offset(border_point(corner), 0.5 * sides), sides, max(sides.x, sides.y) * 0.25);
-    let tail = TAIL * finest + select(0.0, alone, is_on);
-    tails[k] = tail;
-    if !is_on || any(cell < vec2(-2)) || any(cell > vec2(i32(CELLS) + 1)) {
-        lows[k] = EMPTY_LOW;
-        highs[k] = -EMPTY_LOW;
+    let missed = select(0.0, alone, is_on);
+    var low = min(min(min(b00, b10), min(b20, b30)), b40);
+    low = min(low, min(min(min(b01, b11), min(b21, b31)), b41));
+    low = min(low, min(min(min(b02, b12), min(b22, b32)), b42));
+    low = min(low, min(min(min(b03, b13), min(b23, b33)), b43));
+    low = min(low, min(min(min(b04, b14), min(b24, b34)), b44));
+    var high = max(max(max(b00, b10), max(b20, b30)), b40);
+    high = max(high, max(max(max(b01, b11), max(b21, b31)), b41));
+    high = max(high, max(max(max(b02, b12), max(b22, b32)), b42));
+    high = max(high, max(max(max(b03, b13), max(b23, b33)), b43));
+    high = max(high, max(max(max(b04, b14), max(b24, b34)), b44));
+    let most = BEYOND * of_bed + missed;
+    // Where samples are under water ground may rise out of it between them.
+    let dry = select(0.0, min(TAIL * of_bed + missed, high + most - detail.sea), low < detail.sea);
+    tails[k] = greater(TAIL * finest + missed, dry);
+    beyond[k] = most;
+    let is_wanted = is_on && all(cell >= vec2(-2)) && all(cell <= vec2(i32(CELLS) + 1));
+    lows[k] = select(EMPTY_LOW, low, is_wanted);
+    highs[k] = select(-EMPTY_LOW, high, is_wanted);
+}
+
+// The interval of the drawn surface in a cell, of that of the samples of the bed and what is around.
+fn widen_cell(made: Made, k: u32) {
+    if lows[k] > highs[k] {
         return;
     }
-    var low = min(min(min(s00.x, s10.x), min(s20.x, s30.x)), s40.x);
-    low = min(low, min(min(min(s01.x, s11.x), min(s21.x, s31.x)), s41.x));
-    low = min(low, min(min(min(s02.x, s12.x), min(s22.x, s32.x)), s42.x));
-    low = min(low, min(min(min(s03.x, s13.x), min(s23.x, s33.x)), s43.x));
-    low = min(low, min(min(min(s04.x, s14.x), min(s24.x, s34.x)), s44.x));
-    var high = max(max(max(s00.x, s10.x), max(s20.x, s30.x)), s40.x);
-    high = max(high, max(max(max(s01.x, s11.x), max(s21.x, s31.x)), s41.x));
-    high = max(high, max(max(max(s02.x, s12.x), max(s22.x, s32.x)), s42.x));
-    high = max(high, max(max(max(s03.x, s13.x), max(s23.x, s33.x)), s43.x));
-    high = max(high, max(max(max(s04.x, s14.x), max(s24.x, s34.x)), s44.x));
-    low -= tail;
-    high += tail;
+    var most = 0.0;
+    for (var z = 0u; z < 3u; z++) {
+        let row = k - WIDE - 1u + z * WIDE;
+        most = greater(greater(most, beyond[row]), greater(beyond[row + 1u], beyond[row + 2u]));
+    }
+    var low = max(lows[k] - most, detail.sea);
+    var high = max(highs[k] + most, detail.sea);
     if !made.is_root {
+        let cell = vec2(i32(k % WIDE), i32(k / WIDE)) - vec2(AROUND);
         let above = ringed_number(parent_cell(made, cell));
         low = max(low, bitcast<f32>(records[made.parent + CELL_LOWS + above]));
         high = min(high, bitcast<f32>(records[made.parent + CELL_HIGHS + above]));
@@ -274,6 +320,9 @@ fn make_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     }
     storageBarrier();
     workgroupBarrier();
+    for (var k = thread; k < WIDE_COUNT; k += GROUP) {
+        widen_cell(made, k);
+    }
     nest_all(nest, thread);
     for (var k = thread; k < 361u; k += GROUP) {
         let corner = vec2(i32(k % RINGED_CORNERS), i32(k / RINGED_CORNERS)) - vec2(1);

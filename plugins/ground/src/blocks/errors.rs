@@ -239,29 +239,6 @@ impl Errors<'_> {
     }
 }
 
-/// What may lie between samples in each of the wide cells: [`TAIL`] times the largest second difference along
-/// rows and columns.
-#[must_use]
-pub fn between(surfaces: &[(Surface, f32)]) -> Vec<f32> {
-    let mut all = vec![0.0; WIDE * WIDE];
-    for (k, largest) in all.iter_mut().enumerate() {
-        let first = [k % WIDE * STEPS, k / WIDE * STEPS];
-        for (surface, share) in surfaces {
-            let at = |i: usize, j: usize| surface.at(first[0] + i, first[1] + j);
-            for even in (0..=STEPS).step_by(2) {
-                for odd in (1..STEPS).step_by(2) {
-                    let off =
-                        |middle: f32, a: f32, b: f32| (0.5 * ((middle - a) + (middle - b))).abs();
-                    let along = off(at(odd, even), at(odd - 1, even), at(odd + 1, even));
-                    let across = off(at(even, odd), at(even, odd - 1), at(even, odd + 1));
-                    *largest = greater(*largest, share * TAIL * greater(along, across));
-                }
-            }
-        }
-    }
-    all
-}
-
 /// By how much a bilinear surface between four neighbouring samples differs from its two triangles at most, in
 /// each of the wide cells: a quarter of its twist. Of a saddle along the axes no second difference tells.
 #[must_use]

@@ -1,9 +1,10 @@
 //! A block from its samples; the order of computing is that of [`super::record`].
 
 use bevy::math::{IVec2, Vec2};
-use dolomite_terrain::{GpuTerrainUniform, GroundPoint, GroundRect, Height, Planes, Terrain};
+use dolomite_terrain::{GpuTerrainUniform, GroundPoint, Height, Planes, Terrain};
 
-use super::errors::{BED_SHARE, Inside, between, nested};
+use super::between::Between;
+use super::errors::{BED_SHARE, Inside, nested};
 use super::place::{
     BlockPlace, CELLS, CORNER_COUNT, CornerKind, VERTICES, centre_number, centre_parents,
     corner_kind, corner_number, mixed_parents, vertex_at,
@@ -131,26 +132,6 @@ pub fn samples(terrain: &Terrain, lattice: &DetailLattice, place: BlockPlace) ->
         .collect()
 }
 
-/// What may lie between samples in each of the wide cells, metres.
-fn tails(
-    terrain: &Terrain,
-    lattice: &DetailLattice,
-    place: BlockPlace,
-    surfaces: &[(Surface, f32)],
-) -> Vec<f32> {
-    let mut tails = between(surfaces);
-    for (k, tail) in tails.iter_mut().enumerate() {
-        let at = IVec2::new((k % WIDE) as i32, (k / WIDE) as i32) - AROUND;
-        let cell = place.cell_at(at);
-        if lattice.holds(cell) {
-            let [min, max] = [0, 2].map(|k| lattice.point(cell.corner(k)).to_dvec2());
-            let spacing = (max - min).max_element() / STEPS as f64;
-            *tail += terrain.unseen(&GroundRect::new(min, max), spacing);
-        }
-    }
-    tails
-}
-
 /// Makes a block of a terrain. `parent` is the record of its parent, `None` for a root.
 #[must_use]
 pub fn make(
@@ -172,9 +153,12 @@ pub fn make(
     {
         surfaces.push((Surface(&bed), BED_SHARE));
     }
-    let tails = tails(terrain, lattice, place, &surfaces);
+    let raw: Vec<f32> = heights.iter().map(|h| h.value).collect();
+    let with = (lattice, place);
+    let between = Between::new(terrain, with, Surface(&raw), &surfaces, sea);
     let rulers = rulers(lattice, place);
-    let nested = nested(&surfaces, &tails, inside(lattice, place), rulers.as_ref());
+    let inside = inside(lattice, place);
+    let nested = nested(&surfaces, &between.tails, inside, rulers.as_ref());
     let mut block = Box::new(blank(place));
     let mut made = Made {
         lattice,
@@ -188,7 +172,7 @@ pub fn make(
     };
     made.heights(&heights);
     made.errors(&nested);
-    made.intervals(&drawn, &tails);
+    made.intervals(&between, sea);
     let count = made.count;
     if let Some(parent) = parent {
         from_parent(&mut block, place, parent);
@@ -292,7 +276,7 @@ impl Made<'_> {
         self.cut(nested[sample_at(at * 2)], above)
     }
 
-    fn intervals(&mut self, drawn: &[f32], tails: &[f32]) {
+    fn intervals(&mut self, between: &Between, sea: f32) {
         let mut lows = vec![EMPTY[0]; WIDE * WIDE];
         let mut highs = vec![EMPTY[1]; WIDE * WIDE];
         for k in 0..WIDE * WIDE {
@@ -305,16 +289,7 @@ impl Made<'_> {
             if !self.lattice.holds(self.place.cell_at(cell)) {
                 continue;
             }
-            let [mut low, mut high] = EMPTY;
-            let first = at * STEPS as i32;
-            for z in first.y as usize..=first.y as usize + STEPS {
-                for x in first.x as usize..=first.x as usize + STEPS {
-                    let height = drawn[z * SAMPLES + x];
-                    low = low.min(height);
-                    high = high.max(height);
-                }
-            }
-            (lows[k], highs[k]) = (low - tails[k], high + tails[k]);
+            [lows[k], highs[k]] = between.interval(at, sea);
             if let Some(parent) = self.parent {
                 let [low, high] = parent.cell_interval(self.place.cell_in_parent(cell));
                 (lows[k], highs[k]) = (lows[k].max(low), highs[k].min(high));

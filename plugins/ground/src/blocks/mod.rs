@@ -14,6 +14,7 @@
 //! | [`layout`] | the same on the GPU: buffers and passes |
 //! | [`place`] | blocks, their vertices and what these need, in integers |
 //! | [`record`] | what is kept of a block, and in which order it is computed |
+//! | [`between`] | what the ground may do between samples |
 //! | [`triangle`] | how far a triangle is from the samples |
 //! | [`errors`] | that of vertices, nested |
 //! | [`mod@make`] | a block from its samples and its parent |
@@ -25,6 +26,7 @@
 //! | [`mod@mesh`] | where they stand: the mesh of a view |
 //! | [`mod@locate`] | the triangle under a place: height queries |
 
+pub mod between;
 pub mod changed;
 pub mod choose;
 pub mod errors;

@@ -10,7 +10,8 @@
 //! 1. *Samples*: bed heights at 89 × 89 lattice points, a quarter of a cell apart, from corner (−3, −3) to corner
 //!    (19, 19). Two surfaces of it: the drawn one, max(bed, sea), and the bed as far as it is seen,
 //!    clamp(bed, sea − [`OPAQUE_DEPTH`](crate::range::OPAQUE_DEPTH), sea), whose errors count by half.
-//! 2. *Tail* of each of the 22 × 22 cells: what may lie between its samples (`make.rs`).
+//! 2. *Tail* of each of the 22 × 22 cells: what may lie between its samples; and by how much the bed may lie beyond
+//!    them (`between.rs`).
 //! 3. *Own errors* of triangles: largest |sample − plane| over the samples inside and on the sides, as `triangle.rs`
 //!    writes it: differences to the right-angled corner first, then weights that are multiples of ⅛.
 //! 4. *Nested errors* of vertices that stand on samples, from the finest up: E = max(own + tail, [`GROWTH`] ·
@@ -21,9 +22,9 @@
 //! 5. *Errors of vertices*: of mixed corners and centres, cut from above, e = min(E,
 //!    [`NEST`] · least e of the parents). Mixed corners first, of the ring of one too, then centres, of the
 //!    ring too. Parents that are not on the lattice do not count.
-//! 6. *Intervals* of cells −2 to 17: lowest and highest sample of the drawn surface in it, 5 × 5, less and plus
-//!    the cell's tail; cut with the interval of the parent's cell. Cells that are not on the lattice are empty:
-//!    [`EMPTY`].
+//! 6. *Intervals* of cells −2 to 17: lowest and highest sample of the bed in it, 5 × 5, less and plus the most by
+//!    which the bed may lie beyond samples in it and the eight cells around; no lower than the sea; cut with the interval
+//!    of the parent's cell. Cells that are not on the lattice are empty: [`EMPTY`].
 //! 7. *Intervals* of vertices: union over the cells that the region of their descendants touches: 3 × 3 about a
 //!    centre, 4 × 4 about a mixed corner.
 //!

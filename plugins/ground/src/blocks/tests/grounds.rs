@@ -148,13 +148,18 @@ impl Camera {
                 .all()
     }
 
-    /// Pixels between two points, one of which is seen; `None` if none is, or one is before the near plane.
+    /// Pixels between two points, as far as the line between them lies beyond the near plane; `None` if neither is seen.
     pub fn pixels(&self, a: DVec3, b: DVec3) -> Option<f64> {
-        let (la, lb) = (self.local(a), self.local(b));
-        if la.z < self.near || lb.z < self.near || !(self.sees(a) || self.sees(b)) {
+        if !(self.sees(a) || self.sees(b)) {
             return None;
         }
-        Some(self.on_screen(la).distance(self.on_screen(lb)))
+        let cut = |from: DVec3, to: DVec3| {
+            let (from, to) = (self.local(from), self.local(to));
+            let beyond = from.z >= self.near;
+            let cut = from.lerp(to, (self.near - from.z) / (to.z - from.z));
+            self.on_screen(if beyond { from } else { cut })
+        };
+        Some(cut(a, b).distance(cut(b, a)))
     }
 }
 

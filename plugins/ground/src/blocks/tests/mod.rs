@@ -2,6 +2,7 @@
 
 mod grounds;
 mod guarantee;
+mod near;
 mod nested;
 mod still;
 mod surface;
