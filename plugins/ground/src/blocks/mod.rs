@@ -17,6 +17,7 @@
 //! | [`triangle`] | how far a triangle is from the samples |
 //! | [`errors`] | that of vertices, nested |
 //! | [`mod@make`] | a block from its samples and its parent |
+//! | [`gate`] | which can be made of a map that is read by tiles |
 //! | [`kept`] | the blocks of a terrain |
 //! | [`changed`] | which of them are others where the ground changed |
 //! | [`ratio`] | errors in a view |
@@ -28,6 +29,7 @@
 pub mod changed;
 pub mod choose;
 pub mod errors;
+pub mod gate;
 pub mod kept;
 pub mod layout;
 pub mod leaves;

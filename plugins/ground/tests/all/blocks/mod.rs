@@ -6,4 +6,5 @@ mod culled;
 mod reference;
 mod room;
 pub mod support;
+mod tiled;
 mod times;
