@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use dolomite::terrain::elevation::{About, Elevation, ElevationError, write};
+use dolomite::terrain::elevation::{
+    About, Elevation, ElevationError, ElevationProgress, Options, convert, write,
+};
 use serde::Serialize;
 
 use super::elevation::ReadArgs;
@@ -61,18 +63,32 @@ impl Heights {
 
     /// As [`Self::run`]; returns what is printed.
     fn make(&self) -> Result<String, ElevationError> {
-        let map = Elevation::read(&self.input, &self.read.options(self.spacing.is_some()))?;
+        let options = self.read.options(self.spacing.is_some());
         let own = self.spacing.map(|metres| [metres; 2]);
-        let spacing = own.or_else(|| map.about.georeference.as_ref()?.spacing(map.about.size));
+        let progress = ElevationProgress::on_stderr();
+        // What is larger than memory is read and written row by row; but parts of it may fit.
+        let size = Elevation::size(&self.input, &options);
+        let is_large = |[columns, rows]: [u32; 2]| {
+            u64::from(columns) * u64::from(rows) > Options::MAX_SAMPLES && options.every == 1
+        };
+        let (about, taken) = if size.is_ok_and(is_large) {
+            let to = self.out.as_deref();
+            let about = convert(&self.input, to, &options, own, &progress)?;
+            let size = about.size;
+            (about, size)
+        } else {
+            let map = Elevation::read_telling(&self.input, &options, &progress)?;
+            if let Some(path) = &self.out {
+                write(path, &map, own)?;
+            }
+            (map.about, map.size)
+        };
+        let spacing = own.or_else(|| about.georeference.as_ref()?.spacing(about.size));
         let report = Report {
-            about: &map.about,
+            about: &about,
             spacing_metres: spacing,
-            taken: map.size,
-            projection: map
-                .about
-                .georeference
-                .as_ref()
-                .map(|place| place.crs.name()),
+            taken,
+            projection: about.georeference.as_ref().map(|place| place.crs.name()),
         };
         if let Some(path) = &self.json {
             let json = serde_json::to_vec_pretty(&report).expect("a report is plain data");
@@ -80,9 +96,6 @@ impl Heights {
                 file: path.display().to_string(),
                 reason: error.to_string(),
             })?;
-        }
-        if let Some(path) = &self.out {
-            write(path, &map, own)?;
         }
         Ok(table(&report))
     }

@@ -7,14 +7,14 @@ use bevy::log::warn;
 use bevy::math::{DVec2, DVec3};
 use dolomite::ground::{MaterialBands, Sea};
 use dolomite::sky::Sun;
-use dolomite::terrain::elevation::{Elevation, FileKind, NumberType};
+use dolomite::terrain::elevation::{Elevation, ElevationProgress, FileKind, NumberType};
 use dolomite::terrain::{
     Fractal, GroundRect, HeightMap, HeightMapError, HeightMapFile, Holes, Layer, Mask, Source,
     Terrain, TerrainData,
 };
 use dolomite::vegetation::Kinds;
 
-use super::file::{SceneFile, SourceFile, StartFile};
+use super::file::{LayerFile, SceneFile, SourceFile, StartFile};
 use super::things::Thing;
 use super::{Files, LoadedScene, MapOptions, PITCH_LIMIT, Pose, SceneError, default_start, watch};
 
@@ -44,8 +44,11 @@ pub(super) fn from_file(
         return Err(value("`layers` is empty: add a source".to_owned()));
     }
     let mut layers = Layers::default();
+    let is_map = |layer: &&LayerFile| matches!(layer.source, SourceFile::Map(_));
+    // One map is read by tiles, and the ground is as large as it is: else what memory can hold is read into it.
+    let whole = file.extent.is_some() || file.layers.iter().filter(is_map).count() > 1;
     for layer in &file.layers {
-        let source = source(&layer.source, path, files)?;
+        let source = source(&layer.source, whole, path, files)?;
         let name = match &layer.source {
             SourceFile::Map(map) => map.paths().next().unwrap_or_default(),
             _ => "",
@@ -139,34 +142,55 @@ pub(super) fn from_map(
         scene: None,
         source: Box::new(source),
     };
-    // The path is the player's own, relative to where they stand.
-    let read = Elevation::read(path, &options.read).map_err(|error| refused(error.into()))?;
-    for note in &read.about.notes {
-        warn!("{}: {note}", path.display());
-    }
-    let deep = read.about.kind == FileKind::Png && read.about.number == NumberType::U16;
-    let told = read.spacing().is_some();
-    let file = HeightMapFile {
-        scale: options.scale.unwrap_or(if deep { PNG_SCALE } else { 1.0 }),
+    let progress = ElevationProgress::on_stderr();
+    let is_png = path.extension().is_some_and(|ending| ending == "png");
+    let mut file = HeightMapFile {
+        scale: options
+            .scale
+            .unwrap_or(if is_png { PNG_SCALE } else { 1.0 }),
         offset: options.offset,
-        spacing: match options.spacing {
-            Some(metres) => Some([metres; 2]),
-            None => (!told).then_some([SPACING; 2]),
-        },
         holes: options.sea.map_or(Holes::Fill, Holes::Sea),
+        budget: options.budget,
         ..HeightMapFile::default()
     };
-    let place = read.georeference.as_ref().map(|place| {
-        let [east, north] = place.middle(read.size);
+    // The path is the player's own, relative to where they stand.
+    let tiles = file
+        .open_tiles(path, &options.read, &progress)
+        .map_err(refused)?;
+    let read = match tiles {
+        Some(tiles) => Ok(tiles),
+        None => {
+            let read = Elevation::read_telling(path, &options.read, &progress);
+            Err(read.map_err(|error| refused(error.into()))?)
+        }
+    };
+    let (about, size, told) = match &read {
+        Ok(tiles) => (tiles.about(), tiles.size(), tiles.spacing().is_some()),
+        Err(read) => (&read.about, read.size, read.spacing().is_some()),
+    };
+    for note in &about.notes {
+        warn!("{}: {note}", path.display());
+    }
+    let deep = about.kind == FileKind::Png && about.number == NumberType::U16;
+    file.scale = options.scale.unwrap_or(if deep { PNG_SCALE } else { 1.0 });
+    file.spacing = match options.spacing {
+        Some(metres) => Some([metres; 2]),
+        None => (!told).then_some([SPACING; 2]),
+    };
+    let place = match &read {
+        Ok(tiles) => tiles.georeference(),
+        Err(read) => read.georeference.as_ref(),
+    };
+    let place = place.map(|place| {
+        let [east, north] = place.middle(size);
         format!(", its middle at {east}, {north} in {}", place.crs.name())
     });
-    let map = file.make(read).map_err(refused)?;
-    let (low, high) = map
-        .samples()
-        .iter()
-        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), sample| {
-            (low.min(*sample), high.max(*sample))
-        });
+    let map = match read {
+        Ok(tiles) => file.make_by_tiles(tiles),
+        Err(read) => file.make(read),
+    };
+    let map = map.map_err(refused)?;
+    let [low, high] = map.extremes();
     let terrain = Terrain::new(TerrainData {
         extent: map.rect(),
         layers: vec![Layer {
@@ -230,7 +254,8 @@ impl Layers {
         path: &Path,
     ) -> Result<(), SceneError> {
         match source {
-            Source::Map(map) if mask.is_none() => {
+            // What is read by tiles is not put together with others.
+            Source::Map(map) if mask.is_none() && map.stream().is_none() => {
                 if !self.beside.iter().any(|(_, other)| other.goes_on_in(&map)) {
                     self.join(path)?;
                 }
@@ -287,7 +312,12 @@ fn detail_layer(detail: Option<Fractal>, amplitude: Option<f32>) -> Option<Layer
     })
 }
 
-fn source(source: &SourceFile, path: &Path, files: &mut Files) -> Result<Source, SceneError> {
+fn source(
+    source: &SourceFile,
+    whole: bool,
+    path: &Path,
+    files: &mut Files,
+) -> Result<Source, SceneError> {
     Ok(match source {
         SourceFile::Fractal(fractal) => Source::Fractal(*fractal),
         SourceFile::Permutation(classic) => Source::Permutation(*classic),
@@ -297,7 +327,13 @@ fn source(source: &SourceFile, path: &Path, files: &mut Files) -> Result<Source,
             for path in map.paths() {
                 watch(files, &folder.join(path));
             }
-            let map = map.load(folder).map_err(|source| SceneError::Map {
+            let progress = ElevationProgress::on_stderr();
+            let mut map = map.clone();
+            if whole {
+                map.budget = map.budget.max(HeightMapFile::WHOLE);
+            }
+            let map = map.load_telling(folder, &progress);
+            let map = map.map_err(|source| SceneError::Map {
                 scene: Some(path.to_owned()),
                 source: Box::new(source),
             })?;

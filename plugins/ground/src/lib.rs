@@ -50,6 +50,7 @@ mod range;
 pub mod render;
 mod sets;
 mod shown;
+mod streaming;
 
 pub use cover::{PatchDetail, TerrainCover, TerrainCoverSystems, TerrainView};
 pub use material::{

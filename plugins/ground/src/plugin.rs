@@ -10,6 +10,7 @@ use crate::idle_budget;
 use crate::material::{GroundCanopy, GroundMaterial, GroundShading, MaterialBands, Sea};
 use crate::sets::GroundSystems;
 use crate::shown::{ShownTerrains, follow_terrains};
+use crate::streaming::follow_maps;
 use dolomite_terrain::TerrainPlugin;
 
 /// Draws every visible [`Terrain`](dolomite_terrain::Terrain) that has a [`GroundMaterial`], for every camera that
@@ -64,7 +65,7 @@ impl Plugin for GroundPlugin {
             )
             .add_systems(
                 PostUpdate,
-                (follow_terrains, update_covers)
+                (follow_terrains, update_covers, follow_maps)
                     .chain()
                     .in_set(TerrainCoverSystems),
             )

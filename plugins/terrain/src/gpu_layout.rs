@@ -40,10 +40,11 @@ pub enum LayerKind {
 pub struct GpuLayer {
     /// A [`LayerKind`].
     pub kind: u32,
-    /// Fractal, permutation: octaves. Edits: entries of the table, as a power of two.
+    /// Fractal, permutation: octaves. Map that is read by tiles: levels, else 0. Edits: entries of the table, as a power of two.
     pub octaves: u32,
     /// Fractal, permutation: index in the data of the octave table (12 words an octave); the permutation noise
-    /// permutation (256 words) follows it. Map: index of the first sample. Edits: index of the table.
+    /// permutation (256 words) follows it. Map: index of the first sample, or of the first level's head
+    /// ([`LEVEL_WORDS`](crate::LEVEL_WORDS) each). Edits: index of the table.
     pub data: u32,
     /// Fractal: octaves of the warp, 0 for none. Map: levels of windows. Edits: level of the root.
     pub warp_octaves: u32,
@@ -115,6 +116,30 @@ impl Terrain {
         4 * (maps.sum::<u64>() + edits.unwrap_or(0))
     }
 
+    /// Word of [`GpuTerrain::data`] from which on the map stands that is read by tiles, if there is one:
+    /// [`MapWrite::at`](crate::MapWrite::at) counts from there.
+    #[must_use]
+    pub fn streamed_at(&self) -> Option<u64> {
+        let mut at = 0;
+        for (source, _) in self.prepared() {
+            at += match source {
+                Prepared::Map(map) if map.stream().is_some() => return Some(at),
+                Prepared::Map(map) => map.gpu_words(),
+                Prepared::Fractal(source) => {
+                    let warp = source.warp.as_ref();
+                    let warp = warp.map_or(0, |warp| warp.x.len() + warp.z.len());
+                    (OCTAVE_WORDS * (source.octaves.len() + warp)) as u64
+                }
+                Prepared::Permutation(source) => {
+                    (OCTAVE_WORDS * source.octaves.len() + source.permutation.len()) as u64
+                }
+                // Edits come last.
+                Prepared::Hill(_) | Prepared::Edits(_) => 0,
+            };
+        }
+        None
+    }
+
     /// Lays out the terrain for the GPU. Copies the samples of height maps.
     #[must_use]
     pub fn gpu(&self) -> GpuTerrain {
@@ -162,6 +187,9 @@ impl Terrain {
         }
     }
 }
+
+/// Words of an octave.
+const OCTAVE_WORDS: usize = 12;
 
 /// Appends an octave table; returns its index. An octave is 12 words: mantissa, shift, seed, offset
 /// x (cell, fraction), offset z (cell, fraction), then as f32 bits amplitude, frequency, slope,
@@ -222,14 +250,21 @@ fn permutation(source: &PreparedPermutation, data: &mut Vec<u32>) -> GpuLayer {
 
 fn map(source: &HeightMap, data: &mut Vec<u32>) -> GpuLayer {
     let at = data.len() as u32;
-    data.extend(source.samples().iter().map(|s| s.to_bits()));
-    let windows = data.len() as u32;
-    let levels = source.deviations().levels();
-    data.extend(
-        levels
-            .iter()
-            .flat_map(|level| level.windows.iter().map(|d| d.to_bits())),
-    );
+    let mut by_tiles = 0;
+    let (mut windows, mut levels) = (0, 0);
+    if let Some(stream) = source.stream() {
+        stream.lay_out(data);
+        by_tiles = stream.levels();
+    } else {
+        data.extend(source.samples().iter().map(|s| s.to_bits()));
+        windows = data.len() as u32;
+        let all = source.deviations().levels();
+        levels = all.len() as u32;
+        data.extend(
+            all.iter()
+                .flat_map(|level| level.windows.iter().map(|d| d.to_bits())),
+        );
+    }
     let lattice = source.lattice();
     let kind = match source.filter() {
         Filter::Bilinear => LayerKind::Bilinear,
@@ -237,8 +272,9 @@ fn map(source: &HeightMap, data: &mut Vec<u32>) -> GpuLayer {
     };
     GpuLayer {
         kind: kind as u32,
+        octaves: by_tiles,
         data: at,
-        warp_octaves: levels.len() as u32,
+        warp_octaves: levels,
         warp_data: windows,
         size: [source.width(), source.height()],
         mantissa: lattice.frequency.map(|frequency| frequency.mantissa),

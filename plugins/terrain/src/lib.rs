@@ -32,6 +32,7 @@ mod interval;
 pub mod noise;
 mod plugin;
 mod probe;
+mod streaming;
 mod terrain;
 
 /// Files of elevation, read without a renderer.
@@ -44,8 +45,8 @@ pub use edits::{EditLattice, EditRoom, EditTable, EditWrite, Edits};
 pub use gpu_layout::{GpuLayer, GpuTerrain, GpuTerrainUniform, LayerKind};
 pub use ground::{Ground, GroundPoint, GroundRect, GroundSample, Height};
 pub use height_map::{
-    Filter, HeightMap, HeightMapError, HeightMapFile, Holes, MapFormat, RawFormat,
-    metres_per_degree,
+    Filter, HeightMap, HeightMapError, HeightMapFile, Holes, LEVEL_WORDS, MOST_LEVELS, MapFormat,
+    MapNews, MapWrite, RawFormat, Readable, Stream, TileRequest, metres_per_degree,
 };
 pub use hill::Hill;
 pub use noise::{Fractal, NoiseError, PermutationNoise, Sum, Warp};
@@ -54,4 +55,5 @@ pub use probe::{
     AnswerSource, DrawnAnswer, GroundAnswer, GroundProbe, GroundProbeSystems, ProbeAnswer,
     ProbeBatch, ProbeError, ProbePart, ProbeQuestion,
 };
+pub use streaming::{MapFaults, MapFocus, MapStreaming, MapStreamingStats};
 pub use terrain::{Layer, Mask, Source, Terrain, TerrainData, TerrainError, terrain_at};

@@ -1,9 +1,10 @@
 //! The ECS side: height queries for entities, in f64, without a GPU.
 
-use bevy::app::{App, Plugin};
+use bevy::app::{App, Plugin, PreUpdate};
 use bevy::ecs::resource::Resource;
 
 use crate::probe::{GroundProbe, ProbeBatch};
+use crate::streaming::{MapFaults, MapFocus, MapStreaming, MapStreamingStats, Reads, read_tiles};
 
 /// Fills every [`GroundProbe`](crate::GroundProbe) from the [`Terrain`](crate::Terrain) of the world.
 ///
@@ -30,7 +31,14 @@ impl Plugin for TerrainPlugin {
         }
         app.insert_resource(Added)
             .register_type::<GroundProbe>()
-            .register_type::<ProbeBatch>();
+            .register_type::<ProbeBatch>()
+            .register_type::<MapStreaming>()
+            .init_resource::<MapStreaming>()
+            .init_resource::<MapFocus>()
+            .init_resource::<MapFaults>()
+            .init_resource::<MapStreamingStats>()
+            .init_resource::<Reads>()
+            .add_systems(PreUpdate, read_tiles);
         crate::probe::build(app);
     }
 

@@ -2,7 +2,7 @@
 
 use crate::edits::Edits;
 use crate::ground::{Ground, GroundPoint, GroundRect, GroundSample, Height, in_range};
-use crate::height_map::{HeightMap, HeightMapError};
+use crate::height_map::{HeightMap, HeightMapError, Stream};
 use crate::hill::Hill;
 use crate::noise::{Fractal, NoiseError, PermutationNoise, PreparedFractal, PreparedPermutation};
 use bevy::ecs::component::Component;
@@ -84,6 +84,8 @@ pub struct Terrain {
     dry: bool,
     /// A [`Prepared::Edits`], if there is a layer of them.
     edits: Option<Arc<Prepared>>,
+    /// What had arrived of a map that is read by tiles.
+    arrived: u64,
 }
 
 #[derive(Debug)]
@@ -132,6 +134,11 @@ pub enum TerrainError {
         /// Which setting, and what it may be.
         source: NoiseError,
     },
+    /// More than one map that is read by tiles.
+    #[error(
+        "layers {0:?}: one map of a terrain may be read by tiles, but these are; give the smaller ones more room in memory (`budget`)"
+    )]
+    Streams(Vec<usize>),
     /// A height map that cannot be used.
     #[error("layer {layer}: {source}")]
     Map {
@@ -193,10 +200,29 @@ impl Terrain {
                 }
             });
         }
+        let streams = prepared
+            .iter()
+            .enumerate()
+            .filter(|(_, source)| matches!(source, Prepared::Map(map) if map.stream().is_some()));
+        let streams: Vec<_> = streams.map(|(layer, _)| layer).collect();
+        if streams.len() > 1 {
+            return Err(TerrainError::Streams(streams));
+        }
         Ok(Self {
             base: Arc::new(Inner { data, prepared }),
             dry: false,
             edits: None,
+            arrived: 0,
+        }
+        .with_arrivals())
+    }
+
+    /// Its map that is read by tiles, if there is one.
+    #[must_use]
+    pub fn streamed(&self) -> Option<&HeightMap> {
+        self.base.prepared.iter().find_map(|source| match source {
+            Prepared::Map(map) if map.stream().is_some() => Some(map),
+            _ => None,
         })
     }
 
@@ -258,18 +284,39 @@ impl Terrain {
     }
 
     /// Rectangles beyond which this terrain is the same as another one, metres: those in which they were edited
-    /// otherwise. Found in time in proportion to what differs. `None` for terrains that are made of something else.
+    /// otherwise, and those in which tiles of its map have arrived. Found in time in proportion to what differs. `None` for terrains that are made of something else.
     #[must_use]
     pub fn changed_since(&self, other: &Self) -> Option<Vec<GroundRect>> {
         if !self.same_base(other) {
             return None;
         }
-        match (other.edits(), self.edits()) {
+        let mut rects = match (other.edits(), self.edits()) {
             (None, None) => Some(Vec::new()),
             (Some(before), None) => Edits::none(*before.lattice()).changed_since(before),
             (None, Some(now)) => now.changed_since(&Edits::none(*now.lattice())),
             (Some(before), Some(now)) => now.changed_since(before),
+        }?;
+        if let Some(map) = self.streamed() {
+            rects.extend(map.arrived_between(other.arrived, self.arrived));
         }
+        Some(rects)
+    }
+
+    /// The same terrain, which knows what has arrived of its map that is read by tiles: [`Terrain::changed_since`] tells where the
+    /// heights have become finer. Heights themselves are of what is there, whichever handle is asked.
+    #[must_use]
+    pub fn with_arrivals(&self) -> Self {
+        let stream = self.streamed().and_then(HeightMap::stream);
+        Self {
+            arrived: stream.map_or(0, Stream::arrived),
+            ..self.clone()
+        }
+    }
+
+    /// Whether as much had arrived for both.
+    #[must_use]
+    pub const fn same_arrivals(&self, other: &Self) -> bool {
+        self.arrived == other.arrived
     }
 
     /// Layers with what evaluates them, first to last, edits behind all.

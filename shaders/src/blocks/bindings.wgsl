@@ -9,9 +9,13 @@
 struct BlockNumbers {
     // Most blocks that a frame makes.
     budget: u32,
-    pad_a: u32,
-    pad_b: u32,
-    pad_c: u32,
+    // Levels of a map that is read by tiles; 0: there is none.
+    levels: u32,
+    // Steps of the lattice between its samples, as a power of two.
+    shift: u32,
+    pad: u32,
+    // Of each level: places on the lattice about which its samples are there, first x and z, last x and z.
+    readable: array<vec4<i32>, 26>,
 }
 
 // A block in a view.

@@ -5,6 +5,7 @@
 #import dolomite::blocks::counting::{COARSENINGS, coarsening_of}
 #import dolomite::blocks::record::{BlockHead, LEAST_HALF, NEST, NO_BLOCK, WINDOW}
 #import dolomite::blocks::beside::is_beside
+#import dolomite::blocks::gate::can_be_made
 #import dolomite::blocks::ratio::frame_of
 #import dolomite::blocks::stock::stock
 #import dolomite::detail::bindings::{counts, detail}
@@ -58,6 +59,12 @@ fn wish_of(head: BlockHead, slot: u32, quarter: u32) -> f32 {
     return select(0.0, ratio, head.half > LEAST_HALF && head.children[quarter] == NO_BLOCK);
 }
 
+// Whether what a block stands on is there.
+fn has_samples(head: BlockHead, quarter: u32) -> bool {
+    let half = head.half / 2u;
+    return can_be_made(cell_corner(head.centre, half, quarter), half);
+}
+
 fn count(slot: u32) {
     let head = heads[slot];
     for (var k = 0u; k < COARSENINGS / 2u; k++) {
@@ -83,7 +90,9 @@ fn count(slot: u32) {
         let wish = wish_of(head, slot, quarter);
         if wish >= AHEAD {
             atomicMax(&missing, bitcast<u32>(wish));
-            atomicAdd(&wishes[wish_bin(wish)], 1u);
+            if has_samples(head, quarter) {
+                atomicAdd(&wishes[wish_bin(wish)], 1u);
+            }
         }
     }
 }
@@ -160,7 +169,7 @@ fn decide(slot: u32) {
             heads[child].looked = detail.stamp;
         }
         let wish = wish_of(head, slot, quarter);
-        if wish < plan.least {
+        if wish < plan.least || !has_samples(head, quarter) {
             continue;
         }
         let bin = wish_bin(wish);

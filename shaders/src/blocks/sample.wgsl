@@ -8,6 +8,9 @@
 #import dolomite::blocks::samples::{BEFORE_BLOCK, FOURS, FOUR_COUNT, SAMPLES, SAMPLE_COUNT, sample_row, samples}
 #import dolomite::terrain::fixed::{Fixed, fixed_add, fixed_sub, ground_x, ground_z}
 #import dolomite::terrain::four::{Four, four_heights}
+#ifdef TERRAIN_TILED
+#import dolomite::terrain::clip::{clip_near, ON_SAMPLES}
+#endif
 
 // Steps to the east of a place.
 fn along(from_x: Fixed, line: i32, steps: u32) -> Fixed {
@@ -39,6 +42,9 @@ fn sample_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
         along(west, line.x, (column + 2u) * step),
         along(west, line.x, (column + 3u) * step),
     );
+#ifdef TERRAIN_TILED
+    clip_near = ON_SAMPLES;
+#endif
     let heights = four_heights(x, z);
     let at = sample_row(group.y) + row * SAMPLES + column;
     // The last of a row stands alone.

@@ -5,6 +5,9 @@
 #import dolomite::blocks::border::border_point
 #import dolomite::blocks::record::{GRADIENTS, NO_BLOCK, OWN, VERTICES, number_at, own_vertex, pack_gradient, vertex_at}
 #import dolomite::terrain::height::terrain_height
+#ifdef TERRAIN_TILED
+#import dolomite::terrain::clip::{clip_near, ON_SAMPLES}
+#endif
 
 @compute @workgroup_size(64)
 fn slope_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -18,6 +21,9 @@ fn slope_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
         return;
     }
     let place = select(own_vertex(k), vertex_at(k), is_root);
+#ifdef TERRAIN_TILED
+    clip_near = ON_SAMPLES;
+#endif
     let gradient = terrain_height(border_point(centre - vec2(half) + place * (half / 16u))).yz;
     records[record_at(slot) + GRADIENTS + number_at(place)] = pack_gradient(gradient);
 }

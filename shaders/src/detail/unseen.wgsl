@@ -6,10 +6,18 @@
 #import dolomite::terrain::layer::{Layer, BILINEAR, BICUBIC, HILL, EDITS_BILINEAR}
 #import dolomite::terrain::edits::missed_of_edits
 #import dolomite::terrain::bindings::{terrain, terrain_data, terrain_layers}
+#ifdef TERRAIN_TILED
+#import dolomite::terrain::clip::clip_missed
+#endif
 
 // Between samples `apart` of the map's own, over a rectangle from `low` to `high` in their units. CPU reference:
 // Deviations::missed in plugins/terrain/src/height_map/deviation.rs.
 fn missed_of_map(layer: Layer, low: vec2<f32>, high: vec2<f32>, apart: f32) -> f32 {
+#ifdef TERRAIN_TILED
+    if layer.octaves > 0u {
+        return clip_missed(layer, low, high, apart);
+    }
+#endif
     var windows = layer.warp_data;
     for (var k = 1u; k <= layer.warp_octaves; k++) {
         let count = ((layer.size - vec2(1u)) >> vec2(k)) + vec2(2u);

@@ -6,7 +6,7 @@
 #import dolomite::terrain::fixed::{Fixed, coordinate, fixed_sub, fraction}
 #import dolomite::terrain::layer::{Layer, EDITS_BILINEAR}
 #import dolomite::terrain::bindings::terrain_data
-#import dolomite::terrain::height_map::{cubic_slopes, cubic_weights}
+#import dolomite::terrain::cubic::{cubic_slopes, cubic_weights}
 
 const ENTRY_WORDS: u32 = 12u;
 // Cells along a side of a tile, samples along it, and all of them: from one before the tile to one behind its last line.

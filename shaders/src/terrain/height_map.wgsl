@@ -6,18 +6,10 @@
 #import dolomite::terrain::fixed::{Fixed, coordinate, fixed_sub, fraction}
 #import dolomite::terrain::layer::{Layer, BILINEAR}
 #import dolomite::terrain::bindings::load_sample
-
-// Catmull-Rom weights of the samples at -1, 0, 1, 2, and their derivatives.
-fn cubic_weights(t: f32) -> vec4<f32> {
-    let t2 = t * t;
-    let t3 = t2 * t;
-    return vec4(t2 - 0.5 * (t3 + t), 1.5 * t3 - 2.5 * t2 + 1.0, 2.0 * t2 - 1.5 * t3 + 0.5 * t, 0.5 * (t3 - t2));
-}
-
-fn cubic_slopes(t: f32) -> vec4<f32> {
-    let t2 = t * t;
-    return vec4(2.0 * t - 1.5 * t2 - 0.5, 4.5 * t2 - 5.0 * t, 4.0 * t - 4.5 * t2 + 0.5, 1.5 * t2 - t);
-}
+#import dolomite::terrain::cubic::{cubic_slopes, cubic_weights}
+#ifdef TERRAIN_TILED
+#import dolomite::terrain::clip::clip_height
+#endif
 
 // Between the samples (i, j) and (i + 1, j + 1); fx, fz from the first, 0 to 1.
 fn bilinear(layer: Layer, i: i32, j: i32, fx: f32, fz: f32) -> vec3<f32> {
@@ -60,6 +52,11 @@ fn map_height(layer: Layer, x: Fixed, z: Fixed) -> vec3<f32> {
     let origin_z = Fixed(bitcast<u32>(layer.origin_cell.y), layer.origin_frac.y);
     let cx = coordinate(fixed_sub(x, origin_x), layer.mantissa.x, layer.shift.x);
     let cz = coordinate(fixed_sub(z, origin_z), layer.mantissa.y, layer.shift.y);
+#ifdef TERRAIN_TILED
+    if layer.octaves > 0u {
+        return clip_height(layer, vec2(bitcast<i32>(cx.whole), bitcast<i32>(cz.whole)), vec2(fraction(cx), fraction(cz)));
+    }
+#endif
     // Two cells beyond a border all samples are the border's: no need to go further.
     let i = clamp(bitcast<i32>(cx.whole), -4, i32(layer.size.x) + 4);
     let j = clamp(bitcast<i32>(cz.whole), -4, i32(layer.size.y) + 4);

@@ -17,10 +17,11 @@ const EDITS_BICUBIC: u32 = 9u;
 // One source of the terrain. What a kind does not use is 0.
 struct Layer {
     kind: u32,
-    // Fractal, permutation: number of octaves. Edits: entries of the table, as a power of two.
+    // Fractal, permutation: number of octaves. Map that is read by tiles: levels, else 0.
+    // Edits: entries of the table, as a power of two.
     octaves: u32,
     // Fractal, permutation: index in terrain_data of the octave table, OCTAVE_WORDS an octave; the
-    // classic permutation (256 words) follows it. Map: index of the first sample.
+    // classic permutation (256 words) follows it. Map: index of the first sample, or of the first level's head.
     // Edits: index of the table, see edits.wgsl.
     data: u32,
     // Fractal: octaves of the warp, 0 for none. Map: levels of windows. Edits: level of the root.

@@ -13,8 +13,9 @@ use crate::gpu::Gpu;
 use buffers::{Buffers, Layouts};
 use bytemuck::pod_collect_to_vec;
 use dolomite_ground::blocks::layout::{Beginning, PASSES, Second};
-use dolomite_ground::detail::DetailCells;
 use dolomite_ground::detail::layout::{DetailParams, without};
+use dolomite_ground::detail::{DetailCells, DetailLattice};
+use dolomite_terrain::Terrain;
 use std::borrow::Cow;
 use std::time::Duration;
 use wgpu::{Buffer, ComputePipeline};
@@ -58,6 +59,8 @@ pub struct BlockStage<'a> {
     layouts: Layouts,
     beginning: Beginning,
     buffers: Buffers,
+    terrain: Terrain,
+    lattice: DetailLattice,
     slots: u32,
     stamp: u32,
     /// Whether passes are timed.
@@ -114,6 +117,8 @@ impl<'a> BlockStage<'a> {
             passes,
             layouts,
             beginning,
+            terrain: cells.terrain().clone(),
+            lattice: cells.lattice,
             slots,
             stamp: 0,
             timed: false,

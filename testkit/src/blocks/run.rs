@@ -3,8 +3,9 @@
 use super::buffers::group;
 use super::{BlockRun, BlockStage, words};
 use crate::detail::{DetailError, Timer};
-use bytemuck::{bytes_of, pod_read_unaligned};
+use bytemuck::{bytes_of, cast_slice, pod_read_unaligned};
 use dolomite_geometry::layout::{GeometryHead, HEAD_WORDS, VERTEX_BYTES};
+use dolomite_ground::blocks::gate::Gate;
 use dolomite_ground::blocks::layout::{
     BlockNumbers, HEAD_CANDIDATES, HEAD_COARSENING, HEAD_CURVE, HEAD_DRAWN, HEAD_LEFT, HEAD_MADE,
     HEAD_USED, HEAD_WISHES, PASSES,
@@ -13,6 +14,7 @@ use dolomite_ground::detail::layout::{DetailParams, OCCLUDED};
 use dolomite_ground::render::blocks::record::{
     BlockBound, Extras, record_clear, record_look_again, record_step, steps,
 };
+use dolomite_terrain::HeightMap;
 use std::time::Instant;
 use wgpu::{Buffer, BufferUsages, Features};
 
@@ -30,9 +32,20 @@ impl BlockStage<'_> {
             capacity: self.slots,
             ..params
         };
-        let numbers = BlockNumbers::new(budget);
+        let mut numbers = BlockNumbers::new(budget);
         let buffers = &self.buffers;
         let queue = gpu.queue();
+        let stream = self.terrain.streamed().and_then(HeightMap::stream);
+        if let (Some(stream), Some(first)) = (stream, self.terrain.streamed_at()) {
+            let news = stream.take_writes();
+            for write in &news.list {
+                let at = 4 * (first + write.at);
+                queue.write_buffer(&buffers.terrain[1], at, cast_slice(&write.words));
+            }
+            if let Some(gate) = Gate::new(&self.terrain, &self.lattice, &news.readable) {
+                numbers = numbers.gated(&gate);
+            }
+        }
         queue.write_buffer(&buffers.params, 0, bytes_of(&params));
         queue.write_buffer(&buffers.numbers, 0, bytes_of(&numbers));
         let out = |bytes: u64| {

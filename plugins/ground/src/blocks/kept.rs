@@ -3,8 +3,9 @@
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPool};
-use dolomite_terrain::{GpuTerrainUniform, Source, Terrain};
+use dolomite_terrain::{GpuTerrainUniform, HeightMap, Source, Terrain};
 
+use super::gate::Gate;
 use super::make::{CutCount, make};
 use super::place::{BlockPlace, LEAST_DEPTH};
 use super::record::{Block, NO_BLOCK};
@@ -205,6 +206,9 @@ impl KeptBlocks {
     /// Makes what is wished for, in that order, as far as there is room. How many were made.
     pub fn make(&mut self, wishes: &[Wish]) -> usize {
         let room = self.make_room(wishes.len());
+        let streamed = self.terrain.streamed().and_then(HeightMap::stream);
+        let gate =
+            streamed.and_then(|stream| Gate::new(&self.terrain, &self.lattice, &stream.readable()));
         let wishes: Vec<Wish> = wishes
             .iter()
             .copied()
@@ -214,6 +218,12 @@ impl KeptBlocks {
                     .get(wish.parent as usize)
                     .and_then(Option::as_deref);
                 parent.is_some_and(|parent| parent.head.children[wish.quarter & 3] == NO_BLOCK)
+            })
+            .filter(|wish| {
+                let place = self.place(wish.parent).child(wish.quarter & 3);
+                gate.as_ref()
+                    .zip(place)
+                    .is_none_or(|(gate, place)| gate.holds(place))
             })
             .take(room)
             .collect();

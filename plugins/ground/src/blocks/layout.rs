@@ -15,7 +15,9 @@
 //! The first slot is no block. Roots have the slots after it.
 
 use bytemuck::{Pod, Zeroable};
+use dolomite_terrain::MOST_LEVELS;
 
+use super::gate::Gate;
 use super::place::{BlockPlace, VERTICES};
 use super::record::{BlockHead, NO_BLOCK, RING, RINGED_COUNT};
 use crate::detail::DetailLattice;
@@ -27,7 +29,10 @@ use crate::detail::layout::{ALL_COUNT_WORDS, GROUP, MOST_GROUPS};
 #[expect(missing_docs, reason = "see bindings.wgsl")]
 pub struct BlockNumbers {
     pub budget: u32,
-    pub pad: [u32; 3],
+    pub levels: u32,
+    pub shift: u32,
+    pub pad: u32,
+    pub readable: [[i32; 4]; MOST_LEVELS],
 }
 
 impl BlockNumbers {
@@ -41,8 +46,22 @@ impl BlockNumbers {
         };
         Self {
             budget,
-            pad: [0; 3],
+            levels: 0,
+            shift: 0,
+            pad: 0,
+            readable: [[0; 4]; MOST_LEVELS],
         }
+    }
+
+    /// The same of a map that is read by tiles.
+    #[must_use]
+    pub fn gated(mut self, gate: &Gate) -> Self {
+        self.levels = gate.readable.len().min(MOST_LEVELS) as u32;
+        self.shift = gate.shift;
+        for (to, from) in self.readable.iter_mut().zip(&gate.readable) {
+            *to = *from;
+        }
+        self
     }
 }
 

@@ -18,6 +18,7 @@
 //! | [`triangle`] | how far a triangle is from the samples |
 //! | [`errors`] | that of vertices, nested |
 //! | [`mod@make`] | a block from its samples and its parent |
+//! | [`gate`] | which can be made of a map that is read by tiles |
 //! | [`kept`] | the blocks of a terrain |
 //! | [`changed`] | which of them are others where the ground changed |
 //! | [`ratio`] | errors in a view |
@@ -30,6 +31,7 @@ pub mod between;
 pub mod changed;
 pub mod choose;
 pub mod errors;
+pub mod gate;
 pub mod kept;
 pub mod layout;
 pub mod leaves;

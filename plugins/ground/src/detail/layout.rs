@@ -383,13 +383,29 @@ const WITHOUT_EDITS: &str = "TERRAIN_WITHOUT_EDITS";
 #[must_use]
 pub fn without(terrain: &Terrain) -> Vec<&'static str> {
     let layers = &terrain.data().layers;
+    let is_absent =
+        |(_, is): &&(&str, fn(&Source) -> bool)| !layers.iter().any(|layer| is(&layer.source));
+    if terrain.streamed().is_some() {
+        // There is such a map, of either filter.
+        let kinds = LEFT_OUT[..KINDS].iter().filter(is_absent);
+        return kinds
+            .map(|(name, _)| *name)
+            .chain([TILED])
+            .chain(terrain.edits().is_none().then_some(WITHOUT_EDITS))
+            .collect();
+    }
     LEFT_OUT
         .iter()
-        .filter(|(_, is)| !layers.iter().any(|layer| is(&layer.source)))
+        .filter(is_absent)
         .map(|(name, _)| *name)
         .chain(terrain.edits().is_none().then_some(WITHOUT_EDITS))
         .collect()
 }
+
+/// Kinds of layers that are left out by themselves, the first of [`LEFT_OUT`].
+const KINDS: usize = 3;
+/// A map is read by tiles.
+const TILED: &str = "TERRAIN_TILED";
 
 /// Everything that [`without`] may give: each kind of layers is there or not, and maps are there where one of
 /// their filters is; and the same with edits and without.
@@ -397,23 +413,29 @@ pub fn without(terrain: &Terrain) -> Vec<&'static str> {
 pub fn all_without() -> Vec<Vec<&'static str>> {
     let [kinds @ .., maps, bilinear, bicubic] = LEFT_OUT.map(|(name, _)| name);
     let sets = 0..1_u32 << (kinds.len() + 2);
-    sets.flat_map(|set| [(set, false), (set, true)])
-        .map(|(set, unedited)| {
-            let is = |bit: usize| set >> bit & 1 == 1;
-            let [no_bilinear, no_bicubic] = [is(kinds.len()), is(kinds.len() + 1)];
-            let others = (0..kinds.len())
-                .filter(|bit| is(*bit))
-                .map(|bit| kinds[bit]);
-            let of_maps = [
-                (no_bilinear && no_bicubic, maps),
-                (no_bilinear, bilinear),
-                (no_bicubic, bicubic),
-            ];
-            let of_maps = of_maps.into_iter().filter(|(left_out, _)| *left_out);
-            others
-                .chain(of_maps.map(|(_, name)| name))
-                .chain(unedited.then_some(WITHOUT_EDITS))
-                .collect()
+    let whole = sets.map(|set| {
+        let is = |bit: usize| set >> bit & 1 == 1;
+        let [no_bilinear, no_bicubic] = [is(kinds.len()), is(kinds.len() + 1)];
+        let others = (0..kinds.len())
+            .filter(|bit| is(*bit))
+            .map(|bit| kinds[bit]);
+        let of_maps = [
+            (no_bilinear && no_bicubic, maps),
+            (no_bilinear, bilinear),
+            (no_bicubic, bicubic),
+        ];
+        let of_maps = of_maps.into_iter().filter(|(left_out, _)| *left_out);
+        others.chain(of_maps.map(|(_, name)| name)).collect()
+    });
+    let tiled = (0..1_u32 << kinds.len()).map(|set| {
+        let names = (0..kinds.len()).filter(|bit| set >> bit & 1 == 1);
+        names.map(|bit| kinds[bit]).chain([TILED]).collect()
+    });
+    whole
+        .chain(tiled)
+        .flat_map(|names: Vec<_>| {
+            let unedited = names.iter().copied().chain([WITHOUT_EDITS]).collect();
+            [names, unedited]
         })
         .collect()
 }

@@ -18,6 +18,7 @@ pub mod relief;
 mod room;
 mod terrain;
 pub mod texture;
+mod tiles;
 mod told;
 
 use std::sync::Arc;

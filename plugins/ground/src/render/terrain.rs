@@ -16,7 +16,10 @@ use super::look::{GroundLook, LookLimit};
 use super::relief::{TerrainRelief, drawn};
 use super::texture::{GroundTextures, ReadyArrays, textured};
 use super::told::is_news;
+use crate::blocks::gate::stands_on;
+use crate::blocks::kept::lattice_of;
 use crate::cover::{PatchDetail, TerrainView};
+use crate::detail::TerrainLod;
 use crate::material::{GroundCanopy, GroundMaterial, GroundShading, Sea};
 use crate::shown::ShownTerrains;
 
@@ -64,6 +67,31 @@ fn fits(device: Option<&RenderDevice>, terrain: &Terrain, told: &mut Option<u64>
     false
 }
 
+/// Whether all that see a terrain can draw its map that is read by tiles, if it has one; says once where they cannot.
+fn by_tiles(
+    terrain: &Terrain,
+    views: &Query<Option<&PatchDetail>, With<TerrainView>>,
+    told: &mut bool,
+) -> bool {
+    let Some(map) = terrain.streamed() else {
+        *told = false;
+        return true;
+    };
+    let lattice = lattice_of(terrain, TerrainLod::default().finest);
+    let fault = if !stands_on(&lattice, terrain, map) {
+        "its `extent` is not that of the map; leave it out"
+    } else if views.iter().any(|patches| patches.is_some()) {
+        "a camera sees it in patches; take its `PatchDetail` away"
+    } else {
+        *told = false;
+        return true;
+    };
+    if !std::mem::replace(told, true) {
+        error!("the ground is not drawn: it has a map that is read by tiles, but {fault}");
+    }
+    false
+}
+
 /// Takes over the terrain of a slot and its look where they changed.
 pub(super) fn follow<const SLOT: usize>(
     mut kind: ResMut<GroundKind<SLOT>>,
@@ -76,12 +104,13 @@ pub(super) fn follow<const SLOT: usize>(
     mut due: Local<Due>,
     mut told: Local<Vec<LookLimit>>,
     device: Option<Res<RenderDevice>>,
-    mut too_large: Local<Option<u64>>,
+    (mut too_large, mut no_tiles): (Local<Option<u64>>, Local<bool>),
 ) {
     // Without a view nothing is kept on the GPU.
     let entity = shown.slot(SLOT).filter(|_| !views.is_empty());
     let found = entity.and_then(|entity| terrains.get(entity).ok());
     let found = found.filter(|(terrain, ..)| fits(device.as_deref(), terrain, &mut too_large));
+    let found = found.filter(|(terrain, ..)| by_tiles(terrain, &views, &mut no_tiles));
     let Some((terrain, material, textures, shading, sea, relief, canopy, layers)) = found else {
         if kind.terrain.is_some() {
             *kind = GroundKind::default();

@@ -181,7 +181,15 @@ fn the_records_of_blocks_lie_as_in_rust() {
             high,
         }
     );
-    same_layout!(&fit, BlockNumbers { budget });
+    same_layout!(
+        &fit,
+        BlockNumbers {
+            budget,
+            levels,
+            shift,
+            readable
+        }
+    );
     let (size, members) = wgsl_struct(&fit, "SeenBlock");
     assert_eq!(u64::from(size), SEEN_BYTES, "{members:?}");
     // Constants of the files that the passes import, by their text.

@@ -29,6 +29,9 @@ fn last_level([width, height]: [usize; 2]) -> usize {
 impl HeightMap {
     /// Words that a GPU holds of it: samples and windows.
     pub(crate) fn gpu_words(&self) -> u64 {
+        if let Some(stream) = self.stream() {
+            return stream.gpu_words();
+        }
         let sides = [self.width(), self.height()].map(|n| n as usize);
         let levels = (1..=last_level(sides)).map(|k| sides.map(|n| windows(n, k) as u64));
         let windows: u64 = levels.map(|[columns, rows]| columns * rows).sum();

@@ -35,6 +35,14 @@ pub enum HeightMapError {
         /// The other.
         other: String,
     },
+    /// A map that was to be joined with others is not in memory.
+    #[error(
+        "{file}: it is read by tiles, and only maps in memory are put together; give it more room, in a scene file `budget`"
+    )]
+    ByTiles {
+        /// The map.
+        file: String,
+    },
     /// A size of 0.
     #[error(
         "{file}: {width} x {height} samples; a height map needs at least one row and one column"

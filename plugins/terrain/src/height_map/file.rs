@@ -3,8 +3,8 @@
 use super::{Filter, HeightMap, HeightMapError};
 use bevy::math::DVec2;
 use dolomite_elevation::{
-    ByteOrder, Elevation, ElevationError, NoData, NumberType, Options, Raw, Tile, fill_holes,
-    mosaic, place_by_georeference,
+    ByteOrder, Elevation, ElevationError, ElevationProgress, NoData, NumberType, Options, Raw,
+    Tile, TileSettings, TiledMap, fill_holes, mosaic, place_by_georeference,
 };
 use serde::{Deserialize, Deserializer, Serialize};
 use std::path::Path;
@@ -146,6 +146,14 @@ pub struct HeightMapFile {
     /// Every so many columns and rows one is taken.
     #[serde(default = "one_column")]
     pub every: u32,
+    /// Most bytes that its heights take in memory, and as many on a GPU: a map that would take more is read by tiles about the camera, at
+    /// coarser levels elsewhere. A file of tiles is made beside it then, once ([`TiledMap`]).
+    #[serde(default = "budget")]
+    pub budget: u64,
+}
+
+fn budget() -> u64 {
+    HeightMapFile::BUDGET
 }
 
 fn one() -> f32 {
@@ -177,21 +185,99 @@ impl Default for HeightMapFile {
             holes: Holes::Fill,
             band: 0,
             every: 1,
+            budget: Self::BUDGET,
         }
     }
 }
 
 impl HeightMapFile {
+    /// [`Self::budget`] if nothing else is said: 128 MiB, what WebGPU grants a storage buffer; some 5000 × 5000 samples.
+    pub const BUDGET: u64 = 128 << 20;
+
+    /// [`Self::budget`] within which every map is read as a whole that may be, bytes.
+    pub const WHOLE: u64 = HeightMap::MAX_SAMPLES as u64 * 16 / 3 + 1;
+
     /// Reads the file; a relative path is taken from `folder`.
     ///
     /// # Errors
     /// A [`HeightMapError`] with the path, the reason and what to do.
     pub fn load(&self, folder: &Path) -> Result<HeightMap, HeightMapError> {
+        self.load_telling(folder, &ElevationProgress::default())
+    }
+
+    /// As [`Self::load`], and says how far it has come.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn load_telling(
+        &self,
+        folder: &Path,
+        progress: &ElevationProgress,
+    ) -> Result<HeightMap, HeightMapError> {
         let options = self.options();
-        if self.tiles.is_empty() {
-            return self.make(Elevation::read(&folder.join(&self.path), &options)?);
+        if !self.tiles.is_empty() {
+            return self.make(self.mosaic(folder, &options)?);
         }
-        self.make(self.mosaic(folder, &options)?)
+        let path = folder.join(&self.path);
+        if let Some(tiles) = self.open_tiles(&path, &options, progress)? {
+            return self.make_by_tiles(tiles);
+        }
+        self.make(Elevation::read_telling(&path, &options, progress)?)
+    }
+
+    /// Opens a file by tiles, where its heights would take more than [`Self::budget`]. `None` where they do not, where the file's head is not
+    /// read (whoever reads it says why), where one side is more than four times the other, or where there are holes to be filled and the
+    /// map fits into memory.
+    ///
+    /// # Errors
+    /// As [`TiledMap::open`].
+    pub fn open_tiles(
+        &self,
+        path: &Path,
+        options: &Options,
+        progress: &ElevationProgress,
+    ) -> Result<Option<TiledMap>, HeightMapError> {
+        let Ok(size) = Elevation::size(path, options) else {
+            return Ok(None);
+        };
+        let [columns, rows] = size.map(u64::from);
+        // Samples, and a third for what lies between them.
+        let bytes = columns.saturating_mul(rows).saturating_mul(16) / 3;
+        let is_long = columns.max(rows) > 4 * columns.min(rows);
+        if bytes <= self.budget || options.every > 1 || is_long {
+            return Ok(None);
+        }
+        let settings = TileSettings {
+            smooth: self.filter == Filter::Bicubic,
+            hole: match self.holes {
+                Holes::Fill => None,
+                Holes::Sea(level) => Some((level - Holes::DEPTH - self.offset) / self.scale),
+            },
+            ..TileSettings::default()
+        };
+        match TiledMap::open(path, options, &settings, progress) {
+            Ok(tiles) => Ok(Some(tiles)),
+            Err(ElevationError::TiledHoles { .. })
+                if columns * rows <= HeightMap::MAX_SAMPLES as u64 =>
+            {
+                Ok(None)
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// A map that is read by tiles, on the ground: all fields but `path`, `tiles` and how they are read count.
+    ///
+    /// # Errors
+    /// As [`HeightMap::by_tiles`].
+    pub fn make_by_tiles(&self, tiles: TiledMap) -> Result<HeightMap, HeightMapError> {
+        let file = tiles.about().file.clone();
+        let spacing = self.spacing.or_else(|| tiles.spacing());
+        let spacing = spacing.ok_or(HeightMapError::NoSpacing { file })?;
+        let unit = tiles.about().unit_metres.unwrap_or(1.0) as f32;
+        let place = (DVec2::from_array(self.centre), DVec2::from_array(spacing));
+        let metres = [self.scale * unit, self.offset];
+        HeightMap::by_tiles(tiles, metres, place, self.filter, self.budget)
     }
 
     /// Makes the map from the file's bytes; `name` is what errors call it.

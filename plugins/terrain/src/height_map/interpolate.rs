@@ -48,6 +48,56 @@ pub(crate) fn weights_f64(t: f64) -> ([f64; 4], [f64; 4]) {
     )
 }
 
+/// Between the samples (0, 0) and (1, 1), which `at` gives relative to one of them; the gradient is a sample's.
+pub(super) fn bilinear(at: impl Fn(i32, i32) -> f32, fx: f32, fz: f32) -> Height {
+    let (east, south, far) = (at(1, 0), at(0, 1), at(1, 1));
+    let twist = (far - south) - east;
+    Height {
+        value: fx * east + fz * (south + fx * twist),
+        gradient: Vec2::new(east + fz * twist, south + fx * twist),
+    }
+}
+
+/// The same by Catmull-Rom, from the samples (−1, −1) to (2, 2).
+pub(super) fn bicubic(at: impl Fn(i32, i32) -> f32, fx: f32, fz: f32) -> Height {
+    let (mut value, mut gradient) = (0.0, Vec2::ZERO);
+    let (wx, sx) = (weights(fx), slopes(fx));
+    let (wz, sz) = (weights(fz), slopes(fz));
+    for (dj, (w, s)) in (-1..).zip(wz.into_iter().zip(sz)) {
+        let row = [at(-1, dj), at(0, dj), at(1, dj), at(2, dj)];
+        let along = |k: [f32; 4]| (k[0] * row[0] + k[1] * row[1]) + (k[2] * row[2] + k[3] * row[3]);
+        let across = along(wx);
+        value += w * across;
+        gradient += Vec2::new(w * along(sx), s * across);
+    }
+    Height { value, gradient }
+}
+
+/// Between the samples (0, 0) and (1, 1) in f64; the gradient is a sample's.
+pub(super) fn bilinear_f64(at: impl Fn(i32, i32) -> f64, fx: f64, fz: f64) -> GroundSample {
+    let north = at(0, 0) + fx * (at(1, 0) - at(0, 0));
+    let south = at(0, 1) + fx * (at(1, 1) - at(0, 1));
+    let east = (1.0 - fz) * (at(1, 0) - at(0, 0)) + fz * (at(1, 1) - at(0, 1));
+    GroundSample {
+        height: north + fz * (south - north),
+        gradient: DVec2::new(east, south - north),
+    }
+}
+
+/// The same by Catmull-Rom.
+pub(super) fn bicubic_f64(at: impl Fn(i32, i32) -> f64, fx: f64, fz: f64) -> GroundSample {
+    let ((wx, sx), (wz, sz)) = (weights_f64(fx), weights_f64(fz));
+    let mut sum = GroundSample::default();
+    for (dj, (w, s)) in (-1..).zip(wz.into_iter().zip(sz)) {
+        for (di, (v, t)) in (-1..).zip(wx.into_iter().zip(sx)) {
+            let sample = at(di, dj);
+            sum.height += w * v * sample;
+            sum.gradient += DVec2::new(w * t, s * v) * sample;
+        }
+    }
+    sum
+}
+
 impl HeightMap {
     /// The sample nearest inside the map, metres.
     pub(super) fn clamped(&self, column: i32, row: i32) -> f32 {
@@ -67,35 +117,24 @@ impl HeightMap {
         let (i, j) = (cell(x) as i32, cell(z) as i32);
         let (fx, fz) = (fraction(x), fraction(z));
         let inverse = self.inverse_spacing();
-        let middle = self.clamped(i, j);
-        let at =
-            |di: i32, dj: i32| self.clamped(i.saturating_add(di), j.saturating_add(dj)) - middle;
-        let (mut value, mut gradient) = (0.0, Vec2::ZERO);
-        match self.0.filter {
-            Filter::Bilinear => {
-                let (east, south, far) = (at(1, 0), at(0, 1), at(1, 1));
-                let twist = (far - south) - east;
-                value = fx * east + fz * (south + fx * twist);
-                gradient = Vec2::new(east + fz * twist, south + fx * twist);
+        let mut height = if let Some(stream) = self.stream() {
+            stream.sample([i, j], [fx, fz], self.0.filter)
+        } else {
+            let middle = self.clamped(i, j);
+            let at = |di: i32, dj: i32| {
+                self.clamped(i.saturating_add(di), j.saturating_add(dj)) - middle
+            };
+            let near = match self.0.filter {
+                Filter::Bilinear => bilinear(at, fx, fz),
+                Filter::Bicubic => bicubic(at, fx, fz),
+            };
+            Height {
+                value: middle + near.value,
+                ..near
             }
-            Filter::Bicubic => {
-                let (wx, sx) = (weights(fx), slopes(fx));
-                let (wz, sz) = (weights(fz), slopes(fz));
-                for (dj, (w, s)) in (-1..).zip(wz.into_iter().zip(sz)) {
-                    let row = [at(-1, dj), at(0, dj), at(1, dj), at(2, dj)];
-                    let along = |k: [f32; 4]| {
-                        (k[0] * row[0] + k[1] * row[1]) + (k[2] * row[2] + k[3] * row[3])
-                    };
-                    let across = along(wx);
-                    value += w * across;
-                    gradient += Vec2::new(w * along(sx), s * across);
-                }
-            }
-        }
-        Height {
-            value: middle + value,
-            gradient: gradient * inverse,
-        }
+        };
+        height.gradient *= inverse;
+        height
     }
 
     /// 1/spacing as every implementation multiplies by it.
@@ -115,33 +154,19 @@ impl HeightMap {
         let at = xz - self.lattice().origin.to_dvec2();
         let (i, fx) = x.coordinate_f64(at.x, 0);
         let (j, fz) = z.coordinate_f64(at.y, 0);
-        let at =
-            |di: i32, dj: i32| f64::from(self.clamped(i.saturating_add(di), j.saturating_add(dj)));
-        let inverse = DVec2::new(x.value(), z.value());
-        match self.0.filter {
-            Filter::Bilinear => {
-                let north = at(0, 0) + fx * (at(1, 0) - at(0, 0));
-                let south = at(0, 1) + fx * (at(1, 1) - at(0, 1));
-                let east = (1.0 - fz) * (at(1, 0) - at(0, 0)) + fz * (at(1, 1) - at(0, 1));
-                GroundSample {
-                    height: north + fz * (south - north),
-                    gradient: DVec2::new(east, south - north) * inverse,
-                }
+        let mut sample = if let Some(stream) = self.stream() {
+            stream.sample_f64([i, j], [fx, fz], self.0.filter)
+        } else {
+            let at = |di: i32, dj: i32| {
+                f64::from(self.clamped(i.saturating_add(di), j.saturating_add(dj)))
+            };
+            match self.0.filter {
+                Filter::Bilinear => bilinear_f64(at, fx, fz),
+                Filter::Bicubic => bicubic_f64(at, fx, fz),
             }
-            Filter::Bicubic => {
-                let ((wx, sx), (wz, sz)) = (weights_f64(fx), weights_f64(fz));
-                let mut sum = GroundSample::default();
-                for (dj, (w, s)) in (-1..).zip(wz.into_iter().zip(sz)) {
-                    for (di, (v, t)) in (-1..).zip(wx.into_iter().zip(sx)) {
-                        let sample = at(di, dj);
-                        sum.height += w * v * sample;
-                        sum.gradient += DVec2::new(w * t, s * v) * sample;
-                    }
-                }
-                sum.gradient *= inverse;
-                sum
-            }
-        }
+        };
+        sample.gradient *= DVec2::new(x.value(), z.value());
+        sample
     }
 }
 

@@ -35,7 +35,7 @@ impl HeightMap {
     /// covers is filled from around.
     ///
     /// # Errors
-    /// Maps that disagree, that are not on one grid, or that are too large together; see [`mosaic`].
+    /// Maps that disagree, that are read by tiles, that are not on one grid, or that are too large together; see [`mosaic`].
     pub fn joined(maps: &[(&str, Self)]) -> Result<Self, HeightMapError> {
         let Some((name, first)) = maps.first() else {
             return Err(HeightMapError::Empty {
@@ -52,6 +52,11 @@ impl HeightMap {
                     file: (*name).to_owned(),
                     other: (*other).to_owned(),
                 })?;
+            if map.stream().is_some() {
+                return Err(HeightMapError::ByTiles {
+                    file: (*other).to_owned(),
+                });
+            }
             tiles.push(Tile {
                 name: other,
                 size: [map.width(), map.height()],

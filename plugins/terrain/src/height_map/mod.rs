@@ -11,17 +11,19 @@ mod geodesy;
 mod interpolate;
 mod joined;
 mod pyramid;
+mod stream;
 
 pub use error::HeightMapError;
 pub use file::{HeightMapFile, Holes, MapFormat, RawFormat};
 pub use geodesy::metres_per_degree;
 pub(crate) use interpolate::{slopes, weights, weights_f64};
+pub use stream::{LEVEL_WORDS, MOST_LEVELS, MapNews, MapWrite, Readable, Stream, TileRequest};
 
 use crate::ground::{GroundPoint, GroundRect};
 use crate::noise::Frequency;
 use bevy::math::DVec2;
 use deviation::Deviations;
-use dolomite_elevation::Georeference;
+use dolomite_elevation::{Georeference, TiledMap};
 use noise::NoiseFn;
 use pyramid::Pyramid;
 use serde::{Deserialize, Serialize};
@@ -56,6 +58,8 @@ struct Inner {
     georeference: Option<Georeference>,
     /// Made when first asked for: it takes ten looks at each sample.
     deviations: OnceLock<Deviations>,
+    /// Of a map that is read by tiles; `samples` and `pyramid` are empty then.
+    stream: Option<Arc<Stream>>,
 }
 
 /// The grid as the integer implementations see it.
@@ -167,6 +171,64 @@ impl HeightMap {
             pyramid,
             georeference: None,
             deviations: OnceLock::new(),
+            stream: None,
+        })))
+    }
+
+    /// A map that is read by tiles about a place ([`Self::follow`]), within so many bytes of memory, as many on a GPU: no less than 4 × 4
+    /// tiles of each level. Waits for the levels that fit in as a whole.
+    ///
+    /// A height is `number × scale + offset` in metres, rounded to f32 twice, as where a file is read as a whole.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and a file that cannot be read.
+    pub fn by_tiles(
+        tiles: TiledMap,
+        [scale, offset]: [f32; 2],
+        (centre, spacing): (DVec2, DVec2),
+        filter: Filter,
+        budget: u64,
+    ) -> Result<Self, HeightMapError> {
+        let file = tiles.about().file.clone();
+        let georeference = tiles.georeference().cloned();
+        let [width, height] = tiles.size();
+        let ends = tiles.bounds([0; 2], [width - 1, height - 1]);
+        let in_metres = |number: f32| number * scale + offset;
+        for value in [ends.low, ends.high].map(in_metres) {
+            if !(value.is_finite() && value.abs() <= 1e6) {
+                return Err(HeightMapError::NotAHeight {
+                    file,
+                    column: 0,
+                    row: 0,
+                    value,
+                });
+            }
+        }
+        let steps = DVec2::new(f64::from(width - 1), f64::from(height - 1));
+        let origin = centre - spacing * steps * 0.5;
+        // Place and spacing are checked as of any map.
+        let one = Self::named(
+            &file,
+            [1, 1],
+            vec![in_metres(ends.low)],
+            (origin, spacing),
+            filter,
+        )?;
+        let metres = stream::InMetres { scale, offset };
+        // What else the ground needs on a GPU is bound with it.
+        let stream = Stream::new(tiles, metres, filter, budget.saturating_sub(1 << 20))?;
+        Ok(Self(Arc::new(Inner {
+            width,
+            height,
+            samples: Vec::new(),
+            origin,
+            spacing,
+            filter,
+            lattice: one.lattice(),
+            pyramid: Pyramid::new(&[], 0, 0),
+            georeference,
+            deviations: OnceLock::new(),
+            stream: Some(Arc::new(stream)),
         })))
     }
 
@@ -237,7 +299,7 @@ impl HeightMap {
         self.0.height
     }
 
-    /// The samples, metres, row after row.
+    /// The samples, metres, row after row; none of a map that is read by tiles.
     #[must_use]
     pub fn samples(&self) -> &[f32] {
         &self.0.samples
@@ -262,9 +324,19 @@ impl HeightMap {
     }
 
     /// The rectangle from the first to the last sample, metres.
+    ///
+    /// That of a map which is read by tiles is larger by as much as makes both sides one to four times the same power of two of
+    /// samples: its border goes on there. So the ground's lattice can stand on the samples of every level.
     #[must_use]
     pub fn rect(&self) -> GroundRect {
-        let steps = DVec2::new(f64::from(self.0.width - 1), f64::from(self.0.height - 1));
+        let steps = [self.0.width - 1, self.0.height - 1];
+        let steps = if self.0.stream.is_some() {
+            let side = (0..32).find(|&m| steps.iter().all(|n| n.div_ceil(1 << m) <= 4));
+            steps.map(|n| n.max(1).next_multiple_of(1 << side.unwrap_or(0)))
+        } else {
+            steps
+        };
+        let steps = DVec2::new(f64::from(steps[0]), f64::from(steps[1]));
         GroundRect::new(self.0.origin, self.0.origin + steps * self.0.spacing)
     }
 
@@ -283,6 +355,10 @@ impl HeightMap {
         }
         let place = |xz: DVec2| ((xz - self.0.origin) / self.0.spacing).to_array();
         let apart = spacing / self.0.spacing.min_element();
+        if let Some(stream) = self.stream() {
+            let missed = stream.missed(place(rect.min), place(rect.max), apart);
+            return missed.unwrap_or_else(|| self.range());
+        }
         self.deviations()
             .missed(place(rect.min), place(rect.max), apart)
             .unwrap_or_else(|| self.range())

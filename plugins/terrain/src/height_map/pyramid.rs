@@ -70,6 +70,10 @@ pub(super) struct Pyramid {
 
 impl Pyramid {
     pub(super) fn new(samples: &[f32], width: usize, height: usize) -> Self {
+        if samples.is_empty() {
+            let (block, levels) = (1, Vec::new());
+            return Self { block, levels };
+        }
         let block = block_side(samples.len());
         let lowest = Level {
             width: width.div_ceil(block),
@@ -172,13 +176,38 @@ fn join_row(
 }
 
 impl HeightMap {
+    /// Lowest and highest sample, metres.
+    #[must_use]
+    pub fn extremes(&self) -> [f32; 2] {
+        if let Some(stream) = self.stream() {
+            return stream.ends();
+        }
+        let last = [self.width() as usize - 1, self.height() as usize - 1];
+        let all = self.over([0; 2], last);
+        [all.low, all.high]
+    }
+
+    /// Extremes over samples, or over more.
+    fn over(&self, low: [usize; 2], high: [usize; 2]) -> Extremes {
+        match self.stream() {
+            Some(stream) => {
+                let found = stream.extremes(low, high);
+                Extremes {
+                    low: found.low,
+                    high: found.high,
+                    step: [found.step; 2],
+                    // A second difference is one of two first ones.
+                    bend: [2.0 * found.step; 3],
+                }
+            }
+            None => self.0.pyramid.query(low, high),
+        }
+    }
+
     /// From the lowest to the highest height that the map gives, or a little more, metres.
     pub(crate) fn range(&self) -> f32 {
-        let all = self.0.pyramid.query(
-            [0; 2],
-            [self.width() as usize - 1, self.height() as usize - 1],
-        );
-        let apart = all.high - all.low;
+        let [low, high] = self.extremes();
+        let apart = high - low;
         match self.filter() {
             Filter::Bilinear => apart,
             // The weights' absolute values sum to 5/4 along each axis.
@@ -200,13 +229,24 @@ impl HeightMap {
             let index = at.floor() + if side < 0.0 { before } else { after };
             index.clamp(0.0, f64::from(size - 1)) as usize
         };
-        let found = self.0.pyramid.query(
+        let found = self.over(
             [reach(-1.0, 0), reach(-1.0, 1)],
             [reach(1.0, 0), reach(1.0, 1)],
         );
         let step = DVec2::new(f64::from(found.step[0]), f64::from(found.step[1])) / spacing;
-        let sample = self.sample_f64(centre);
         let (low, high) = (f64::from(found.low), f64::from(found.high));
+        if self.stream().is_some() {
+            // The height at the centre may be that of a coarser level: what it is near to tells nothing.
+            let (range, factor) = match self.filter() {
+                Filter::Bilinear => (0.0, 1.0),
+                Filter::Bicubic => ((1.25 * 1.25 - 1.0) * 0.5 * (high - low), 1.5 * 1.25),
+            };
+            return CellBounds {
+                height: Interval::new(low - range, high + range),
+                slope: (step * factor).length(),
+            };
+        }
+        let sample = self.sample_f64(centre);
         match self.filter() {
             Filter::Bilinear => {
                 let reach = step.dot(half);

@@ -250,3 +250,41 @@ fn edits_agree() {
         assert!(lifted > 1500, "{lifted}");
     }
 }
+
+/// A map that is read by tiles: the adapter finds the level that the CPU finds, and the same heights.
+#[test]
+fn tiles_agree_wherever_they_are_fine_or_coarse() {
+    let Some(gpu) = for_test() else { return };
+    let module = dolomite_shaders::compose("terrain/probe.wgsl", &["TERRAIN_TILED"]);
+    let module = module.unwrap_or_else(|error| panic!("{error}"));
+    let kernel = gpu.kernel(module, "probe").expect("compiles");
+    let probe = Probe { gpu, kernel };
+    let raw = crate::tiled::Raw::new("adapter");
+    for filter in [Filter::Bilinear, Filter::Bicubic] {
+        let map = raw.map(filter, 12 << 20);
+        crate::tiled::settle(&map, DVec2::new(-400.0, 200.0));
+        let terrain = crate::tiled::on_ground(&map).expect("valid");
+        let mut random = Random(5);
+        let places: Vec<_> = (0..20_000)
+            .map(|k| {
+                let size = if k % 2 == 0 { 700.0 } else { 9000.0 };
+                DVec2::new(-400.0, 200.0) + (DVec2::new(random.unit(), random.unit()) - 0.5) * size
+            })
+            .collect();
+        let points: Vec<_> = places.iter().map(|&xz| GroundPoint::new(xz)).collect();
+        let mut coarse = 0;
+        for (point, [value, dx, dz]) in points.iter().zip(probe.run(&terrain, &points)) {
+            let near = terrain.sample(*point);
+            // 600 m in f32, and relief of some metres weighted in another order.
+            assert!(
+                (near.value - value).abs() < 5e-4,
+                "{point:?}: {value}, {}",
+                near.value
+            );
+            let slope = (near.gradient - bevy::math::Vec2::new(dx, dz)).length();
+            assert!(slope < 1e-3, "{point:?}: {slope}");
+            coarse += u32::from(map.error_at(point.to_dvec2()) > 0.0);
+        }
+        assert!((4000..16_000).contains(&coarse), "{coarse} of 20000");
+    }
+}

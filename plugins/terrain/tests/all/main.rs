@@ -13,3 +13,4 @@ mod permutation;
 mod plugin;
 mod support;
 mod terrain;
+mod tiled;

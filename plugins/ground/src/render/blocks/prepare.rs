@@ -16,6 +16,8 @@ use super::pace::Pace;
 use super::pipeline::BlockPipelines;
 use super::state::{BlockState, Inputs};
 use super::store::{BlockStore, slots_for};
+use crate::blocks::gate::Gate;
+use crate::blocks::layout::BlockNumbers;
 use crate::detail::layout::without;
 use crate::detail::{Metric, TerrainLod};
 use crate::render::detail::prepare::DetailViews;
@@ -32,6 +34,8 @@ pub struct BlockViews<K> {
     /// The blocks that views share, by the bits of the side of their smallest cell.
     pub(super) stores: HashMap<u32, BlockStore>,
     pub(super) pace: Option<Pace>,
+    /// Whether tiles of a map are on their way.
+    waits: bool,
     /// Number of the newest choice.
     stamp: u32,
     kind: PhantomData<fn() -> K>,
@@ -44,6 +48,7 @@ impl<K> Default for BlockViews<K> {
             views: HashMap::new(),
             stores: HashMap::new(),
             pace: None,
+            waits: false,
             stamp: 0,
             kind: PhantomData,
         }
@@ -60,7 +65,7 @@ impl<K> BlockViews<K> {
         let own = self.views.get(&view)?;
         Some(DrawnGround {
             drawn: state.is_shown(),
-            settled: state.settled && state.filled && own.rests,
+            settled: state.settled && state.filled && own.rests && !self.waits,
             held: match own.inputs.detail.metric {
                 Metric::ErrorBound { pixels } | Metric::EdgeLength { pixels } => {
                     own.news(state).map(|head| pixels * head.held())
@@ -164,9 +169,9 @@ fn sweeps<K>(blocks: &mut BlockViews<K>, producer: &mut Producer) -> HashMap<u32
 pub fn prepare<K: DetailKind>(
     mut producers: ResMut<Producers>,
     mut blocks: ResMut<BlockViews<K>>,
-    (details, ground, mut rooms): (
+    (details, mut ground, mut rooms): (
         Res<DetailViews<K>>,
-        Res<ExtractedGround<K>>,
+        ResMut<ExtractedGround<K>>,
         ResMut<PoolRooms<K>>,
     ),
     cameras: Query<&ExtractedView>,
@@ -184,6 +189,8 @@ pub fn prepare<K: DetailKind>(
     let is_seeing = |entity: &Entity| seeing.iter().any(|(camera, _)| camera == entity);
     blocks.views.retain(|entity, _| is_seeing(entity));
     rooms.keep(is_seeing);
+    let ground = &mut *ground;
+    let tiles = &mut ground.tiles;
     let (Some(data), Some(terrain), false) = (&details.ground, &ground.terrain, seeing.is_empty())
     else {
         blocks.views.clear();
@@ -191,6 +198,16 @@ pub fn prepare<K: DetailKind>(
         blocks.pace = None;
         return;
     };
+    blocks.waits = tiles.as_ref().is_some_and(|tiles| tiles.awaited);
+    // Those of this terrain have to be bound. Until they are nothing is chosen.
+    let due = details.is_data_due();
+    if let Some(tiles) = tiles.as_mut().filter(|_| !due)
+        && tiles.write(&data[1], &queue)
+    {
+        for own in blocks.views.values_mut() {
+            own.look_again(blocks.stamp);
+        }
+    }
     let without = without(terrain);
     let known = blocks.pipelines.take();
     let pipelines = known
@@ -266,7 +283,13 @@ pub fn prepare<K: DetailKind>(
         if !state.settled {
             blocks.stamp += 1;
             store.stamp = blocks.stamp;
-            own.tell(&queue, store, state, sweeps.remove(&finest), budget);
+            let gate = tiles
+                .as_ref()
+                .and_then(|tiles| Gate::new(terrain, &store.ground.lattice, &tiles.readable));
+            let numbers = BlockNumbers::new(budget);
+            let numbers = gate.map_or(numbers, |gate| numbers.gated(&gate));
+            let sweep = sweeps.remove(&finest);
+            own.tell(&queue, store, state, sweep, (budget, numbers));
         }
     }
     blocks.pipelines = Some(pipelines);

@@ -160,6 +160,12 @@ impl BlockState {
         self.inputs = inputs;
     }
 
+    /// Lets the choices to come find out anew whether there is anything to make: what blocks stand on has changed.
+    pub fn look_again(&mut self, newest: u32) {
+        self.since = newest + 1;
+        self.rests = false;
+    }
+
     /// What has come back of a choice by the metric as it is.
     pub fn news(&self, state: &GeometryView) -> Option<Head> {
         Head::of(state).filter(|head| head.stamp >= self.metric_since)
@@ -171,14 +177,14 @@ impl BlockState {
     }
 
     /// Writes what the newest choice of the store is told, which is this view's; `sweep` is from which choice on blocks are kept, if any are dropped;
-    /// `budget` blocks are made at most.
+    /// as many blocks as the budget are made at most.
     pub fn tell(
         &mut self,
         queue: &RenderQueue,
         store: &BlockStore,
         state: &GeometryView,
         sweep: Option<u32>,
-        budget: u32,
+        (budget, numbers): (u32, BlockNumbers),
     ) {
         self.stamp = store.stamp;
         let params = DetailParams {
@@ -205,7 +211,7 @@ impl BlockState {
         };
         self.rounds = budget.div_ceil(MOST_MADE).clamp(1, MOST_ROUNDS);
         queue.write_buffer(&self.params, 0, bytes_of(&params));
-        queue.write_buffer(&self.numbers, 0, bytes_of(&BlockNumbers::new(budget)));
+        queue.write_buffer(&self.numbers, 0, bytes_of(&numbers));
         if store.fresh {
             let at = 4 * made_at(self.slots);
             queue.write_buffer(&self.lists, at, cast_slice(&store.beginning.made));

@@ -36,6 +36,7 @@ use dolomite_geometry::render::{
 use dolomite_terrain::Terrain;
 
 use crate::detail::{Choice, MakingBudget, TerrainLod};
+use crate::render::tiles::Tiles;
 
 /// A ground whose triangles the level of detail makes: what is bound, what it looks like, who sees it. A
 /// resource of the main world.
@@ -109,6 +110,8 @@ pub(super) struct ExtractedGround<K> {
     /// Whether it has just changed.
     newer: bool,
     pub(super) terrain: Option<Terrain>,
+    /// Of a map that is read by tiles, what has arrived of it.
+    pub(super) tiles: Option<Tiles>,
     /// From the lowest to the highest ground, metres.
     pub(super) relief: f32,
     on_host: bool,
@@ -137,6 +140,7 @@ impl<K> Default for ExtractedGround<K> {
             kind: None,
             newer: false,
             terrain: None,
+            tiles: None,
             relief: 0.0,
             on_host: false,
             making: MakingBudget::default(),
@@ -268,6 +272,7 @@ fn extract<K: DetailKind>(
     ground.making = making.as_ref().map(|making| **making).unwrap_or_default();
     let Some(kind) = kind.as_ref() else {
         ground.terrain = None;
+        ground.tiles = None;
         ground.data_bytes = 0;
         return;
     };
@@ -282,17 +287,27 @@ fn extract<K: DetailKind>(
     if !same {
         ground.terrain = kind.ground().cloned();
     }
+    let known = ground.tiles.take();
+    ground.tiles = ground
+        .terrain
+        .as_ref()
+        .and_then(|terrain| Tiles::extract(known, terrain));
     ground.relief = kind.relief();
     ground.on_host = kind.on_host();
     ground.data_bytes = kind.data_bytes();
     if kind.is_shown() {
         let layers = kind.layers();
+        // A map that is read by tiles is drawn in blocks, whatever a camera chooses: they wait for what they stand on.
+        let by_tiles = ground.tiles.is_some();
         let seen = cameras
             .iter()
             .filter(|(_, _, own, _)| own.unwrap_or(&RenderLayers::default()).intersects(&layers));
         for (entity, detail, _, budget) in seen {
             // Who has lost its detail sees the ground by the default.
-            let detail = detail.copied().unwrap_or_default();
+            let mut detail = detail.copied().unwrap_or_default();
+            if by_tiles {
+                detail.choice = Choice::Blocks;
+            }
             ground.cameras.push((entity, detail.clamped()));
             if budget {
                 ground.counted.push(entity);

@@ -7,4 +7,5 @@ mod near;
 mod reference;
 mod room;
 pub mod support;
+mod tiled;
 mod times;
