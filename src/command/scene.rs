@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::BoolishValueParser;
-use dolomite::terrain::HeightMapFile;
 use dolomite_game::bench::BenchError;
 use dolomite_game::bench::classic::args::ClassicArgs;
 use dolomite_game::bench::classic::{self, view::FIELD_OF_VIEW};
@@ -67,9 +66,10 @@ pub struct SceneArgs {
     )]
     height_offset: f32,
     /// Height map: most memory that its heights take, and as much on the GPU; of a larger map fine tiles are read about the camera, from
-    /// a file of tiles that is made beside it once.
-    #[arg(long, value_name = "MIB", default_value_t = HeightMapFile::BUDGET >> 20, help_heading = "Height map")]
-    map_memory: u64,
+    /// a file of tiles that is made beside it once [default: a map of up to 16 385 x 16 385 samples is read as a whole, a larger one
+    /// within 128].
+    #[arg(long, value_name = "MIB", help_heading = "Height map")]
+    map_memory: Option<u64>,
     /// Settings file [default: ~/.config/dolomite/settings.ron, where there is one].
     #[arg(long, value_name = "FILE", help_heading = "Settings")]
     settings: Option<PathBuf>,
@@ -227,7 +227,7 @@ impl SceneArgs {
                 sea: self.sea_in_holes,
                 scale: self.height_scale,
                 offset: self.height_offset,
-                budget: self.map_memory.saturating_mul(1 << 20),
+                budget: self.map_memory.map(|mib| mib.saturating_mul(1 << 20)),
             },
             detail: settings.detail,
             lights: self.lights,

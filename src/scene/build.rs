@@ -330,7 +330,7 @@ fn source(
             let progress = ElevationProgress::on_stderr();
             let mut map = map.clone();
             if whole {
-                map.budget = map.budget.max(HeightMapFile::WHOLE);
+                map.budget = map.budget.map(|bytes| bytes.max(HeightMapFile::WHOLE));
             }
             let map = map.load_telling(folder, &progress);
             let map = map.map_err(|source| SceneError::Map {

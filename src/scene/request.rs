@@ -1,7 +1,6 @@
 //! What the player asked for.
 
 use bevy::prelude::*;
-use dolomite::terrain::HeightMapFile;
 use dolomite::terrain::elevation::Options;
 
 use super::NamedScene;
@@ -48,8 +47,9 @@ pub struct MapOptions {
     pub scale: Option<f32>,
     /// Metres added to the scaled sample.
     pub offset: f32,
-    /// Most bytes that its heights take in memory, and as many on a GPU: a map that would take more is read by tiles.
-    pub budget: u64,
+    /// Most bytes that its heights take in memory, and as many on a GPU: a map that would take more is read by tiles. See
+    /// `HeightMapFile::budget` of `dolomite_terrain`.
+    pub budget: Option<u64>,
 }
 
 impl Default for MapOptions {
@@ -60,7 +60,7 @@ impl Default for MapOptions {
             sea: None,
             scale: None,
             offset: 0.0,
-            budget: HeightMapFile::BUDGET,
+            budget: None,
         }
     }
 }

@@ -146,14 +146,11 @@ pub struct HeightMapFile {
     /// Every so many columns and rows one is taken.
     #[serde(default = "one_column")]
     pub every: u32,
-    /// Most bytes that its heights take in memory, and as many on a GPU: a map that would take more is read by tiles about the camera, at
-    /// coarser levels elsewhere. A file of tiles is made beside it then, once ([`TiledMap`]).
-    #[serde(default = "budget")]
-    pub budget: u64,
-}
-
-fn budget() -> u64 {
-    HeightMapFile::BUDGET
+    /// Most bytes that its heights take in memory, and as many on a GPU: a map that would take more is read by tiles about the
+    /// camera, at coarser levels elsewhere. A file of tiles is made beside it then, once ([`TiledMap`]). Without a number a map
+    /// that may be read as a whole ([`HeightMap::MAX_SAMPLES`]) is, and a larger one by tiles within [`Self::BUDGET`].
+    #[serde(default, deserialize_with = "some")]
+    pub budget: Option<u64>,
 }
 
 fn one() -> f32 {
@@ -185,16 +182,17 @@ impl Default for HeightMapFile {
             holes: Holes::Fill,
             band: 0,
             every: 1,
-            budget: Self::BUDGET,
+            budget: None,
         }
     }
 }
 
 impl HeightMapFile {
-    /// [`Self::budget`] if nothing else is said: 128 MiB, what WebGPU grants a storage buffer; some 5000 × 5000 samples.
+    /// Within how many bytes a map is read by tiles that is too large to be read as a whole, if nothing is said: 128 MiB, what
+    /// WebGPU grants a storage buffer; some 5000 × 5000 samples.
     pub const BUDGET: u64 = 128 << 20;
 
-    /// [`Self::budget`] within which every map is read as a whole that may be, bytes.
+    /// Bytes of the largest map that is read as a whole.
     pub const WHOLE: u64 = HeightMap::MAX_SAMPLES as u64 * 16 / 3 + 1;
 
     /// Reads the file; a relative path is taken from `folder`.
@@ -244,7 +242,7 @@ impl HeightMapFile {
         // Samples, and a third for what lies between them.
         let bytes = columns.saturating_mul(rows).saturating_mul(16) / 3;
         let is_long = columns.max(rows) > 4 * columns.min(rows);
-        if bytes <= self.budget || options.every > 1 || is_long {
+        if bytes <= self.budget.unwrap_or(Self::WHOLE) || options.every > 1 || is_long {
             return Ok(None);
         }
         let settings = TileSettings {
@@ -277,7 +275,8 @@ impl HeightMapFile {
         let unit = tiles.about().unit_metres.unwrap_or(1.0) as f32;
         let place = (DVec2::from_array(self.centre), DVec2::from_array(spacing));
         let metres = [self.scale * unit, self.offset];
-        HeightMap::by_tiles(tiles, metres, place, self.filter, self.budget)
+        let budget = self.budget.unwrap_or(Self::BUDGET);
+        HeightMap::by_tiles(tiles, metres, place, self.filter, budget)
     }
 
     /// Makes the map from the file's bytes; `name` is what errors call it.

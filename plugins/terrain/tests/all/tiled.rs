@@ -48,7 +48,7 @@ impl Raw {
             spacing: Some([SPACING; 2]),
             centre: [500.0, -300.0],
             filter,
-            budget,
+            budget: Some(budget),
             ..HeightMapFile::default()
         };
         file.load(std::path::Path::new("")).expect("valid")

@@ -55,7 +55,7 @@ impl Raw {
             scale: 0.01,
             spacing: Some([SPACING; 2]),
             filter: Filter::Bicubic,
-            budget,
+            budget: Some(budget),
             ..HeightMapFile::default()
         };
         file.load(Path::new("")).expect("valid")
