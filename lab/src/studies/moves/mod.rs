@@ -1,12 +1,14 @@
 //! Study `moves`: movers in hostile rooms, on a floor of many tiles, and what overlaps volumes.
 
 mod floors;
+mod many;
 mod queries;
 mod rooms;
 
 use crate::csv::Row;
 use crate::study::{Asked, Options, Report, Study};
 use bevy::math::DVec3;
+use dolomite_collision::advance;
 use dolomite_testkit::random::{Random, mixed};
 use rooms::{KINDS, MOVES, Tally, room};
 use serde_json::json;
@@ -21,10 +23,16 @@ pub const STUDY: Study = Study {
 };
 
 /// What its measured table says.
-const ASKED: [Asked; 12] = [
+const ASKED: [Asked; 13] = [
     asked("Moves in hostile rooms", "≥ 1e7", "/moves", ""),
     asked("Moves that went through a surface", "0", "/tunnels", ""),
     asked("Deepest penetration", "≤ 1e-4", "/depth_max_m", "m"),
+    asked(
+        "Moves that say that they are crushed, whose depth is not judged",
+        "≤ 1e-3",
+        "/crushed_part",
+        "of the moves",
+    ),
     asked("Moves that were stuck", "0", "/stuck", ""),
     asked("Moves that are not finite", "0", "/wrong", ""),
     asked("Most advances of a slide", "≤ 3", "/iterations_max", ""),
@@ -91,7 +99,7 @@ fn run(options: &Options) -> Report {
         let mut tally = Tally::default();
         for number in (kind..rooms).step_by(KINDS.len()) {
             let mut random = Random::new(mixed(options.seed, number as u32));
-            tally.join(&room(&mut random, kind));
+            tally.join(&room(&mut random, kind, advance));
         }
         let ns = begun.elapsed().as_secs_f64() * 1e9 / tally.moves.max(1) as f64;
         rows.push(row(name, &tally, ns));
@@ -102,6 +110,8 @@ fn run(options: &Options) -> Report {
     let steps = (count / 10).max(1) as u64;
     let floor = floors::walk(&mut random, DVec3::ZERO, steps);
     let far = floors::walk(&mut random, DVec3::new(1e5, -1e5, 1e5), steps);
+    eprintln!("moves: many");
+    let (hash_of_many, standing) = many::hash(&mut Random::new(mixed(options.seed, 1 << 29)));
     eprintln!("moves: queries");
     let (wrong, found) = queries::differences(&mut random, (count / 10).max(1));
     let floor_json = |floor: &floors::Floor| {
@@ -121,12 +131,17 @@ fn run(options: &Options) -> Report {
             "stuck is who went less than a millionth of a wish although the planes of all that was touched leave a \
              thousandth of it and more than two gaps, but for who stands and for slopes that are walls"
                 .into(),
+            format!(
+                "`many` is {} movers that walk at once on all cores: `taskset -c 0` gives the same hash",
+                many::MOVERS
+            ),
         ],
         summary: json!({
             "moves": all.moves,
             "tunnels": all.tunnels,
             "depth_max_m": all.depth,
             "crushed": all.crushed,
+            "crushed_part": all.crushed as f64 / all.moves.max(1) as f64,
             "stuck": all.stuck,
             "wrong": all.wrong,
             "iterations_max": all.iterations,
@@ -135,6 +150,12 @@ fn run(options: &Options) -> Report {
             "floor": floor_json(&floor),
             "floor_far": floor_json(&far),
             "queries": { "asked": (count / 10).max(1), "wrong": wrong, "found": found },
+            "many": {
+                "movers": many::MOVERS,
+                "steps": many::STEPS,
+                "standing": standing,
+                "hash": format!("{hash_of_many:016x}"),
+            },
             "hash": format!("{:016x}", all.hash.finish()),
         }),
     }
@@ -181,6 +202,12 @@ mod tests {
                 "{summary}"
             );
         }
+        // On any number of cores: one and two were tried.
+        assert_eq!(summary["many"]["hash"], "c99910a4e45add2c", "{summary}");
+        assert!(
+            summary["many"]["standing"].as_u64().unwrap() > 3000,
+            "{summary}"
+        );
         assert_eq!(summary["queries"]["wrong"], 0, "{summary}");
         assert!(
             summary["queries"]["found"].as_u64().unwrap() > 100,

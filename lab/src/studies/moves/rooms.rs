@@ -5,7 +5,7 @@ use dolomite_collision::geometry::nearest_on_triangle;
 use dolomite_collision::motion::{GAP, ITERATIONS, allowed};
 use dolomite_collision::{
     Body, Ellipsoid, MoveOutcome, MoveSettings, Mover, Scratch, TreeSettings, TriangleMesh,
-    TriangleTree, World, advance,
+    TriangleTree, World,
 };
 use dolomite_testkit::metrics::Hash64;
 use dolomite_testkit::places::{direction, place, size};
@@ -16,6 +16,9 @@ const HALF: f64 = 4.0;
 
 /// Moves in a room.
 pub const MOVES: usize = 1500;
+
+/// Of so many moves one may say that it is crushed: triangles that stand in no order leave gaps that are too narrow.
+pub const CRUSHED_OF: u64 = 1000;
 
 /// What rooms are full of.
 pub const KINDS: [&str; 6] = [
@@ -70,6 +73,7 @@ impl Tally {
             && self.stuck == 0
             && self.wrong == 0
             && self.depth <= 1e-4
+            && self.crushed * CRUSHED_OF <= self.moves
             && self.iterations <= ITERATIONS
     }
 }
@@ -149,8 +153,11 @@ fn depth(mover: &Mover, tree: &TriangleTree) -> f64 {
     deepest
 }
 
+/// Who makes one step of a mover: [`dolomite_collision::advance`], and in a test who does it wrongly.
+pub type Advance = fn(&World, &mut Mover, DVec3, &MoveSettings, &mut Scratch, &mut MoveOutcome);
+
 /// [`MOVES`] wishes of any length to 10 m in a room of a kind.
-pub fn room(random: &mut Random, kind: usize) -> Tally {
+pub fn room(random: &mut Random, kind: usize, advance: Advance) -> Tally {
     let triangles = match kind {
         0 | 5 => soup(random, 40, 1.5),
         1 => soup(random, 60, 0.2),
@@ -238,4 +245,48 @@ pub fn room(random: &mut Random, kind: usize) -> Tally {
         }
     }
     tally
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dolomite_collision::advance;
+
+    fn tally(kind: usize, go: Advance) -> Tally {
+        room(&mut Random::new(3), kind, go)
+    }
+
+    /// Each count sees what it is there for.
+    #[test]
+    fn wrong_movers_are_seen() {
+        for kind in [0, 5] {
+            assert!(tally(kind, advance).holds());
+            let through: Advance = |_, mover, wish, _, _, outcome| {
+                *outcome = MoveOutcome::default();
+                mover.center += wish;
+            };
+            assert!(tally(kind, through).tunnels > 1000);
+            let still: Advance = |_, _, _, _, _, outcome| *outcome = MoveOutcome::default();
+            assert!(tally(kind, still).stuck > 1000);
+            // Down onto what it stands on, and a fifth of a millimetre into it.
+            let deep: Advance = |world, mover, wish, settings, scratch, outcome| {
+                advance(world, mover, wish, settings, scratch, outcome);
+                if outcome.grounded {
+                    mover.center.y -= 2e-4;
+                }
+            };
+            let deep = tally(kind, deep);
+            assert!(deep.depth > 1e-4 && !deep.holds(), "{deep:?}");
+            let nowhere: Advance = |_, mover, _, _, _, _| mover.center = DVec3::NAN;
+            assert!(tally(kind, nowhere).wrong > 1000);
+            let often: Advance = |_, _, _, _, _, outcome| outcome.iterations = 4;
+            assert!(!tally(kind, often).holds());
+            // Who calls everybody crushed excuses any depth.
+            let crushed: Advance = |world, mover, wish, settings, scratch, outcome| {
+                advance(world, mover, wish, settings, scratch, outcome);
+                outcome.crushed = true;
+            };
+            assert!(!tally(kind, crushed).holds());
+        }
+    }
 }

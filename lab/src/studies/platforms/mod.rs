@@ -4,7 +4,7 @@ mod ride;
 
 use crate::csv::{ErrorNumbers, Row};
 use crate::study::{Asked, Options, Report, Study};
-use dolomite_collision::{MoveOutcome, Scratch};
+use dolomite_collision::{MoveOutcome, Scratch, advance};
 use dolomite_testkit::metrics::{ErrorStats, Hash64, median};
 use dolomite_testkit::random::{Random, mixed};
 use ride::{FASTEST, KINDS, Ride, STEPS, lifts, ride};
@@ -87,7 +87,7 @@ fn run(options: &Options) -> Report {
             let begun = Instant::now();
             for i in 0..count {
                 let lift = &lifts[i % lifts.len()];
-                let ride = ride(&mut random, kind, lift, &mut scratch, &mut outcome);
+                let ride = ride(&mut random, kind, lift, &mut scratch, &mut outcome, advance);
                 tally.hash.add(ride.bits);
                 tally.rides.push(ride);
             }
@@ -152,6 +152,7 @@ fn row(tally: &Tally, kind: &str) -> Row {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ride::Advance;
 
     #[test]
     fn small_run_holds_what_is_promised() {
@@ -170,5 +171,39 @@ mod tests {
             summary["beside_max_m"].as_f64().unwrap() <= 1e-3,
             "{summary}"
         );
+    }
+    /// Each count sees what it is there for.
+    #[test]
+    fn wrong_riders_are_seen() {
+        let rides = |go: Advance| {
+            let (mut scratch, mut outcome) = (Scratch::default(), MoveOutcome::default());
+            let (mut random, lifts) = (Random::new(7), lifts());
+            let mut tally = Tally::default();
+            for number in 0..120 {
+                let (kind, lift) = (number % KINDS.len(), &lifts[number % lifts.len()]);
+                let ride = ride(&mut random, kind, lift, &mut scratch, &mut outcome, go);
+                tally.rides.push(ride);
+            }
+            tally
+        };
+        let right = rides(advance);
+        assert_eq!(right.falls(), 0);
+        assert!(right.most(|ride| ride.gap) <= 1e-3 && right.most(|ride| ride.beside) <= 1e-3);
+        // Whoever is not carried stays behind.
+        let left = rides(|world, mover, wish, settings, scratch, outcome| {
+            mover.stands_on = None;
+            advance(world, mover, wish, settings, scratch, outcome);
+        });
+        assert!(left.falls() > 100 && left.most(|ride| ride.beside) > 0.1);
+        let above = rides(|world, mover, wish, settings, scratch, outcome| {
+            advance(world, mover, wish, settings, scratch, outcome);
+            mover.center.y += 2e-3;
+        });
+        assert!(above.most(|ride| ride.gap) > 1e-3);
+        let below = rides(|world, mover, wish, settings, scratch, outcome| {
+            advance(world, mover, wish, settings, scratch, outcome);
+            mover.center.y -= 2e-4;
+        });
+        assert!(below.most(|ride| ride.depth) > 1e-4);
     }
 }

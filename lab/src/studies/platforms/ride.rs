@@ -4,7 +4,7 @@ use bevy::math::{DQuat, DVec2, DVec3, Vec3};
 use dolomite_collision::motion::GAP;
 use dolomite_collision::{
     Body, MoveOutcome, MoveSettings, Mover, Pose, Scratch, TreeKind, TreeSettings, TriangleMesh,
-    TriangleTree, World, advance,
+    TriangleTree, World,
 };
 use dolomite_testkit::places::{direction, size};
 use dolomite_testkit::random::Random;
@@ -60,6 +60,9 @@ pub fn lifts() -> Vec<(Vec3, TriangleTree)> {
     sizes.map(tree).to_vec()
 }
 
+/// Who makes one step of a mover: [`dolomite_collision::advance`], and in a test who does it wrongly.
+pub type Advance = fn(&World, &mut Mover, DVec3, &MoveSettings, &mut Scratch, &mut MoveOutcome);
+
 /// Rides. Steps take 1/240 to 1/15 s, each its own; the mover stands or walks on the lift at up to 3 m/s.
 pub fn ride(
     random: &mut Random,
@@ -67,6 +70,7 @@ pub fn ride(
     (half, tree): &(Vec3, TriangleTree),
     scratch: &mut Scratch,
     outcome: &mut MoveOutcome,
+    advance: Advance,
 ) -> Ride {
     let origin = match kind {
         5 => direction(random) * 1e5,

@@ -11,7 +11,7 @@ use dolomite_collision::TriggerKind;
 use dolomite_testkit::metrics::{ErrorStats, Hash64, median};
 use dolomite_testkit::random::{Random, mixed};
 use serde_json::json;
-use wave::{MOVERS, Wave, crosses};
+use wave::{MOVERS, Said, Wave, crosses};
 
 /// As the command line knows it.
 pub const STUDY: Study = Study {
@@ -112,8 +112,7 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, wave: &Wave) {
-        let said = wave.fly();
+    fn add(&mut self, wave: &Wave, said: &Said) {
         self.ns.push(said.ns);
         let expected: Vec<_> = (0..MOVERS)
             .map(|mover| wave.flight(mover).within(f64::from(wave.steps)))
@@ -193,7 +192,8 @@ fn run(options: &Options) -> Report {
         let mut random = Random::new(mixed(options.seed, i as u32));
         let mut tally = Tally::default();
         while tally.crossings < count.div_ceil(SPEEDS.len() as u64) {
-            tally.add(&Wave::new(&mut random, slow, fast));
+            let wave = Wave::new(&mut random, slow, fast);
+            tally.add(&wave, &wave.fly());
         }
         rows.push(Row {
             sweep: format!("{slow} to {fast} m/s"),
@@ -269,5 +269,56 @@ mod tests {
         assert!(summary["crossings"].as_u64().unwrap() >= 2000);
         // Of a mover 1e5 m away f64 knows 1.5e-11 m, of which the shortest step has 0.8 mm.
         assert!(summary["time_max"].as_f64().unwrap() < 1e-6, "{summary}");
+    }
+    /// Each count sees what it is there for.
+    #[test]
+    fn wrong_messages_are_seen() {
+        let mut random = Random::new(9);
+        let wave = Wave::new(&mut random, 1.0, 10.0);
+        let said = wave.fly();
+        let counted = |change: &dyn Fn(&mut Said)| {
+            let mut tally = Tally::default();
+            let mut changed = Said {
+                messages: said.messages.clone(),
+                ns: 0.0,
+            };
+            change(&mut changed);
+            tally.add(&wave, &changed);
+            tally
+        };
+        let right = counted(&|_| {});
+        let wrong = |tally: &Tally| {
+            let stays = tally.stays_wrong;
+            [tally.missed, tally.doubled, tally.invented, stays]
+        };
+        assert_eq!(wrong(&right), [0; 4]);
+        assert!(right.crossings > 10 && said.messages.len() > 20);
+        let first = said.messages[0].1;
+        let others = counted(&|said| said.messages.retain(|message| message.1 != first));
+        assert_eq!(others.missed, 2);
+        let twice = counted(&|said| {
+            let again = said.messages.clone();
+            said.messages.extend(again);
+        });
+        assert!(twice.doubled > 20);
+        let late = counted(&|said| said.messages.iter_mut().for_each(|m| m.2.time += 1e-3));
+        assert!(late.times.iter().all(|error| *error > 1e-4));
+        // One who stays away comes and goes.
+        let beside = (0..MOVERS).find(|mover| {
+            let within = wave.flight(*mover).within(f64::from(wave.steps));
+            within.times.is_none()
+        });
+        let beside = beside.expect("some of a wave pass the box");
+        let invented = counted(&|said| said.messages.iter_mut().for_each(|m| m.1 = beside));
+        assert!(invented.invented > 20);
+        let stays = counted(&|said| {
+            said.messages
+                .retain(|message| crosses(&message.2) || message.1 != first);
+            let stay = said.messages[0];
+            let kind = dolomite_collision::TriggerKind::Stay;
+            let message = dolomite_collision::TriggerMessage { kind, ..stay.2 };
+            said.messages.extend([(stay.0, first, message); 1000]);
+        });
+        assert!(stays.stays_wrong > 100);
     }
 }

@@ -38,8 +38,8 @@ pub enum CollisionSystems {
 
 /// Moves every [`CharacterBody`]. Runs under `MinimalPlugins`.
 ///
-/// May be added before or after Bevy's plugins, and more than once. Without a component of its own in the world none
-/// of its systems runs.
+/// May be added before or after Bevy's plugins, and more than once. Without a [`CharacterBody`] or [`Trigger`] in the
+/// world none of its systems runs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CollisionPlugin;
 
@@ -73,18 +73,62 @@ impl Plugin for CollisionPlugin {
                         .chain()
                         .in_set(CollisionSystems::Gather)
                         .run_if(any_with_component::<CharacterBody>),
+                    bodies::forget.in_set(CollisionSystems::Gather).run_if(
+                        not(any_with_component::<CharacterBody>).and_then(bodies::remembered),
+                    ),
                     (movers::go, diagnostics::count)
                         .chain()
                         .in_set(CollisionSystems::Move)
                         .run_if(any_with_component::<CharacterBody>),
                     triggers::report
                         .in_set(CollisionSystems::Trigger)
-                        .run_if(any_with_component::<Trigger>),
+                        .run_if(any_with_component::<Trigger>.or_else(triggers::occupied)),
                 ),
             );
     }
 
     fn is_unique(&self) -> bool {
         false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::MinimalPlugins;
+    use bevy::ecs::change_detection::Tick;
+
+    /// When the resources that the systems write were written last. Each system writes one in every run.
+    fn written(app: &App) -> [Tick; 3] {
+        let world = app.world();
+        [
+            world.resource_ref::<bodies::Bodies>().last_changed(),
+            world.resource_ref::<CollisionCounters>().last_changed(),
+            world.resource_ref::<triggers::Inside>().last_changed(),
+        ]
+    }
+
+    #[test]
+    fn no_system_runs_without_a_mover_or_a_trigger() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, CollisionPlugin));
+        let begun = written(&app);
+        let step = |app: &mut App| {
+            app.world_mut().run_schedule(FixedUpdate);
+            written(app)
+        };
+        for _ in 0..3 {
+            assert_eq!(step(&mut app), begun);
+        }
+        // What movers meet is nobody's business without one.
+        app.world_mut().spawn(Blocker::default());
+        assert_eq!(step(&mut app), begun);
+        // The counterpart: each of them is seen.
+        app.world_mut().spawn(Trigger::default());
+        let [bodies, counters, inside] = step(&mut app);
+        assert!((bodies, counters) == (begun[0], begun[1]) && inside != begun[2]);
+        app.world_mut().spawn(CharacterBody::default());
+        let moved = step(&mut app);
+        assert!(moved[0] != bodies && moved[1] != counters && moved[2] != inside);
     }
 }

@@ -60,6 +60,11 @@ pub struct TriggerMessage {
 #[derive(Resource, Default)]
 pub(super) struct Inside(HashSet<(Entity, Entity)>);
 
+/// Whether somebody is in a trigger, who leaves it with the last of them.
+pub(super) fn occupied(inside: Res<Inside>) -> bool {
+    !inside.0.is_empty()
+}
+
 /// The straight way of a mover's step against each trigger where it is now.
 pub(super) fn report(
     triggers: Query<(Entity, &Trigger, &Transform)>,

@@ -179,6 +179,55 @@ fn triggers_report_in_order() {
     assert_eq!(drain(&mut app), []);
 }
 
+/// A trigger that is gone was left, though it was the last of all.
+#[test]
+fn who_is_in_the_last_trigger_leaves_it_with_it() {
+    let mut app = app();
+    let trigger = app.world_mut().spawn(Trigger::default()).id();
+    let mover = app.world_mut().spawn(CharacterBody::default()).id();
+    walk(&mut app, mover, Vec3::ZERO, 1);
+    let kinds =
+        |app: &mut App| -> Vec<_> { drain(app).iter().map(|m| (m.trigger, m.kind)).collect() };
+    assert_eq!(kinds(&mut app), [(trigger, TriggerKind::Enter)]);
+    app.world_mut().despawn(trigger);
+    walk(&mut app, mover, Vec3::ZERO, 1);
+    assert_eq!(kinds(&mut app), [(trigger, TriggerKind::Leave)]);
+    walk(&mut app, mover, Vec3::ZERO, 1);
+    assert_eq!(kinds(&mut app), []);
+}
+
+/// A lift goes up while nobody is there: who comes then stands beside its way, and is not hit by it.
+#[test]
+fn what_moved_while_there_was_no_mover_pushes_nobody() {
+    let mut app = app();
+    let lift = Blocker {
+        half_size: Vec3::new(2.0, 0.1, 2.0),
+    };
+    let lift = app.world_mut().spawn((lift, Transform::default())).id();
+    let first = app
+        .world_mut()
+        .spawn((CharacterBody::default(), Transform::from_xyz(0.0, 1.1, 0.0)))
+        .id();
+    walk(&mut app, first, Vec3::ZERO, 2);
+    app.world_mut().despawn(first);
+    for _ in 0..10 {
+        app.world_mut()
+            .get_mut::<Transform>(lift)
+            .expect("it is there")
+            .translation
+            .y += 1.0;
+        app.update();
+    }
+    let counters = *app.world().resource::<CollisionCounters>();
+    assert_eq!(counters, CollisionCounters::default(), "nothing is kept");
+    let second = app
+        .world_mut()
+        .spawn((CharacterBody::default(), Transform::from_xyz(0.0, 5.0, 0.0)))
+        .id();
+    walk(&mut app, second, Vec3::ZERO, 1);
+    assert_eq!(place(&app, second), Vec3::new(0.0, 5.0, 0.0));
+}
+
 /// What ran is asked of a system that would see it.
 #[derive(Resource, Default)]
 struct Ran(u32);

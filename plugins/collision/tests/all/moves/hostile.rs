@@ -7,6 +7,7 @@ use super::*;
 #[test]
 fn hostile_rooms_hold_their_movers() {
     let mut random = Random::new(53);
+    let mut crushed = 0;
     for room in 0..12 {
         let shift = if room % 3 == 2 {
             DVec3::new(1e5, 1e5, -1e5)
@@ -38,7 +39,9 @@ fn hostile_rooms_hold_their_movers() {
             assert!(c.is_finite());
             let out = (c - shift).abs().max_element();
             assert!(out < 4.0, "{room} {step}: {before} {wish} {c}");
-            if !walker.outcome.crushed {
+            if walker.outcome.crushed {
+                crushed += 1;
+            } else {
                 deepest = deepest
                     .max(walker.depth(&bodies[0]))
                     .max(walker.depth(&bodies[1]));
@@ -46,6 +49,9 @@ fn hostile_rooms_hold_their_movers() {
         }
         assert!(deepest <= 1e-4, "{room}: {deepest:e}");
     }
+    // Said by everybody it would excuse any depth: here it is said of none but who is put into what is there.
+    println!("crushed: {crushed}");
+    assert!(crushed < 18, "{crushed} of 18 000");
 }
 
 #[test]

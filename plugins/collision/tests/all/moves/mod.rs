@@ -306,3 +306,66 @@ fn what_moves_pushes_and_crushes() {
     }
     assert!(crushed > 0);
 }
+
+/// Between walls that are too near, who is crushed is told by the largest radius: a depth is known in parts of the
+/// radii, and along the shortest of them it would be told too late.
+#[test]
+fn crushed_is_told_by_the_largest_radius() {
+    // A mover of radius 0.3 m across, in a gap that is narrower by `less` of that on each side. Moved out of one wall
+    // it is in the other by twice that.
+    let crushed = |radii: [f64; 3], less: f64| {
+        let wall = |side: f64| {
+            cuboid(
+                [side * (0.3 * (1.0 - less) + 0.5), 0.0, 0.0],
+                [0.5, 3.0, 3.0],
+            )
+        };
+        let (left, right) = (wall(-1.0), wall(1.0));
+        let bodies = [Body::fixed(&left), Body::fixed(&right)];
+        let mut walker = Walker::at([0.0; 3]);
+        walker.mover.radii = radii.into();
+        walker.go(&bodies, DVec3::ZERO);
+        assert!(
+            walker.outcome.casts > 16,
+            "it is moved out as often as may be"
+        );
+        let deepest = walker.depth(&bodies[0]).max(walker.depth(&bodies[1]));
+        // What is said agrees with the depth that all else is judged by.
+        assert_eq!(
+            walker.outcome.crushed,
+            deepest > 1e-4,
+            "{radii:?} {less}: {deepest:e}"
+        );
+        walker.outcome.crushed
+    };
+    // 0.06 mm along the normal: of a ball that is nothing, of one three times as high as wide it may be 0.18 mm.
+    assert!(!crushed([0.3; 3], 1e-4));
+    assert!(crushed([0.3, 0.9, 0.3], 1e-4));
+    assert!(!crushed([0.3, 0.9, 0.3], 4e-5));
+    assert!(crushed([0.3; 3], 4e-4));
+}
+
+/// Who is pushed and has nowhere to go is crushed, and who has is not.
+#[test]
+fn a_push_crushes_who_has_nowhere_to_go() {
+    let piston = cuboid([0.0; 3], [0.5, 2.0, 2.0]);
+    let wall = cuboid([2.0, 0.0, 0.0], [0.5, 2.0, 2.0]);
+    let pushed = |bodies: &[Body]| {
+        let mut walker = Walker::at([1.0, 0.0, 0.0]);
+        walker.go(bodies, DVec3::ZERO);
+        walker.outcome.crushed
+    };
+    let moving = Body {
+        tree: &piston,
+        before: Pose::at(DVec3::new(0.0, 0.0, 0.0)),
+        after: Pose::at(DVec3::new(0.6, 0.0, 0.0)),
+    };
+    // 0.4 m on, of which the wall leaves 0.2.
+    assert!(!pushed(&[moving]));
+    assert!(pushed(&[moving, Body::fixed(&wall)]));
+    let less = Body {
+        after: Pose::at(DVec3::new(0.39, 0.0, 0.0)),
+        ..moving
+    };
+    assert!(!pushed(&[less, Body::fixed(&wall)]));
+}
