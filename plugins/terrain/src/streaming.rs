@@ -33,11 +33,13 @@ impl Default for MapStreaming {
 
 /// Where fine ground is wanted, (x, z) in metres. `dolomite_ground` keeps it at the first camera that sees the ground; without a renderer
 /// whoever needs true ground somewhere does. `None`: nothing is read.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Resource, Default)]
 pub struct MapFocus(pub Option<DVec2>);
 
 /// What has been read by tiles so far.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Resource, Default)]
 pub struct MapStreamingStats {
     /// Tiles that were taken over.
     pub arrived: u64,
@@ -52,7 +54,8 @@ pub struct MapStreamingStats {
 }
 
 /// What went wrong while tiles were read, once a map. `dolomite_ground` tells it and takes it out.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Reflect)]
+#[reflect(Resource, Default)]
 pub struct MapFaults(pub Vec<String>);
 
 /// How long tiles gather while more are on their way, before [`Terrain`] is told of them.
@@ -153,8 +156,8 @@ pub(crate) fn read_tiles(
     if is_due {
         *told = Some(Instant::now());
         for mut terrain in &mut terrains {
-            let now = terrain.with_arrivals();
-            if !now.same_arrivals(&terrain) {
+            let now = terrain.with_arrived();
+            if !now.same_arrived(&terrain) {
                 *terrain = now;
             }
         }

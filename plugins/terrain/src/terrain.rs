@@ -214,7 +214,7 @@ impl Terrain {
             edits: None,
             arrived: 0,
         }
-        .with_arrivals())
+        .with_arrived())
     }
 
     /// Its map that is read by tiles, if there is one.
@@ -305,7 +305,7 @@ impl Terrain {
     /// The same terrain, which knows what has arrived of its map that is read by tiles: [`Terrain::changed_since`] tells where the
     /// heights have become finer. Heights themselves are of what is there, whichever handle is asked.
     #[must_use]
-    pub fn with_arrivals(&self) -> Self {
+    pub fn with_arrived(&self) -> Self {
         let stream = self.streamed().and_then(HeightMap::stream);
         Self {
             arrived: stream.map_or(0, Stream::arrived),
@@ -315,7 +315,7 @@ impl Terrain {
 
     /// Whether as much had arrived for both.
     #[must_use]
-    pub const fn same_arrivals(&self, other: &Self) -> bool {
+    pub const fn same_arrived(&self, other: &Self) -> bool {
         self.arrived == other.arrived
     }
 

@@ -1,6 +1,5 @@
 //! What movers meet: meshes and boxes of entities.
 
-use super::diagnostics::CollisionCounters;
 use crate::mesh::TriangleMesh;
 use crate::motion::Pose;
 use crate::tree::{TreeKind, TreeSettings, TriangleTree};
@@ -64,12 +63,6 @@ impl Bodies {
 /// Whether there is anything to forget.
 pub(super) fn remembered(bodies: Res<Bodies>) -> bool {
     !bodies.placed.is_empty()
-}
-
-/// With the last mover goes what was known of bodies: the next one is not pushed by what moved while there was none.
-pub(super) fn forget(mut bodies: ResMut<Bodies>, mut counters: ResMut<CollisionCounters>) {
-    *bodies = Bodies::default();
-    *counters = CollisionCounters::default();
 }
 
 fn find(placed: &[Placed], entity: Entity) -> Option<usize> {

@@ -14,6 +14,7 @@
 
 mod bodies;
 mod diagnostics;
+mod forget;
 mod movers;
 mod triggers;
 
@@ -73,7 +74,7 @@ impl Plugin for CollisionPlugin {
                         .chain()
                         .in_set(CollisionSystems::Gather)
                         .run_if(any_with_component::<CharacterBody>),
-                    bodies::forget.in_set(CollisionSystems::Gather).run_if(
+                    forget::forget.in_set(CollisionSystems::Gather).run_if(
                         not(any_with_component::<CharacterBody>).and_then(bodies::remembered),
                     ),
                     (movers::go, diagnostics::count)

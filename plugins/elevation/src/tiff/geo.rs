@@ -2,7 +2,7 @@
 
 use super::Tiff;
 use super::failure::Failure;
-use super::metadata::text;
+use super::text::text;
 use crate::error::{ElevationError, typed};
 use crate::georeference::{Crs, FOOT, Georeference, Registration, US_FOOT};
 use crate::options::Options;

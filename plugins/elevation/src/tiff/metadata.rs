@@ -1,9 +1,9 @@
 //! What GDAL says of a TIFF in tags of its own: no data, scale, offset and unit.
 
-use ::tiff::decoder::ifd::Value;
 use ::tiff::tags::Tag;
 
 use super::failure::Failure;
+use super::text::text;
 use super::{Tiff, geo};
 use crate::error::ElevationError;
 
@@ -26,21 +26,6 @@ pub(super) fn nodata(
         .parse::<f64>()
         .map_err(|_| failure.damaged("tag GDAL_NODATA", format!("{text:?} is not a number")))?;
     Ok(vec![number])
-}
-
-/// A text tag, without the zeros at its end.
-pub(super) fn text(
-    tiff: &mut Tiff<'_>,
-    tag: Tag,
-    failure: &Failure<'_>,
-) -> Result<Option<String>, ElevationError> {
-    let fail = |error| failure.of(&format!("tag {tag:?}"), error);
-    let text = match tiff.find_tag(tag).map_err(fail)? {
-        None => return Ok(None),
-        Some(Value::Ascii(text)) => text,
-        Some(other) => String::from_utf8_lossy(&other.into_u8_vec().map_err(fail)?).into_owned(),
-    };
-    Ok(Some(text.trim_end_matches('\0').to_owned()))
 }
 
 /// What GDAL's own XML says of the band.

@@ -11,6 +11,7 @@ mod geo;
 mod layout;
 mod lzw;
 mod metadata;
+mod text;
 
 use crate::about::FileKind;
 use crate::error::{ElevationError, typed};

@@ -361,7 +361,7 @@ fn where_the_ground_has_become_finer_is_told() {
     let mut finer = 0;
     let mut untouched = 0;
     for round in 0..8 {
-        let before = ground.with_arrivals();
+        let before = ground.with_arrived();
         assert!(before.changed_since(&before).is_some_and(|r| r.is_empty()));
         let middle =
             map.origin() + DVec2::new(random.unit(), random.unit()) * DVec2::new(6000.0, 4000.0);
@@ -374,8 +374,8 @@ fn where_the_ground_has_become_finer_is_told() {
             .collect();
         let errors: Vec<_> = places.iter().map(|&xz| map.error_at(xz)).collect();
         settle(&map, middle);
-        let now = ground.with_arrivals();
-        assert!(now.same(&before) && !now.same_arrivals(&before));
+        let now = ground.with_arrived();
+        assert!(now.same(&before) && !now.same_arrived(&before));
         let rects = now.changed_since(&before).expect("of the same map");
         for (xz, error) in places.iter().zip(errors) {
             let told = rects.iter().any(|rect| rect.contains(*xz));
@@ -389,14 +389,14 @@ fn where_the_ground_has_become_finer_is_told() {
     // In an app it is the component that tells, and not in every frame.
     let mut app = App::new();
     app.add_plugins((bevy::MinimalPlugins, TerrainPlugin));
-    let entity = app.world_mut().spawn(ground.with_arrivals()).id();
+    let entity = app.world_mut().spawn(ground.with_arrived()).id();
     app.insert_resource(MapFocus(Some(map.origin() + 300.0)));
     let mut told = 0;
-    let mut last = ground.with_arrivals();
+    let mut last = ground.with_arrived();
     for _ in 0..400 {
         app.update();
         let now = app.world().get::<Terrain>(entity).expect("there");
-        told += u32::from(!now.same_arrivals(&last));
+        told += u32::from(!now.same_arrived(&last));
         last = now.clone();
         std::thread::sleep(Duration::from_millis(5));
     }

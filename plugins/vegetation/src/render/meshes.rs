@@ -92,7 +92,7 @@ impl Asked {
     fn fits(&self, other: &Self) -> bool {
         self.same_world(other)
             && self.terrain.same(&other.terrain)
-            && self.terrain.same_arrivals(&other.terrain)
+            && self.terrain.same_arrived(&other.terrain)
             && self.numbers == other.numbers
             && self.most == other.most
             && self.focus.distance(other.focus) < STEP

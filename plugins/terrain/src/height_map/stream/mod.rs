@@ -7,13 +7,13 @@
 //! The GPU has the same slots, so that it finds the same levels (`shaders/src/terrain/clip.wgsl`): what is put into memory is also
 //! put into a list of writes, which a renderer takes over in its own time and in order.
 
-mod arrivals;
+mod arrived;
 mod clip;
 mod sample;
 
 use super::{Filter, HeightMap};
 use crate::ground::GroundRect;
-use arrivals::Arrivals;
+use arrived::Arrived;
 use bevy::math::DVec2;
 use clip::ClipLevel;
 use dolomite_elevation::{
@@ -78,7 +78,7 @@ pub struct Stream {
     ends: [f32; 2],
     levels: RwLock<Vec<ClipLevel>>,
     writes: Mutex<Writes>,
-    arrivals: Mutex<Arrivals>,
+    arrived: Mutex<Arrived>,
     bytes: u64,
     /// The file cannot be read any more.
     given_up: AtomicBool,
@@ -157,7 +157,7 @@ impl Stream {
             metres,
             levels: RwLock::new(levels),
             writes: Mutex::default(),
-            arrivals: Mutex::default(),
+            arrived: Mutex::default(),
             given_up: AtomicBool::new(false),
         };
         stream.follow(None);
@@ -217,7 +217,7 @@ impl Stream {
                 let before = clip.window;
                 changed |= clip.follow(place.map(|n| n / step));
                 let of = (level, clip.tiles);
-                lock(&self.arrivals).add(of, before, clip.window);
+                lock(&self.arrived).add(of, before, clip.window);
             }
         }
         if changed {
@@ -274,7 +274,7 @@ impl Stream {
             return false;
         }
         let of = (request.level as usize, clip.tiles);
-        lock(&self.arrivals).add(of, before, clip.window);
+        lock(&self.arrived).add(of, before, clip.window);
         let slot = clip.slot(request.at) as u64;
         let mut writes = lock(&self.writes);
         if writes.wanted {
@@ -352,7 +352,7 @@ impl Stream {
 
     /// How often more could be read than before.
     pub(crate) fn arrived(&self) -> u64 {
-        lock(&self.arrivals).count()
+        lock(&self.arrived).count()
     }
 
     /// Reads no more of the file, which is not what it was: what is in memory stays.
@@ -429,7 +429,7 @@ impl HeightMap {
             let place = |at: [f64; 2]| self.origin() + DVec2::from_array(at) * self.spacing();
             GroundRect::new(place(low), place(high))
         };
-        let found = lock(&stream.arrivals).between(one.min(other), one.max(other));
+        let found = lock(&stream.arrived).between(one.min(other), one.max(other));
         found.map_or_else(
             || vec![GroundRect::new(DVec2::splat(-1e9), DVec2::splat(1e9))],
             |rects| rects.into_iter().map(in_metres).collect(),

@@ -15,12 +15,12 @@ const KEPT: usize = 1024;
 
 /// Rectangles that became readable, numbered.
 #[derive(Debug, Default)]
-pub(super) struct Arrivals {
+pub(super) struct Arrived {
     last: VecDeque<Rect>,
     count: u64,
 }
 
-impl Arrivals {
+impl Arrived {
     /// A level of so many tiles had one window and has another.
     pub fn add(&mut self, level: (usize, [u32; 2]), before: Window, now: Window) {
         // What is no longer there leaves what was made of it as true as it was.
@@ -91,16 +91,16 @@ mod tests {
 
     #[test]
     fn what_is_new_is_told_and_nothing_else() {
-        let mut arrivals = Arrivals::default();
+        let mut arrived = Arrived::default();
         let nothing = Window::default();
-        arrivals.add((0, MANY), nothing, nothing);
-        assert_eq!(arrivals.count(), 0);
-        arrivals.add((1, MANY), nothing, window([2, 3], [4, 4]));
+        arrived.add((0, MANY), nothing, nothing);
+        assert_eq!(arrived.count(), 0);
+        arrived.add((1, MANY), nothing, window([2, 3], [4, 4]));
         let first = [[2.0 * 256.0 - 6.0, 3.0 * 256.0 - 6.0], [1030.0, 1030.0]];
-        assert_eq!(arrivals.between(0, 1), Some(vec![first]));
+        assert_eq!(arrived.between(0, 1), Some(vec![first]));
         // It moves: what is behind is not told, a column before and a row beside are.
-        arrivals.add((0, MANY), window([2, 3], [5, 6]), window([3, 3], [6, 7]));
-        let rects = arrivals.between(1, 3).expect("known");
+        arrived.add((0, MANY), window([2, 3], [5, 6]), window([3, 3], [6, 7]));
+        let rects = arrived.between(1, 3).expect("known");
         assert_eq!(rects.len(), 2);
         let holds = |x: f64, z: f64| {
             let inside = |[low, high]: &Rect| {
@@ -114,16 +114,16 @@ mod tests {
                 assert_eq!(holds(middle(x), middle(z)), x == 5 || z == 6, "{x}, {z}");
             }
         }
-        assert_eq!(arrivals.between(3, 3), Some(Vec::new()));
+        assert_eq!(arrived.between(3, 3), Some(Vec::new()));
         for n in 0..KEPT as u32 + 5 {
-            arrivals.add((0, MANY), nothing, window([n, 0], [n + 1, 1]));
+            arrived.add((0, MANY), nothing, window([n, 0], [n + 1, 1]));
         }
-        assert_eq!(arrivals.between(0, 3), None, "too long ago");
+        assert_eq!(arrived.between(0, 3), None, "too long ago");
         // The border of the map goes on.
-        arrivals.add((0, [9, 9]), nothing, window([0, 4], [2, 9]));
-        let count = arrivals.count();
+        arrived.add((0, [9, 9]), nothing, window([0, 4], [2, 9]));
+        let count = arrived.count();
         let border = [[-BEYOND, 4.0 * 128.0 - 3.0], [259.0, BEYOND]];
-        assert_eq!(arrivals.between(count - 1, count), Some(vec![border]));
-        assert_eq!(arrivals.between(count - 4, count).map(|r| r.len()), Some(4));
+        assert_eq!(arrived.between(count - 1, count), Some(vec![border]));
+        assert_eq!(arrived.between(count - 4, count).map(|r| r.len()), Some(4));
     }
 }
