@@ -256,7 +256,11 @@ pub(super) fn pyramid(
         heights: vec![0.0; count],
         off: vec![0.0; count],
     });
-    let blocks = [across, down].map(|n| n.div_ceil(UNDER as u32));
+    // The last sample of a level may stand beyond the border, in a tile under which there is none of level 0: a map of 1024
+    // samples has eight tiles, and 129 samples on the eighth part of that.
+    let least = if stored { form.tiles(STORED) } else { [1; 2] };
+    let blocks = [across.div_ceil(UNDER as u32), down.div_ceil(UNDER as u32)];
+    let blocks = [blocks[0].max(least[0]), blocks[1].max(least[1])];
     progress.begin("making tiles", name, u64::from(form.size[1]));
     let done = AtomicUsize::new(0);
     each(part, blocks, |at| {

@@ -177,6 +177,38 @@ fn levels_hold_samples_of_the_map_their_slopes_and_a_true_bound() {
     }
 }
 
+/// The last sample of a level may stand beyond the border, in a tile under which there is none of level 0: as with every side that
+/// is a power of two from 1024 on.
+#[test]
+fn tiles_of_all_levels_are_there_whatever_the_size() {
+    for size in [
+        [1024, 1018],
+        [1025, 1026],
+        [2048, 600],
+        [600, 2048],
+        [3, 1024],
+    ] {
+        let folder = Folder::new("sizes");
+        let (path, options) = raw(&folder, size);
+        let map = open(&path, &options).expect("valid");
+        let mut beyond = 0;
+        for level in 0..=map.top() {
+            let [columns, rows] = map.tiles(level);
+            let under = map.tiles(0).map(|n| n.div_ceil(1 << level.min(3)));
+            beyond += usize::from(columns > under[0] || rows > under[1]);
+            for at in (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])) {
+                let tile = map.tile(level, at);
+                let tile = tile.unwrap_or_else(|error| panic!("{size:?}: {error}"));
+                assert!(
+                    tile.heights.iter().all(|height| *height >= 3000.0),
+                    "{at:?}"
+                );
+            }
+        }
+        assert_eq!(beyond > 0, size != [1025, 1026], "{size:?}");
+    }
+}
+
 #[test]
 fn tiles_are_made_once_and_anew_when_the_map_was_changed() {
     let folder = Folder::new("once");
