@@ -10,7 +10,7 @@ use crate::idle_budget;
 use crate::material::{GroundCanopy, GroundMaterial, GroundShading, MaterialBands, Sea};
 use crate::sets::GroundSystems;
 use crate::shown::{ShownTerrains, follow_terrains};
-use crate::streaming::follow_maps;
+use crate::streaming::{any_faults, tell_faults};
 use dolomite_terrain::TerrainPlugin;
 
 /// Draws every visible [`Terrain`](dolomite_terrain::Terrain) that has a [`GroundMaterial`], for every camera that
@@ -65,9 +65,12 @@ impl Plugin for GroundPlugin {
             )
             .add_systems(
                 PostUpdate,
-                (follow_terrains, update_covers, follow_maps)
-                    .chain()
-                    .in_set(TerrainCoverSystems),
+                (
+                    (follow_terrains, update_covers)
+                        .chain()
+                        .in_set(TerrainCoverSystems),
+                    tell_faults.run_if(any_faults),
+                ),
             )
             .add_systems(
                 PostUpdate,

@@ -1,25 +1,39 @@
 //! Maps that are read by tiles have fine samples about the first camera that sees the ground.
 
 use bevy::prelude::*;
-use dolomite_terrain::{MapFaults, MapFocus, Terrain};
-use dolomite_tessellation::GeometryCamera;
+use dolomite_terrain::MapFaults;
+#[cfg(feature = "render")]
+use {
+    crate::cover::TerrainView,
+    dolomite_terrain::{MapFocus, Terrain},
+    dolomite_tessellation::GeometryCamera,
+};
 
-use crate::cover::TerrainView;
+/// Whether there is anything to tell.
+pub(crate) fn any_faults(faults: Res<MapFaults>) -> bool {
+    !faults.0.is_empty()
+}
 
-/// Tells where fine ground is wanted. A focus that an app has set stays where no camera sees the ground.
+/// Tells what went wrong while tiles were read, and takes it out.
+pub(crate) fn tell_faults(mut faults: ResMut<MapFaults>) {
+    for fault in std::mem::take(&mut faults.0) {
+        tell!("{fault}");
+    }
+}
+
+/// Whether any terrain has such a map.
+#[cfg(feature = "render")]
+pub(crate) fn any_map_by_tiles(terrains: Query<&Terrain>) -> bool {
+    terrains.iter().any(|terrain| terrain.streamed().is_some())
+}
+
+/// Tells where fine ground is wanted. A focus that an app has set stays where no camera sees the ground, and always
+/// without the feature `render`, as there are no cameras then.
+#[cfg(feature = "render")]
 pub(crate) fn follow_maps(
-    terrains: Query<&Terrain>,
     views: Query<(&GeometryCamera, &GlobalTransform, &Camera), With<TerrainView>>,
-    (mut focus, mut faults): (ResMut<MapFocus>, ResMut<MapFaults>),
+    mut focus: ResMut<MapFocus>,
 ) {
-    if !faults.0.is_empty() {
-        for fault in std::mem::take(&mut faults.0) {
-            tell!("{fault}");
-        }
-    }
-    if !terrains.iter().any(|terrain| terrain.streamed().is_some()) {
-        return;
-    }
     let first = views
         .iter()
         .filter(|(_, _, camera)| camera.is_active)

@@ -2,9 +2,12 @@
 
 use bevy::app::{App, Plugin, PreUpdate};
 use bevy::ecs::resource::Resource;
+use bevy::ecs::schedule::IntoScheduleConfigs;
 
 use crate::probe::{GroundProbe, ProbeBatch};
-use crate::streaming::{MapFaults, MapFocus, MapStreaming, MapStreamingStats, Reads, read_tiles};
+use crate::streaming::{
+    MapFaults, MapFocus, MapStreaming, MapStreamingStats, Reads, any_map_by_tiles, read_tiles,
+};
 
 /// Fills every [`GroundProbe`](crate::GroundProbe) from the [`Terrain`](crate::Terrain) of the world.
 ///
@@ -41,7 +44,7 @@ impl Plugin for TerrainPlugin {
             .init_resource::<MapFaults>()
             .init_resource::<MapStreamingStats>()
             .init_resource::<Reads>()
-            .add_systems(PreUpdate, read_tiles);
+            .add_systems(PreUpdate, read_tiles.run_if(any_map_by_tiles));
         crate::probe::build(app);
     }
 

@@ -74,6 +74,11 @@ pub(crate) struct Reads {
     running: Vec<Read>,
 }
 
+/// Whether any terrain has such a map, or a read of one that is gone is still on its way.
+pub(crate) fn any_map_by_tiles(terrains: Query<&Terrain>, reads: Res<Reads>) -> bool {
+    !reads.running.is_empty() || terrains.iter().any(|terrain| terrain.streamed().is_some())
+}
+
 /// Takes over what has arrived, and asks for what is missing. Waits for nothing.
 pub(crate) fn read_tiles(
     mut terrains: Query<&mut Terrain>,

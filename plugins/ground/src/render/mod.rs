@@ -38,9 +38,10 @@ pub use look::{GroundLook, LookBand, LookCanopy, LookLayer, LookLimit};
 pub use relief::TerrainRelief;
 pub use texture::GroundTextures;
 
-use crate::cover::{PatchDetail, TerrainCover, TerrainView};
+use crate::cover::{PatchDetail, TerrainCover, TerrainCoverSystems, TerrainView};
 use crate::detail::work::GroundWork;
 use crate::sets::GroundSystems;
+use crate::streaming::{any_map_by_tiles, follow_maps};
 use dolomite_geometry::GeometryPlugin;
 use dolomite_tessellation::render::PatchPlugin;
 use dolomite_tessellation::{PatchMeshError, Patches};
@@ -52,7 +53,13 @@ pub(crate) fn build(app: &mut App, relief_side: u32) {
     app.register_type::<GroundTextures>()
         .register_type::<TerrainRelief>()
         .insert_resource(relief::ReliefSide(relief_side))
-        .add_plugins((GeometryPlugin, PatchPlugin(GroundKind::<0>::default())));
+        .add_plugins((GeometryPlugin, PatchPlugin(GroundKind::<0>::default())))
+        .add_systems(
+            PostUpdate,
+            follow_maps
+                .after(TerrainCoverSystems)
+                .run_if(any_map_by_tiles),
+        );
 }
 
 /// Adds the rest to an app that renders, when all plugins have been built; does nothing to one that does not.
