@@ -17,11 +17,12 @@ pub mod figure;
 pub mod jump;
 pub mod things;
 
+use bevy::math::{DVec2, DVec3};
 use bevy::prelude::*;
 
 use crate::input::PlayerInput;
 use crate::scene::reload::ReloadPlugin;
-use crate::scene::{CurrentScene, Pose};
+use crate::scene::{CurrentScene, Pose, read_about};
 use crate::settings::Settings;
 use body::BodyPlugin;
 use camera::{CameraPlugin, FreeCamera};
@@ -119,7 +120,10 @@ impl Plugin for SimulationPlugin {
 
 fn spawn(mut commands: Commands, scene: Res<CurrentScene>, settings: Res<Settings>) {
     commands.spawn((Landscape, scene.terrain.clone()));
+    read_about(&scene.terrain, scene.figure);
     commands.spawn(Figure::at(scene.figure, &scene.terrain).facing(scene.facing));
+    let DVec3 { x, z, .. } = scene.camera.position;
+    read_about(&scene.terrain, DVec2::new(x, z));
     commands.spawn(start_camera(scene.camera, &scene, &settings));
 }
 

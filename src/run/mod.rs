@@ -32,7 +32,7 @@ use crate::level::{LevelError, LevelPlugin, LevelSystems};
 use crate::play::camera::FreeCamera;
 use crate::play::figure::Figure;
 use crate::play::{SimulationPlugin, Switches};
-use crate::scene::{self, CurrentScene, Pose, SceneError, SceneRequest};
+use crate::scene::{self, CurrentScene, Pose, SceneError, SceneRequest, read_about};
 use crate::settings::choices::KeepTo;
 use crate::settings::paths::{self, AssetsDir, AssetsError};
 use crate::settings::{Settings, SettingsError};
@@ -185,6 +185,7 @@ impl Setup {
     /// Starts the camera behind the figure, looking where it faces.
     pub fn start_behind_figure(&mut self) {
         let scene = &mut self.scene.0;
+        read_about(&scene.terrain, scene.figure);
         let place = Figure::at(scene.figure, &scene.terrain).now.place;
         scene.camera = Pose::behind(place, scene.facing, &scene.terrain);
     }

@@ -7,7 +7,7 @@ use bevy::log::warn;
 use bevy::math::{DVec2, DVec3};
 use dolomite::ground::{MaterialBands, Sea};
 use dolomite::sky::Sun;
-use dolomite::terrain::elevation::{Elevation, ElevationProgress, FileKind, NumberType};
+use dolomite::terrain::elevation::{Elevation, ElevationProgress, FileKind, Head, NumberType};
 use dolomite::terrain::{
     Fractal, GroundRect, HeightMap, HeightMapError, HeightMapFile, Holes, Layer, Mask, Source,
     Terrain, TerrainData,
@@ -143,11 +143,12 @@ pub(super) fn from_map(
         source: Box::new(source),
     };
     let progress = ElevationProgress::on_stderr();
-    let is_png = path.extension().is_some_and(|ending| ending == "png");
+    // What a sample of a hole is depends on it, so it is known before the file is cut into tiles.
+    let head = Elevation::head(path, &options.read).ok();
+    let is_deep = |head: Head| head.kind == FileKind::Png && head.number == NumberType::U16;
+    let deep = head.is_some_and(is_deep);
     let mut file = HeightMapFile {
-        scale: options
-            .scale
-            .unwrap_or(if is_png { PNG_SCALE } else { 1.0 }),
+        scale: options.scale.unwrap_or(if deep { PNG_SCALE } else { 1.0 }),
         offset: options.offset,
         holes: options.sea.map_or(Holes::Fill, Holes::Sea),
         budget: options.budget,
@@ -171,8 +172,6 @@ pub(super) fn from_map(
     for note in &about.notes {
         warn!("{}: {note}", path.display());
     }
-    let deep = about.kind == FileKind::Png && about.number == NumberType::U16;
-    file.scale = options.scale.unwrap_or(if deep { PNG_SCALE } else { 1.0 });
     file.spacing = match options.spacing {
         Some(metres) => Some([metres; 2]),
         None => (!told).then_some([SPACING; 2]),

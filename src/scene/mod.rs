@@ -274,6 +274,15 @@ pub fn changed(path: &Path) -> Option<SystemTime> {
         .ok()
 }
 
+/// Reads the ground under a place where somebody is about to be put, if it is read by tiles: they stand on the true ground, not
+/// on a coarse one. Waits for the disk.
+pub fn read_about(terrain: &Terrain, place: DVec2) {
+    if let Err(error) = terrain.read_about(place) {
+        // Coarse ground is there.
+        warn!("{error}");
+    }
+}
+
 /// Where camera and figure start when a scene does not say: a fifth of the extent south of the
 /// middle, an eighth of the extent above the ground there, looking over the middle; the figure in
 /// the middle, facing the same way.
@@ -283,6 +292,7 @@ fn default_start(terrain: &Terrain) -> (Pose, DVec2, f32) {
     let middle = (extent.min + extent.max) * 0.5;
     let south = middle + DVec2::new(0.0, size.y * 0.2);
     let height = |place: DVec2| {
+        read_about(terrain, place);
         terrain
             .height(place)
             .max(terrain.sea_level().map_or(f64::NEG_INFINITY, f64::from))

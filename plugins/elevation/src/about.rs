@@ -77,12 +77,47 @@ impl NumberType {
             Self::U64 | Self::I64 | Self::F64 => 8,
         }
     }
+
+    /// Whether there are such numbers that f32 does not hold.
+    pub(crate) const fn is_wide(self) -> bool {
+        use NumberType::{F64, I32, I64, Text, U32, U64};
+        matches!(self, U32 | I32 | U64 | I64 | F64 | Text)
+    }
 }
 
 impl fmt::Display for NumberType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = format!("{self:?}");
         f.write_str(&name.to_lowercase())
+    }
+}
+
+/// What the head of a file tells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Head {
+    /// Kind of the file.
+    pub kind: FileKind,
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Kind of its numbers.
+    pub number: NumberType,
+    /// Metres a unit of the heights, where the file tells the unit.
+    pub unit_metres: Option<f64>,
+}
+
+impl Head {
+    pub(crate) const fn new(
+        kind: FileKind,
+        size: [u32; 2],
+        number: NumberType,
+        unit_metres: Option<f64>,
+    ) -> Self {
+        Self {
+            kind,
+            size,
+            number,
+            unit_metres,
+        }
     }
 }
 

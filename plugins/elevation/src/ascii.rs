@@ -7,7 +7,7 @@ use crate::about::{FileKind, NumberType};
 use crate::error::ElevationError;
 use crate::georeference::{Crs, FOOT, Georeference, Registration, US_FOOT};
 use crate::grid::{Grid, check_size};
-use crate::input::Input;
+use crate::input::{Input, LONGEST, number};
 use crate::samples::Elevation;
 use std::io::{BufRead, BufReader, Read};
 
@@ -24,9 +24,6 @@ const KEYS: [&str; 10] = [
     "dy",
     "nodata_value",
 ];
-
-/// The longest word that is one: 1 and 40 digits, and a sign.
-const LONGEST: usize = 64;
 
 /// Whether a file that begins so is one: its first word is a key.
 pub(crate) fn is_header(head: &[u8]) -> bool {
@@ -71,7 +68,8 @@ impl<R: BufRead> Words<R> {
             if buffer.is_empty() {
                 return Ok(&self.word);
             }
-            let blank = |b: &u8| b.is_ascii_whitespace() || *b == 0;
+            // What C calls a blank; zeros, and the mark of DOS for the end of a text.
+            let blank = |b: &u8| b.is_ascii_whitespace() || matches!(b, 0 | 0x0b | 0x1a);
             if self.word.is_empty() {
                 let skip = buffer
                     .iter()
@@ -91,20 +89,6 @@ impl<R: BufRead> Words<R> {
                 return Ok(&self.word);
             }
         }
-    }
-}
-
-/// A number as C reads it; some write a comma for the point.
-fn number<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
-    let text = std::str::from_utf8(word).ok()?;
-    let text = text.strip_prefix('+').unwrap_or(text);
-    if word.len() > LONGEST {
-        return None;
-    }
-    match text.parse() {
-        Ok(number) => Some(number),
-        Err(_) if text.contains(',') => text.replace(',', ".").parse().ok(),
-        Err(_) => None,
     }
 }
 
@@ -186,20 +170,24 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
     let own = (&nodata[..], (1.0, 0.0));
     let too_wide = || damaged("key ncols".to_owned(), "a row is too long".to_owned());
     let mut grid = Grid::fed(&file, size, input.options, feed, own, 1, too_wide)?;
+    grid.wide(&nodata, (1.0, 0.0));
     let mut word = first;
+    let mut line = Vec::new();
     for row in 0..rows as usize {
+        line.clear();
         for column in 0..columns as usize {
-            let sample = number::<f64>(&word).ok_or_else(|| {
+            let sample = number(&word).ok_or_else(|| {
                 let reason = match word.len() {
                     0 => "the file ends before it".to_owned(),
                     _ => format!("{:?} is not a number", word.escape_ascii().to_string()),
                 };
                 damaged(format!("column {column}, row {row}"), reason)
             })?;
-            grid.put(row, column, 1, std::iter::once(sample as f32));
+            line.push(sample);
             word.clear();
             word.extend_from_slice(words.next().map_err(failed)?);
         }
+        grid.put_wide(row, 0, line.iter().copied());
     }
     if !word.is_empty() {
         return Err(damaged(
@@ -216,7 +204,7 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
 
 impl Header {
     fn set(&mut self, key: &str, value: &[u8]) -> Option<()> {
-        let real = || number::<f64>(value).filter(|n| n.is_finite());
+        let real = || number(value).filter(|n| n.is_finite());
         // Some write `10.0` rows.
         let count = || {
             let n = real()?;
@@ -318,27 +306,26 @@ impl Header {
 
 /// The coordinate system of a `.prj`: well-known text, or ESRI's old keys and values.
 fn by_prj(text: &str) -> Option<Crs> {
-    let text = text.trim_start_matches('\u{feff}').trim();
+    // Spaces may stand about brackets and commas.
+    let text = text
+        .trim_start_matches('\u{feff}')
+        .trim()
+        .replace(" [", "[");
+    let text = text.as_str();
     let upper = text.to_ascii_uppercase();
     let quoted = |text: &str| text.split('"').nth(1).unwrap_or_default().to_owned();
-    if upper.starts_with("GEOGCS") || upper.starts_with("GEOGCRS") {
-        return Some(Crs::Degrees {
-            epsg: None,
-            name: quoted(text),
-        });
-    }
-    if upper.starts_with("PROJCS") || upper.starts_with("PROJCRS") {
+    // A compound system holds the plane, or the globe, before the heights.
+    let part = |words: &[&str]| {
+        let at = words.iter().filter_map(|word| upper.find(word)).min()?;
+        Some(at..at + bracketed(&upper[at..])?)
+    };
+    if let Some(plane) = part(&["PROJCS[", "PROJCRS["]) {
+        let (upper, text) = (&upper[plane.clone()], &text[plane]);
         // The last unit is that of the plane: those before it are of the angles.
         let last = upper.rfind("UNIT[")?;
-        let unit: f64 = text[last..]
-            .split(',')
-            .nth(1)?
-            .trim_end_matches(|c: char| !c.is_ascii_digit() && c != '.')
-            .split(']')
-            .next()?
-            .trim()
-            .parse()
-            .ok()?;
+        let number = upper[last..].split(',').nth(1)?;
+        let number = number.split(']').next()?.trim();
+        let unit: f64 = number.parse().ok()?;
         let name = quoted(text);
         let mercator = upper.contains("MERCATOR_AUXILIARY_SPHERE") || upper.contains("PSEUDO");
         return (unit > 0.0 && unit.is_finite()).then_some(Crs::Projected {
@@ -346,6 +333,12 @@ fn by_prj(text: &str) -> Option<Crs> {
             name,
             unit,
             mercator,
+        });
+    }
+    if let Some(globe) = part(&["GEOGCS[", "GEOGCRS[", "GEODCRS["]) {
+        return Some(Crs::Degrees {
+            epsg: None,
+            name: quoted(&text[globe]),
         });
     }
     // PROJECTION GEOGRAPHIC, UNITS DD
@@ -357,6 +350,10 @@ fn by_prj(text: &str) -> Option<Crs> {
     };
     let name = value("PROJECTION")?;
     if name == "GEOGRAPHIC" {
+        // Seconds and minutes (DS, DM) are other lengths.
+        if value("UNITS").is_some_and(|units| units != "DD") {
+            return None;
+        }
         return Some(Crs::Degrees {
             epsg: None,
             name: String::new(),
@@ -374,4 +371,23 @@ fn by_prj(text: &str) -> Option<Crs> {
         unit,
         mercator: false,
     })
+}
+
+/// Bytes to the bracket that closes the first one, itself too; brackets in quotes do not count.
+fn bracketed(text: &str) -> Option<usize> {
+    let (mut depth, mut quoted) = (0_usize, false);
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            b'"' => quoted = !quoted,
+            b'[' if !quoted => depth += 1,
+            b']' if !quoted => {
+                depth = depth.checked_sub(1)?;
+                if depth == 0 {
+                    return Some(at + 1);
+                }
+            }
+            _ => {}
+        }
+    }
+    None
 }

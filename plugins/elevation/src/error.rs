@@ -178,6 +178,18 @@ pub enum ElevationError {
         /// How many there are.
         count: u64,
     },
+    /// A word for no data that is no number.
+    #[error(
+        "{file}: tag GDAL_NODATA: {text:?} is not a number; say what stands for no data: `{again} --nodata -9999`, or that nothing does: `{again} --nodata none`"
+    )]
+    NoDataText {
+        /// The file.
+        file: String,
+        /// The command that read it, as it can be typed.
+        again: String,
+        /// What stands there.
+        text: String,
+    },
     /// A way of packing that is not read.
     #[error("{file}: {what} is not read; convert it: `{convert}`")]
     Unsupported {

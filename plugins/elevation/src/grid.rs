@@ -48,6 +48,15 @@ pub(crate) struct Grid<'a> {
     /// The last row of which progress was told.
     told: usize,
     band: Option<Band<'a>>,
+    wide: Option<Wide>,
+}
+
+/// What becomes of numbers that f32 does not hold: before they are rounded it is looked whether they stand for no data, and the
+/// file's own scale counts.
+struct Wide {
+    nodata: Vec<f64>,
+    scale: (f64, f64),
+    looks: Looks,
 }
 
 /// What is known of the samples once all are there.
@@ -179,6 +188,7 @@ impl<'a> Grid<'a> {
             progress: ElevationProgress::default(),
             told: 0,
             band: None,
+            wide: None,
         })
     }
 
@@ -276,6 +286,50 @@ impl<'a> Grid<'a> {
         }
     }
 
+    /// From now on numbers come by [`Self::put_wide`]. `nodata` and `scale` are the file's own.
+    pub fn wide(&mut self, nodata: &[f64], scale: (f64, f64)) {
+        self.wide = Some(Wide {
+            nodata: named(self.options, nodata),
+            scale,
+            looks: Looks::default(),
+        });
+        if let Some(band) = &mut self.band {
+            (band.marks, band.scale) = (Marks::new(&[]), (1.0, 0.0));
+        }
+    }
+
+    /// Numbers of the file's row `row` from column `column` on.
+    pub fn put_row(&mut self, row: usize, column: usize, values: impl Iterator<Item = f32>) {
+        self.put(row, column, 1, values);
+    }
+
+    /// The same of numbers that f32 does not hold, after [`Self::wide`].
+    pub fn put_wide(&mut self, row: usize, column: usize, values: impl Iterator<Item = f64>) {
+        let is_kept = self.row(row).is_some();
+        let (every, columns) = (self.every(), self.size[0]);
+        // The first column from here on that is kept.
+        let first = column.next_multiple_of(every);
+        let values = values.take(columns.saturating_sub(column));
+        let values = values.skip(first - column).step_by(every);
+        let Some(wide) = self.wide.as_mut().filter(|_| is_kept) else {
+            return self.put(row, first, every, std::iter::empty());
+        };
+        let (scale, offset) = wide.scale;
+        let mut numbers = Vec::new();
+        let mut samples = Vec::new();
+        for value in values {
+            let is_nodata = wide.nodata.iter().any(|&nodata| is_nodata(value, nodata));
+            let number = if is_nodata { f32::NAN } else { value as f32 };
+            numbers.push(number);
+            samples.push(match number.is_nan() || wide.scale == (1.0, 0.0) {
+                true => number,
+                false => (value * scale + offset) as f32,
+            });
+        }
+        wide.looks.part([first, row], every, &numbers);
+        self.put(row, first, every, samples.into_iter());
+    }
+
     /// Columns that are kept, and all samples, for a reader that fills them itself.
     pub fn parts(&mut self) -> (usize, &mut [f32]) {
         (self.kept[0], &mut self.samples)
@@ -307,9 +361,13 @@ impl<'a> Grid<'a> {
             if let Some(error) = band.failed {
                 return Err(error);
             }
-            band.looks
-                .check(gaps || band.marks.any(), self.file, self.options)?;
-            let scaled = |number: f32| (f64::from(number) * scale + offset) as f32;
+            let looks = self.wide.as_ref().map_or(&band.looks, |wide| &wide.looks);
+            looks.check(gaps || !nodata.is_empty(), self.file, self.options)?;
+            let is_scaled = self.wide.is_some();
+            let scaled = |number: f32| match is_scaled {
+                true => number,
+                false => (f64::from(number) * scale + offset) as f32,
+            };
             return Ok(Settled {
                 size: self.kept.map(|n| n as u32),
                 samples: Vec::new(),
@@ -321,7 +379,8 @@ impl<'a> Grid<'a> {
                 nodata: nodata.into_iter().map(Text64).collect(),
             });
         }
-        let marks = Marks::new(&nodata);
+        let is_scaled = self.wide.is_some();
+        let marks = Marks::new(if is_scaled { &[] } else { &nodata });
         let parts = in_parts(&mut self.samples, |part| {
             marks.mark(part);
             Extremes::of(part)
@@ -331,9 +390,15 @@ impl<'a> Grid<'a> {
             found.join(part);
         }
         let holes = found.nan;
-        self.check(gaps || marks.any(), &found)?;
+        match &self.wide {
+            Some(wide) => {
+                let marked = gaps || !nodata.is_empty();
+                wide.looks.check(marked, self.file, self.options)?;
+            }
+            None => self.check(gaps || marks.any(), &found)?,
+        }
         let mut range = (found.low <= found.high).then_some([found.low, found.high]);
-        if (scale, offset) != (1.0, 0.0) {
+        if (scale, offset) != (1.0, 0.0) && !is_scaled {
             let scaled = |number: f32| (f64::from(number) * scale + offset) as f32;
             in_parts(&mut self.samples, |part| {
                 for sample in part {
@@ -446,13 +511,29 @@ pub(crate) fn named(options: &Options, file_nodata: &[f64]) -> Vec<f64> {
     nodata
 }
 
+/// The largest floats, as text that was cut off names them: -3.40282e+38.
+const LARGEST: f64 = 3.4e38;
+
+/// Whether a number stands for no data where `nodata` does. Either infinity stands for both, and a number beyond all heights for all beyond:
+/// digits of the largest float get lost on the way through text.
+fn is_nodata(value: f64, nodata: f64) -> bool {
+    if nodata.is_infinite() {
+        return (value as f32).is_infinite();
+    }
+    if nodata.abs() >= LARGEST {
+        return value.abs() >= LARGEST && value.is_sign_negative() == nodata.is_sign_negative();
+    }
+    // A fraction may have been a float before it was written with more digits.
+    value == nodata || nodata.fract() != 0.0 && value as f32 == nodata as f32
+}
+
 /// The numbers that stand for no data, as they compare with samples.
 #[derive(Clone, Debug)]
-pub(crate) struct Marks(Vec<f32>);
+pub(crate) struct Marks(Vec<f64>);
 
 impl Marks {
     pub fn new(nodata: &[f64]) -> Self {
-        Self(nodata.iter().map(|&n| n as f32).collect())
+        Self(nodata.to_vec())
     }
 
     pub fn any(&self) -> bool {
@@ -462,6 +543,15 @@ impl Marks {
     /// Makes them NaN.
     pub fn mark(&self, samples: &mut [f32]) {
         for &nodata in self.0.iter().filter(|n| !n.is_nan()) {
+            if nodata.abs() >= LARGEST {
+                for sample in samples.iter_mut() {
+                    let is_one = is_nodata((*sample).into(), nodata);
+                    *sample = if is_one { f32::NAN } else { *sample };
+                }
+                continue;
+            }
+            // A float that was written as text is that float again.
+            let nodata = nodata as f32;
             for sample in samples.iter_mut() {
                 *sample = if *sample == nodata { f32::NAN } else { *sample };
             }

@@ -10,8 +10,8 @@
 //! | raw | u8, u16, i16, u32, f32, both byte orders, header, row padding, rows from south to north |
 //! | `.hgt` | 1 and 3 arc seconds; −32768 is no data |
 //! | ESRI ASCII | corner or centre, keys in any order and case, `dx` and `dy`, rows that wrap |
-//! | PNG | 1 to 16 bits, interlaced; tRNS is no data; one channel of a coloured one |
-//! | TIFF, GeoTIFF, BigTIFF | strips and tiles, LZW and deflate, predictors 2 and 3, 8 to 64 bits; absent tiles are no data |
+//! | PNG | 1 to 16 bits, interlaced; tRNS and alpha 0 are no data; one channel of a coloured one |
+//! | TIFF, GeoTIFF, BigTIFF | strips and tiles, LZW, deflate, PackBits, ZSTD, predictors 2 and 3, 1 to 64 bits; absent tiles, masks and alpha tell of no data |
 //!
 //! ```
 //! use dolomite_elevation::{Elevation, NumberType, Options, Raw};
@@ -51,7 +51,7 @@ mod tiff;
 mod tiled;
 mod write;
 
-pub use about::{About, FileKind, NumberType};
+pub use about::{About, FileKind, Head, NumberType};
 pub use error::ElevationError;
 pub use geodesy::metres_per_degree;
 pub use georeference::{Crs, Georeference, Registration};

@@ -42,6 +42,11 @@ impl Looks {
 
     /// Looks at a whole row.
     pub fn row(&mut self, row: usize, samples: &[f32]) {
+        self.part([0, row], 1, samples);
+    }
+
+    /// Looks at a part of a row, from a column on, of samples so many columns apart.
+    pub fn part(&mut self, [column, row]: [usize; 2], step: usize, samples: &[f32]) {
         let found = Extremes::of(samples);
         let plain = found.nan == 0 && !is_apart(found.low) && !is_apart(found.high);
         // What is customary lies between others as well, where it does no harm: it is looked for at the ends alone.
@@ -49,10 +54,10 @@ impl Looks {
             self.others.join(found);
             return;
         }
-        for (column, &sample) in samples.iter().enumerate() {
-            let at = [column as u32, row as u32];
+        for (k, &sample) in samples.iter().enumerate() {
+            let at = [(column + k * step) as u32, row as u32];
             if sample.is_nan() {
-                if self.nan == 0 {
+                if self.nan == 0 || is_before(at, self.first_nan) {
                     self.first_nan = at;
                 }
                 self.nan += 1;
@@ -68,6 +73,9 @@ impl Looks {
     fn note(&mut self, value: f32, first: [u32; 2]) {
         if let Some(seen) = self.apart.iter_mut().find(|seen| seen.value == value) {
             seen.count += 1;
+            if is_before(first, seen.first) {
+                seen.first = first;
+            }
         } else if self.apart.len() < Self::MOST {
             let count = 1;
             self.apart.push(Seen {
@@ -138,6 +146,11 @@ impl Looks {
         }
         Ok(())
     }
+}
+
+/// Whether a place comes before another one, row by row: tiles do not.
+fn is_before([column, row]: [u32; 2], other: [u32; 2]) -> bool {
+    [row, column] < [other[1], other[0]]
 }
 
 fn is_apart(sample: f32) -> bool {

@@ -1,13 +1,13 @@
 //! PNG: grey or one channel of a coloured one, 1 to 16 bits, row by row also where it is interlaced.
 //!
 //! Chunks on colour (gAMA, sRGB, cHRM, iCCP, sBIT) change no number. tRNS of a grey picture names the number that is no
-//! data, as GDAL writes it; so does an alpha of 0.
+//! data, as GDAL writes it; that of a coloured one names a colour, that of a palette an alpha of each entry. An alpha of 0 is no data.
 
 use crate::about::{FileKind, NumberType};
 use crate::error::ElevationError;
 use crate::grid::{Grid, check_size};
 use crate::input::Input;
-use crate::options::Options;
+use crate::options::{NoData, Options};
 use crate::samples::Elevation;
 use png::{ColorType, Decoder, DecodingError, Limits, Transformations};
 use std::io::BufReader;
@@ -26,10 +26,21 @@ struct Channels {
     /// Whether the last one tells where there is data.
     alpha: bool,
     palette: Option<Vec<u8>>,
+    /// The colour that stands for no data.
+    colour: Option<[u16; 3]>,
+    /// Alphas of the first entries of a palette.
+    alphas: Vec<u8>,
 }
 
-/// Columns and rows, which its header tells.
-pub(crate) fn size(input: &mut Input<'_>) -> Result<[u32; 2], ElevationError> {
+fn number_of(bits: usize) -> NumberType {
+    match bits {
+        16 => NumberType::U16,
+        _ => NumberType::U8,
+    }
+}
+
+/// Columns and rows, and the kind of its numbers, which its header tells.
+pub(crate) fn head(input: &mut Input<'_>) -> Result<([u32; 2], NumberType), ElevationError> {
     let limits = Limits { bytes: 64 << 20 };
     let from = BufReader::with_capacity(1 << 12, &mut *input.source);
     let mut decoder = Decoder::new_with_limits(from, limits);
@@ -42,7 +53,8 @@ pub(crate) fn size(input: &mut Input<'_>) -> Result<[u32; 2], ElevationError> {
         place: "its header".to_owned(),
         reason: error.to_string(),
     })?;
-    Ok([info.width, info.height])
+    let number = number_of(info.bit_depth as usize);
+    Ok(([info.width, info.height], number))
 }
 
 pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
@@ -130,11 +142,7 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
     }
     drop(reader);
     let settled = grid.settle_with_gaps(&nodata, (1.0, 0.0), true)?;
-    let number = if bits == 16 {
-        NumberType::U16
-    } else {
-        NumberType::U8
-    };
+    let number = number_of(bits);
     let mut map = Elevation::new(file, settled, (FileKind::Png, size, number));
     map.about.bands = channels.count as u32;
     map.about.packing = format!("{bits}-bit {}", name(channels.color));
@@ -223,12 +231,27 @@ impl Channels {
                 });
             }
         };
+        // Who says that every number is a height means it.
+        let gaps = options.nodata != NoData::None;
+        let trns = info.trns.as_deref().filter(|_| gaps);
+        // The decoder leaves the high bytes of 8 bits away.
+        let colour = match (color, trns.unwrap_or_default()) {
+            (ColorType::Rgb, &[r, s, g, h, b, c]) => {
+                Some([[r, s], [g, h], [b, c]].map(u16::from_be_bytes))
+            }
+            (ColorType::Rgb, &[red, green, blue]) => Some([red, green, blue].map(u16::from)),
+            _ => None,
+        };
+        let is_palette = color == ColorType::Indexed;
+        let alphas = trns.filter(|_| is_palette).unwrap_or_default().to_vec();
         Ok(Self {
             color,
             count: color.samples(),
             band: band as usize - 1,
             bits,
-            alpha: matches!(color, ColorType::GrayscaleAlpha | ColorType::Rgba),
+            alpha: gaps && matches!(color, ColorType::GrayscaleAlpha | ColorType::Rgba),
+            colour,
+            alphas,
             palette: match color {
                 ColorType::Indexed => info.palette.as_deref().map(<[u8]>::to_vec),
                 _ => None,
@@ -264,7 +287,13 @@ impl Channels {
         };
         let value = |pixel: usize| {
             let first = pixel * self.count;
-            if self.alpha && at(first + self.count - 1) == 0 {
+            let is_clear = || self.alphas.get(usize::from(at(first))) == Some(&0);
+            if self.alpha && at(first + self.count - 1) == 0
+                || self
+                    .colour
+                    .is_some_and(|c| c == [0, 1, 2].map(|k| at(first + k)))
+                || !self.alphas.is_empty() && is_clear()
+            {
                 return f32::NAN;
             }
             match &self.palette {

@@ -2,7 +2,7 @@
 
 use crate::about::{FileKind, NumberType};
 use crate::error::ElevationError;
-use crate::grid::{Grid, check_size, threads};
+use crate::grid::{Grid, check_size, named, threads};
 use crate::input::{Input, Source, ending};
 use crate::options::{ByteOrder, Options, Raw};
 use crate::progress::ElevationProgress;
@@ -40,7 +40,10 @@ pub(crate) fn read_with(
     let (number, size) = told(input.file, input.bytes, raw)?;
     let plan = Plan::new(input.file, input.bytes, input.options, raw, number, size)?;
     let feed = std::mem::take(&mut input.feed);
-    let grid = if feed.sink.is_some() {
+    // f32 does not hold them all: one by one, before they are rounded.
+    let told = named(input.options, nodata);
+    let wide = number == NumberType::U32 && told.iter().any(|&n| n > f64::from(1 << 24));
+    let grid = if feed.sink.is_some() || wide {
         let convert = || ElevationError::Memory {
             file: input.file.to_owned(),
             again: input.options.command(input.file),
@@ -48,7 +51,10 @@ pub(crate) fn read_with(
         };
         let own = (nodata, (1.0, 0.0));
         let mut grid = Grid::fed(input.file, size, input.options, feed, own, 1, convert)?;
-        plan.feed(&mut *input.source, &mut grid)
+        if wide {
+            grid.wide(nodata, (1.0, 0.0));
+        }
+        plan.feed(&mut *input.source, &mut grid, wide)
             .map_err(|error| crate::input::read_error(input.file, &error))?;
         grid
     } else {
@@ -158,8 +164,13 @@ impl Plan {
         self.convert.fill(bytes, to);
     }
 
-    /// Hands on all rows, from the north.
-    fn feed(&self, source: &mut dyn Source, grid: &mut Grid<'_>) -> std::io::Result<()> {
+    /// Hands on all rows, from the north. `wide`: u32 that are not to be rounded yet.
+    fn feed(
+        &self,
+        source: &mut dyn Source,
+        grid: &mut Grid<'_>,
+        wide: bool,
+    ) -> std::io::Result<()> {
         let columns = self.size[0] as usize;
         let mut bytes = vec![0; columns * self.sample_bytes() as usize];
         let mut line = vec![0.0; columns];
@@ -171,6 +182,15 @@ impl Plan {
             }
             source.read_exact(&mut bytes)?;
             place = at + bytes.len() as u64;
+            if wide {
+                let (quads, _) = bytes.as_chunks::<4>();
+                let number = |b: &[u8; 4]| match self.convert.big {
+                    true => f64::from(u32::from_be_bytes(*b)),
+                    false => f64::from(u32::from_le_bytes(*b)),
+                };
+                grid.put_wide(row as usize, 0, quads.iter().map(number));
+                continue;
+            }
             self.numbers(&bytes, &mut line);
             grid.put(row as usize, 0, 1, line.iter().copied());
         }

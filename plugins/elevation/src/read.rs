@@ -1,5 +1,6 @@
 //! From a file to samples: which kind it is, and who reads it.
 
+use crate::about::{FileKind, Head, NumberType};
 use crate::error::ElevationError;
 use crate::grid::{Feed, MOST_SAMPLES};
 use crate::input::{Input, Source, ending, read_error};
@@ -87,18 +88,39 @@ impl Elevation {
     /// # Errors
     /// As [`Self::read`], as far as the head tells.
     pub fn size(path: &Path, options: &Options) -> Result<[u32; 2], ElevationError> {
+        Self::head(path, options).map(|head| head.size)
+    }
+
+    /// What the head of a file tells, without its samples.
+    ///
+    /// # Errors
+    /// As [`Self::read`], as far as the head tells.
+    pub fn head(path: &Path, options: &Options) -> Result<Head, ElevationError> {
         let any = Options {
             max_samples: MOST_SAMPLES,
             ..*options
         };
         with_input(path, &any, Feed::default(), |mut input| {
-            match found(&mut input)? {
-                Found::Raw(told) => raw::told(input.file, input.bytes, &told).map(|(_, size)| size),
-                Found::Png => picture::size(&mut input),
-                Found::Tiff => tiff::size(&mut input),
-                Found::Ascii => ascii::size(&mut input),
-                Found::Hgt => hgt::size(&input),
-            }
+            let kind = found(&mut input)?;
+            Ok(match &kind {
+                Found::Raw(told) => {
+                    let (number, size) = raw::told(input.file, input.bytes, told)?;
+                    Head::new(FileKind::Raw, size, number, None)
+                }
+                Found::Png => {
+                    let (size, number) = picture::head(&mut input)?;
+                    Head::new(FileKind::Png, size, number, None)
+                }
+                Found::Tiff => tiff::head(&mut input)?,
+                Found::Ascii => {
+                    let size = ascii::size(&mut input)?;
+                    Head::new(FileKind::Ascii, size, NumberType::Text, None)
+                }
+                Found::Hgt => {
+                    let size = hgt::size(&input)?;
+                    Head::new(FileKind::Hgt, size, NumberType::I16, Some(1.0))
+                }
+            })
         })
     }
 

@@ -94,7 +94,13 @@ pub(crate) fn read_tiles(
         .filter_map(Terrain::streamed)
         .cloned()
         .collect();
-    let streams: Vec<Arc<Stream>> = maps.iter().filter_map(HeightMap::shared_stream).collect();
+    // Terrains may share a map: it is read once.
+    let mut streams: Vec<Arc<Stream>> = Vec::new();
+    for stream in maps.iter().filter_map(HeightMap::shared_stream) {
+        if !streams.iter().any(|known| Arc::ptr_eq(known, &stream)) {
+            streams.push(stream);
+        }
+    }
     let is_used = |map: &Arc<Stream>| streams.iter().any(|used| Arc::ptr_eq(used, map));
     // A task that is dropped is not read to its end.
     reads.running.retain(|read| is_used(&read.map));

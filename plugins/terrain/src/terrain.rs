@@ -8,6 +8,7 @@ use crate::noise::{Fractal, NoiseError, PermutationNoise, PreparedFractal, Prepa
 use bevy::ecs::component::Component;
 use bevy::math::DVec2;
 use bevy::reflect::Reflect;
+use dolomite_elevation::ElevationError;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use thiserror::Error;
@@ -224,6 +225,14 @@ impl Terrain {
             Prepared::Map(map) if map.stream().is_some() => Some(map),
             _ => None,
         })
+    }
+
+    /// Reads what lies under (x, z), metres, of its map that is read by tiles, if there is one: see [`HeightMap::read_about`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn read_about(&self, xz: DVec2) -> Result<(), ElevationError> {
+        self.streamed().map_or(Ok(()), |map| map.read_about(xz))
     }
 
     /// What the terrain was made from.

@@ -15,7 +15,7 @@ use bytemuck::pod_collect_to_vec;
 use dolomite_ground::blocks::layout::{Beginning, PASSES, Second};
 use dolomite_ground::detail::layout::{DetailParams, without};
 use dolomite_ground::detail::{DetailCells, DetailLattice};
-use dolomite_terrain::Terrain;
+use dolomite_terrain::{HeightMap, Stream, Terrain};
 use std::borrow::Cow;
 use std::time::Duration;
 use wgpu::{Buffer, ComputePipeline};
@@ -63,6 +63,8 @@ pub struct BlockStage<'a> {
     lattice: DetailLattice,
     slots: u32,
     stamp: u32,
+    /// Until when the map has told what was read of it.
+    told: u64,
     /// Whether passes are timed.
     pub timed: bool,
 }
@@ -111,8 +113,11 @@ impl<'a> BlockStage<'a> {
         });
         let passes = pipelines.collect::<Result<_, _>>()?;
         let beginning = Beginning::new(&cells.lattice);
+        let buffers = Buffers::new(gpu, cells.terrain(), &beginning, slots);
+        let stream = cells.terrain().streamed().and_then(HeightMap::stream);
         Ok(Self {
-            buffers: Buffers::new(gpu, cells.terrain(), &beginning, slots),
+            buffers,
+            told: stream.map_or(0, Stream::laid_out),
             gpu,
             passes,
             layouts,

@@ -37,7 +37,8 @@ impl BlockStage<'_> {
         let queue = gpu.queue();
         let stream = self.terrain.streamed().and_then(HeightMap::stream);
         if let (Some(stream), Some(first)) = (stream, self.terrain.streamed_at()) {
-            let news = stream.take_writes();
+            let news = stream.news(self.told);
+            self.told = news.now;
             for write in &news.list {
                 let at = 4 * (first + write.at);
                 queue.write_buffer(&buffers.terrain[1], at, cast_slice(&write.words));

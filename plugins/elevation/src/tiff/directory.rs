@@ -13,8 +13,8 @@ const TYPE_BYTES: [u64; 19] = [1, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 1, 1, 8
 pub(super) struct Found {
     /// Whether it is a BigTIFF.
     pub big: bool,
-    /// Whether a later directory holds a mask of these samples.
-    pub masked: bool,
+    /// Where later directories stand that hold masks, of these samples or of others.
+    pub masks: Vec<u64>,
 }
 
 /// Directories that are looked through for a mask: a map has some overviews.
@@ -63,61 +63,65 @@ pub(super) fn check(input: &mut Input<'_>) -> Result<Found, ElevationError> {
         return Err(failure.damaged(place, format!("{count} tags cannot be in {bytes} bytes")));
     }
     let entries = read(offset.saturating_add(count_bytes), length, place)?;
-    for entry in entries.chunks_exact(entry_bytes as usize) {
+    let inside = |entry: &[u8]| -> Result<(), ElevationError> {
         let (tag, kind) = (number(&entry[..2]), number(&entry[2..4]));
         let room = if big { 8 } else { 4 };
         let (count, value) = entry[4..].split_at(room);
         let count = number(count);
         let size = TYPE_BYTES.get(kind as usize).copied().unwrap_or(1);
         let length = count.checked_mul(size);
-        let inside = length.is_some_and(|length| {
+        let lies = length.is_some_and(|length| {
             length <= room as u64
                 || number(value)
                     .checked_add(length)
                     .is_some_and(|end| end <= bytes)
         });
-        if !inside {
+        if !lies {
             return Err(failure.damaged(
                 format!("tag {tag}"),
                 format!("{count} values of {size} bytes do not lie in the file"),
             ));
         }
-    }
-    // What is wrong in a later directory harms nobody: it is not read.
-    let mut masked = false;
+        Ok(())
+    };
+    let mut each = entries.chunks_exact(entry_bytes as usize);
+    each.try_for_each(inside)?;
+    // Of later directories masks count alone. But which of them holds one is not known of a file that is cut off.
+    let mut masks = Vec::new();
     let mut known = vec![offset];
     let link = if big { 8 } else { 4 };
     let mut end = offset.saturating_add(count_bytes).saturating_add(length);
-    while known.len() < MOST_DIRECTORIES && !masked {
-        let Ok(next) = read(end, link, place).map(|bytes| number(&bytes)) else {
-            break;
-        };
+    while known.len() < MOST_DIRECTORIES {
+        let place = &format!("its directory {}", known.len() + 1);
+        let next = number(&read(end, link, place)?);
         if next == 0 || known.contains(&next) {
             break;
         }
         known.push(next);
-        let Ok(count) = read(next, count_bytes, place).map(|bytes| number(&bytes)) else {
-            break;
-        };
+        let count = number(&read(next, count_bytes, place)?);
         let length = count.saturating_mul(entry_bytes);
         let first = next.saturating_add(count_bytes);
         if length > bytes {
-            break;
+            return Err(failure.damaged(place, format!("{count} tags cannot be in {bytes} bytes")));
         }
-        let Ok(entries) = read(first, length, place) else {
-            break;
-        };
-        masked = entries.chunks_exact(entry_bytes as usize).any(|entry| {
+        let entries = read(first, length, place)?;
+        let mut each = entries.chunks_exact(entry_bytes as usize);
+        let is_mask = each.any(|entry| {
             let value = &entry[entry.len() - link as usize..];
             // A LONG; little-endian ones have their lowest bytes first.
             let value = number(&value[..4]);
             number(&entry[..2]) == PURPOSE && value & MASK != 0 && value & REDUCED == 0
         });
+        if is_mask {
+            let mut each = entries.chunks_exact(entry_bytes as usize);
+            each.try_for_each(inside)?;
+            masks.push(next);
+        }
         end = first.saturating_add(length);
     }
     input
         .source
         .rewind()
         .map_err(|error| input.failed(&error))?;
-    Ok(Found { big, masked })
+    Ok(Found { big, masks })
 }

@@ -1,25 +1,33 @@
 //! What the tags of a TIFF say of its samples, and what of it is refused before any memory is taken for them.
 
-use ::tiff::tags::{ByteOrder, Tag};
+use ::tiff::decoder::IfdDecoder;
+use ::tiff::tags::Tag;
 
-use super::Tiff;
 use super::failure::Failure;
 use crate::about::NumberType;
 use crate::error::ElevationError;
 
 /// Twelve bits of LZW stand for at most some 3 840 bytes, eight of deflate for 1 032.
 const MOST_PACKED: u64 = 4096;
+/// Four bytes of ZSTD for a block of at most 128 KiB.
+const MOST_ZSTD: u64 = 1 << 15;
+/// Bytes of a chunk of any map, however small.
+const LARGEST: u64 = 1 << 27;
 
 /// What the tags say of the samples.
 pub(super) struct Layout {
     pub(super) size: [u32; 2],
     pub(super) number: NumberType,
+    /// Bits a sample, of which a whole number may stand in several bytes or several in one.
+    pub(super) bits: u32,
     pub(super) bands: u32,
+    /// The band, from 0, that tells where there is data: 0 where there is none.
+    pub(super) alpha: Option<u32>,
     pub(super) planar: bool,
-    /// Whether the decoder turns numbers over, as black is the highest.
-    pub(super) inverted: bool,
     pub(super) compression: u16,
     pub(super) predictor: u16,
+    /// Whether the first of packed bits is the lowest of a byte.
+    pub(super) reversed: bool,
     /// Whether bytes are the greatest first.
     pub(super) big: bool,
     pub(super) offsets: Vec<u64>,
@@ -29,46 +37,77 @@ pub(super) struct Layout {
     pub(super) tiled: bool,
 }
 
-/// Reads them, and refuses what is not read.
-pub(super) fn layout(tiff: &mut Tiff<'_>, failure: &Failure<'_>) -> Result<Layout, ElevationError> {
-    let tags = |error| failure.of("its tags", error);
-    let (columns, rows) = tiff.dimensions().map_err(tags)?;
-    let mut tag = |tag: Tag, default: u16| -> Result<u16, ElevationError> {
-        let values = tiff.find_tag_unsigned_vec::<u16>(tag);
-        let values = values.map_err(|error| failure.of(&format!("tag {tag:?}"), error))?;
-        Ok(values.and_then(|v| v.first().copied()).unwrap_or(default))
+/// Reads them, and refuses what is not read. `big`: whether the file's bytes are the greatest first.
+pub(super) fn layout(
+    tags: &mut IfdDecoder<'_>,
+    big: bool,
+    failure: &Failure<'_>,
+) -> Result<Layout, ElevationError> {
+    let list = |tags: &mut IfdDecoder<'_>, tag: Tag| -> Result<Option<Vec<u64>>, ElevationError> {
+        let list = tags.find_tag_unsigned_vec::<u64>(tag);
+        list.map_err(|error| failure.of(&format!("tag {tag:?}"), error))
     };
-    let bits = tag(Tag::BitsPerSample, 1)?;
-    let format = tag(Tag::SampleFormat, 1)?;
-    let compression = tag(Tag::Compression, 1)?;
-    let predictor = tag(Tag::Predictor, 1)?;
-    let bands = u32::from(tag(Tag::SamplesPerPixel, 1)?);
-    let planar = tag(Tag::PlanarConfiguration, 1)? == 2 && bands > 1;
-    let inverted = tag(Tag::PhotometricInterpretation, 1)? == 0;
-    if compression == 5 && (!(1..=3).contains(&predictor) || predictor == 3 && format != 3) {
-        return Err(failure.damaged(
-            "tag Predictor",
-            format!("{predictor} is none of these samples"),
-        ));
-    }
-    let packed = match compression {
-        1 | 5 | 8 | 32_946 | 32_773 => None,
+    let side = |tags: &mut IfdDecoder<'_>, tag: Tag| -> Result<Option<u32>, ElevationError> {
+        let Some(side) = list(tags, tag)?.and_then(|values| values.first().copied()) else {
+            return Ok(None);
+        };
+        let fits = u32::try_from(side).ok().filter(|&side| side > 0);
+        let wrong = || failure.damaged(format!("tag {tag:?}"), format!("it is {side}"));
+        fits.ok_or_else(wrong).map(Some)
+    };
+    let missing = |tag: Tag| failure.damaged(format!("tag {tag:?}"), "it is missing");
+    let columns = side(tags, Tag::ImageWidth)?.ok_or_else(|| missing(Tag::ImageWidth))?;
+    let rows = side(tags, Tag::ImageLength)?.ok_or_else(|| missing(Tag::ImageLength))?;
+    let tiled = list(tags, Tag::TileOffsets)?.is_some();
+    let chunk = if tiled {
+        let wide = side(tags, Tag::TileWidth)?.ok_or_else(|| missing(Tag::TileWidth))?;
+        [
+            wide,
+            side(tags, Tag::TileLength)?.ok_or_else(|| missing(Tag::TileLength))?,
+        ]
+    } else {
+        [
+            columns,
+            side(tags, Tag::RowsPerStrip)?.unwrap_or(rows).min(rows),
+        ]
+    };
+    let names = if tiled {
+        [Tag::TileOffsets, Tag::TileByteCounts]
+    } else {
+        [Tag::StripOffsets, Tag::StripByteCounts]
+    };
+    let offsets = list(tags, names[0])?.ok_or_else(|| missing(names[0]))?;
+    let counts = list(tags, names[1])?.ok_or_else(|| missing(names[1]))?;
+    let first =
+        |tags: &mut IfdDecoder<'_>, tag: Tag, default: u64| -> Result<u64, ElevationError> {
+            Ok(list(tags, tag)?
+                .and_then(|v| v.first().copied())
+                .unwrap_or(default))
+        };
+    let bits = first(tags, Tag::BitsPerSample, 1)?;
+    let format = first(tags, Tag::SampleFormat, 1)?;
+    let compression = first(tags, Tag::Compression, 1)?;
+    let predictor = first(tags, Tag::Predictor, 1)?;
+    let bands = first(tags, Tag::SamplesPerPixel, 1)?;
+    let planar = first(tags, Tag::PlanarConfiguration, 1)? == 2 && bands > 1;
+    let reversed = first(tags, Tag::FillOrder, 1)? == 2;
+    let name = match compression {
+        1 | 5 | 8 | 32_946 | 32_773 | 50_000 => None,
         6 | 7 => Some("JPEG"),
         34_887 => Some("LERC"),
         34_925 => Some("LZMA"),
-        50_000 => Some("ZSTD"),
         50_001 => Some("WebP"),
         50_002 | 52_546 => Some("JPEG XL"),
         _ => Some("of another kind"),
     };
-    if let Some(name) = packed {
+    if let Some(name) = name {
         let what = format!("compression {compression} ({name})");
         return Err(failure.unsupported(what, "-co COMPRESS=DEFLATE"));
     }
     let number = match (format, bits) {
-        (1 | 4, 8) => NumberType::U8,
-        (1 | 4, 16) => NumberType::U16,
-        (1 | 4, 32) => NumberType::U32,
+        (1 | 4, 1..=8) => NumberType::U8,
+        (1 | 4, 9..=16) => NumberType::U16,
+        (1 | 4, 17..=32) => NumberType::U32,
         (1 | 4, 64) => NumberType::U64,
         (2, 8) => NumberType::I8,
         (2, 16) => NumberType::I16,
@@ -82,47 +121,33 @@ pub(super) fn layout(tiff: &mut Tiff<'_>, failure: &Failure<'_>) -> Result<Layou
             return Err(failure.unsupported(what, "-ot Float32 -co COMPRESS=DEFLATE"));
         }
     };
-    // The decoder makes 1 − v of floats then, which is not undone to the bit.
-    if inverted && !matches!(format, 1 | 4) {
-        let what = format!("{number} where black is the highest");
-        return Err(failure.unsupported(what, "-co PHOTOMETRIC=MINISBLACK -co COMPRESS=DEFLATE"));
+    let whole = bits == 8 * number.bytes();
+    if !(1..=3).contains(&predictor) || predictor == 3 && format != 3 || predictor != 1 && !whole {
+        return Err(failure.damaged(
+            "tag Predictor",
+            format!("{predictor} is none of these samples"),
+        ));
     }
-    let tiled = tiff.find_tag(Tag::TileOffsets).map_err(tags)?.is_some();
-    let names = if tiled {
-        [Tag::TileOffsets, Tag::TileByteCounts]
-    } else {
-        [Tag::StripOffsets, Tag::StripByteCounts]
-    };
-    let mut list = |tag: Tag| -> Result<Vec<u64>, ElevationError> {
-        let list = tiff.find_tag_unsigned_vec::<u64>(tag);
-        let list = list.map_err(|error| failure.of(&format!("tag {tag:?}"), error))?;
-        list.ok_or_else(|| failure.damaged(format!("tag {tag:?}"), "it is missing"))
-    };
-    let (offsets, counts) = (list(names[0])?, list(names[1])?);
-    // The decoder's own answer panics where a strip has no rows.
-    let mut side = |tag: Tag, default: u32| -> Result<u32, ElevationError> {
-        let side = tiff.find_tag_unsigned::<u32>(tag);
-        let side = side.map_err(|error| failure.of(&format!("tag {tag:?}"), error))?;
-        match side.unwrap_or(default) {
-            0 => Err(failure.damaged(format!("tag {tag:?}"), "it is 0")),
-            side => Ok(side),
-        }
-    };
-    let chunk = if tiled {
-        [side(Tag::TileWidth, 0)?, side(Tag::TileLength, 0)?]
-    } else {
-        let rows_per_strip = side(Tag::RowsPerStrip, rows.max(1))?;
-        [columns.max(1), rows_per_strip.min(rows.max(1))]
-    };
+    let bands = u32::try_from(bands)
+        .ok()
+        .filter(|&n| (1..=65_535).contains(&n));
+    let bands =
+        bands.ok_or_else(|| failure.damaged("tag SamplesPerPixel", "it is no number of bands"))?;
+    // The last bands are extra ones: 1 and 2 stand for alpha.
+    let extra = list(tags, Tag::ExtraSamples)?.unwrap_or_default();
+    let alpha = extra.iter().position(|kind| matches!(kind, 1 | 2));
+    let alpha = alpha.and_then(|at| (bands as usize + at).checked_sub(extra.len()));
     Ok(Layout {
         size: [columns, rows],
         number,
+        bits: bits as u32,
         bands,
+        alpha: alpha.map(|band| band as u32).filter(|&band| band > 0),
         planar,
-        inverted,
-        compression,
-        predictor,
-        big: tiff.byte_order() == ByteOrder::BigEndian,
+        compression: compression as u16,
+        predictor: predictor as u16,
+        reversed,
+        big,
         offsets,
         counts,
         chunk,
@@ -131,6 +156,25 @@ pub(super) fn layout(tiff: &mut Tiff<'_>, failure: &Failure<'_>) -> Result<Layou
 }
 
 impl Layout {
+    /// Bands that may hold heights: all, or all but that which tells where there is data.
+    pub(super) fn heights(&self) -> u32 {
+        match self.alpha {
+            Some(alpha) if alpha + 1 == self.bands => alpha,
+            _ => self.bands,
+        }
+    }
+
+    /// Bands of a chunk.
+    pub(super) fn together(&self) -> usize {
+        if self.planar { 1 } else { self.bands as usize }
+    }
+
+    /// Bytes of a row of a chunk.
+    pub(super) fn row_bytes(&self) -> u64 {
+        let samples = u64::from(self.chunk[0]) * self.together() as u64;
+        samples.saturating_mul(self.bits.into()).div_ceil(8)
+    }
+
     pub(super) fn grid(&self) -> [u32; 2] {
         [0, 1].map(|k| self.size[k].div_ceil(self.chunk[k]))
     }
@@ -193,11 +237,9 @@ impl Layout {
                 ),
             ));
         }
-        let bands = if self.planar {
-            1
-        } else {
-            u64::from(self.bands)
-        };
+        // A tile may reach over the border of a small map, but not be as many times as large as a packed file allows.
+        let all = self.row_bytes() / u64::from(self.chunk[0]) * u64::from(self.size[0]);
+        let largest = all.saturating_mul(4 * u64::from(self.size[1])).max(LARGEST);
         for chunk in 0..count {
             let (offset, length) = (self.offsets[first + chunk], self.counts[first + chunk]);
             if length == 0 {
@@ -215,12 +257,18 @@ impl Layout {
             } else {
                 self.within(chunk)[1]
             };
-            let unpacked = u64::from(self.chunk[0]) * u64::from(rows) * bands;
-            let unpacked = unpacked.saturating_mul(self.number.bytes());
+            let unpacked = self.row_bytes().saturating_mul(rows.into());
             let most = match self.compression {
                 1 => length,
+                50_000 => length.saturating_mul(MOST_ZSTD),
                 _ => length.saturating_mul(MOST_PACKED),
             };
+            if unpacked > largest {
+                return Err(failure.damaged(
+                    self.name(chunk),
+                    format!("{unpacked} bytes are far more than all of the map's samples"),
+                ));
+            }
             if unpacked > most {
                 return Err(failure.damaged(
                     self.name(chunk),
@@ -236,6 +284,7 @@ impl Layout {
             1 => "not compressed",
             5 => "LZW",
             32_773 => "PackBits",
+            50_000 => "ZSTD",
             _ => "deflate",
         };
         let [columns, rows] = self.chunk;

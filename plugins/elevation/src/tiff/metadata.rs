@@ -6,26 +6,34 @@ use super::failure::Failure;
 use super::text::text;
 use super::{Tiff, geo};
 use crate::error::ElevationError;
+use crate::input::number;
+use crate::options::{NoData, Options};
 
 /// XML with scale, offset and unit.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
-/// The number that GDAL says is no data.
+/// The number that GDAL says is no data, unless a setting says what is.
 pub(super) fn nodata(
     tiff: &mut Tiff<'_>,
+    options: &Options,
     failure: &Failure<'_>,
 ) -> Result<Vec<f64>, ElevationError> {
     let Some(text) = text(tiff, Tag::GdalNodata, failure)? else {
         return Ok(Vec::new());
     };
-    let text = text.trim();
-    if text.is_empty() {
+    // GDAL reads the number that the text begins with.
+    let Some(word) = text.split_whitespace().next() else {
         return Ok(Vec::new());
+    };
+    match number(word.as_bytes()) {
+        Some(number) => Ok(vec![number]),
+        None if options.nodata != NoData::File => Ok(Vec::new()),
+        None => Err(ElevationError::NoDataText {
+            file: failure.file.to_owned(),
+            again: options.command(failure.file),
+            text: text.chars().take(40).collect(),
+        }),
     }
-    let number = text
-        .parse::<f64>()
-        .map_err(|_| failure.damaged("tag GDAL_NODATA", format!("{text:?} is not a number")))?;
-    Ok(vec![number])
 }
 
 /// What GDAL's own XML says of the band.

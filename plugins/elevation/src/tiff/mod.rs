@@ -1,59 +1,69 @@
-//! TIFF, GeoTIFF and BigTIFF: strips and tiles as the `tiff` crate decodes them, chunk by chunk.
+//! TIFF, GeoTIFF and BigTIFF: tags as the `tiff` crate reads them, strips and tiles chunk by chunk.
 //!
-//! A chunk whose byte count is 0 is absent (GDAL's sparse files): no data there. The decoder must never see
-//! it: of uncompressed ones it would make samples of whatever the file begins with. For the same reason a
-//! chunk must lie within the file, and an uncompressed one be as long as its samples.
+//! Chunks are unpacked here, numbers as they are stored: what a picture's colours would mean changes no height.
+//! A chunk whose byte count is 0 is absent (GDAL's sparse files): no data there. The crate (0.11.3) makes samples of
+//! whatever the file begins with there. For the same reason a chunk must lie within the file, and an uncompressed one
+//! be as long as its samples.
 
 mod chunks;
 mod directory;
 mod failure;
 mod geo;
 mod layout;
-mod lzw;
+mod mask;
 mod metadata;
+mod rows;
 mod text;
+mod unpack;
 
-use crate::about::FileKind;
-use crate::error::{ElevationError, typed};
+use crate::about::{FileKind, Head};
+use crate::error::ElevationError;
 use crate::grid::{Grid, check_size};
 use crate::input::{Input, Source};
 use crate::options::NoData;
 use crate::samples::Elevation;
-use ::tiff::decoder::{Decoder, Limits};
+use ::tiff::decoder::Decoder;
+use ::tiff::tags::ByteOrder;
+use chunks::Gaps;
 use failure::Failure;
 use geo::Keys;
 use layout::layout;
+use mask::Mask;
 use metadata::{Metadata, nodata};
 use std::io::BufReader;
 
 type Tiff<'a> = Decoder<BufReader<&'a mut (dyn Source + 'a)>>;
 
-/// Columns and rows, which its directory tells.
-pub(crate) fn size(input: &mut Input<'_>) -> Result<[u32; 2], ElevationError> {
+/// What its first directory tells.
+pub(crate) fn head(input: &mut Input<'_>) -> Result<Head, ElevationError> {
     let failure = Failure { file: input.file };
-    directory::check(input)?;
+    let band = input.options.band.unwrap_or(1).saturating_sub(1);
+    let found = directory::check(input)?;
     let from = BufReader::with_capacity(1 << 16, &mut *input.source as &mut dyn Source);
     let mut tiff = Decoder::new(from).map_err(|error| failure.of("its directory", error))?;
-    let size = tiff.dimensions();
-    let (columns, rows) = size.map_err(|error| failure.of("its tags", error))?;
-    Ok([columns, rows])
+    let is_big_endian = tiff.byte_order() == ByteOrder::BigEndian;
+    let layout = layout(&mut tiff.image_ifd(), is_big_endian, &failure)?;
+    let metadata = Metadata::read(&mut tiff, band, &failure)?;
+    let unit = metadata.unit.or(Keys::read(&mut tiff, &failure)?.vertical);
+    Ok(Head::new(kind(found.big), layout.size, layout.number, unit))
+}
+
+fn kind(big: bool) -> FileKind {
+    match big {
+        true => FileKind::BigTiff,
+        false => FileKind::Tiff,
+    }
 }
 
 pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
     let (file, options, bytes) = (input.file, input.options, input.bytes);
     let feed = std::mem::take(&mut input.feed);
     let failure = Failure { file };
-    let directory::Found { big, masked } = directory::check(input)?;
-    if masked && options.nodata != NoData::None {
-        let mut error = failure.unsupported("a mask of no data beside the samples", "");
-        if let ElevationError::Unsupported { convert, .. } = &mut error {
-            *convert = format!("gdalwarp -dstnodata -9999 {} readable.tif", typed(file));
-        }
-        return Err(error);
-    }
+    let directory::Found { big, masks } = directory::check(input)?;
     let from = BufReader::with_capacity(1 << 16, &mut *input.source as &mut dyn Source);
     let mut tiff = Decoder::new(from).map_err(|error| failure.of("its directory", error))?;
-    let layout = layout(&mut tiff, &failure)?;
+    let is_big_endian = tiff.byte_order() == ByteOrder::BigEndian;
+    let layout = layout(&mut tiff.image_ifd(), is_big_endian, &failure)?;
     check_size(file, layout.size, options)?;
     let band = match options.band {
         Some(band) if (1..=layout.bands).contains(&band) => band - 1,
@@ -64,29 +74,29 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
                 bands: layout.bands,
             });
         }
-        None if layout.bands == 1 => 0,
+        None if layout.heights() == 1 => 0,
         None => {
             return Err(ElevationError::Bands {
                 file: file.to_owned(),
                 again: options.command(file),
                 found: format!("TIFF of {}", layout.number),
-                bands: layout.bands,
+                bands: layout.heights(),
             });
         }
     };
     layout.check(bytes, band, &failure)?;
     let keys = Keys::read(&mut tiff, &failure)?;
     let metadata = Metadata::read(&mut tiff, band, &failure)?;
-    let nodata = nodata(&mut tiff, &failure)?;
-    let chunk_bytes = u64::from(layout.chunk[0]) * u64::from(layout.chunk[1]);
-    let chunk_bytes = chunk_bytes.saturating_mul(8 * u64::from(layout.bands));
-    let limit = usize::try_from(chunk_bytes)
-        .unwrap_or(usize::MAX)
-        .max(1 << 20);
-    let mut limits = Limits::default();
-    limits.decoding_buffer_size = limit;
-    limits.intermediate_buffer_size = limit;
-    let mut tiff = tiff.with_limits(limits);
+    let nodata = nodata(&mut tiff, options, &failure)?;
+    // Who says that every number is a height means it; who asks for the band that tells where there is data gets it.
+    let gaps = options.nodata != NoData::None;
+    let alpha = layout.alpha.filter(|&alpha| gaps && alpha != band);
+    if let Some(alpha) = alpha {
+        layout.check(bytes, alpha, &failure)?;
+    }
+    let masks = if gaps { &masks[..] } else { &[] };
+    let mask = Mask::find(&mut tiff, masks, (&layout, bytes), &failure)?;
+    let has_gaps = alpha.is_some() || mask.is_some();
     let scale = (metadata.scale, metadata.offset);
     let too_tall = || {
         let [_, rows] = layout.chunk;
@@ -103,20 +113,28 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
         complete,
         too_tall,
     )?;
-    let absent = layout.samples(&mut tiff, band, &mut grid, &failure)?;
-    drop(tiff);
-    let settled = grid.settle_with_gaps(&nodata, scale, absent > 0)?;
-    let kind = if big {
-        FileKind::BigTiff
-    } else {
-        FileKind::Tiff
+    if layout.number.is_wide() {
+        grid.wide(&nodata, scale);
+    }
+    let is_masked = mask.is_some();
+    let gaps = Gaps {
+        alpha: alpha.is_some(),
+        mask,
     };
-    let mut map = Elevation::new(file, settled, (kind, layout.size, layout.number));
+    let absent = layout.samples(&mut tiff, band, gaps, &mut grid, &failure)?;
+    drop(tiff);
+    let settled = grid.settle_with_gaps(&nodata, scale, absent > 0 || has_gaps)?;
+    let mut map = Elevation::new(file, settled, (kind(big), layout.size, layout.number));
     let about = &mut map.about;
     about.bands = layout.bands;
     about.packing = layout.packing(absent);
     (about.scale, about.offset) = (metadata.scale, metadata.offset);
     about.unit_metres = metadata.unit.or(keys.vertical);
+    if is_masked {
+        about
+            .notes
+            .push("a mask tells where there is no data".to_owned());
+    }
     if absent > 0 {
         let one = if layout.tiled { "tiles" } else { "strips" };
         about
@@ -131,7 +149,7 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Elevation, ElevationError, NoData, Options};
+    use crate::{Elevation, NoData, Options};
     use ::tiff::encoder::{TiffEncoder, colortype};
     use ::tiff::tags::Tag;
     use std::io::Cursor;
@@ -157,31 +175,26 @@ mod tests {
     }
 
     #[test]
-    fn a_mask_is_not_read_and_not_passed_over() {
+    fn a_mask_tells_where_there_is_no_data() {
         let options = Options::default();
         for purpose in [0, 1, 2, 5] {
             let map = Elevation::decode("a.tif", &with_second(purpose), &options);
             assert_eq!(
-                map.expect("an overview or a page").samples[..3],
-                [1.0, 2.0, 3.0]
+                map.expect("an overview or a page").samples,
+                [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
             );
         }
         let masked = with_second(4);
-        let error = Elevation::decode("a.tif", &masked, &options).expect_err("a mask");
-        assert!(
-            matches!(error, ElevationError::Unsupported { .. }),
-            "{error}"
-        );
-        assert!(
-            error.to_string().contains("`gdalwarp -dstnodata"),
-            "{error}"
-        );
+        let map = Elevation::decode("a.tif", &masked, &options).expect("a mask");
+        assert!(map.samples[1].is_nan() && map.about.holes == 1);
+        assert_eq!(map.samples[2..], [3.0, 4.0, 5.0, 6.0]);
         // Who says that every number is a height means it.
         let all = Options {
             nodata: NoData::None,
             ..options
         };
-        assert!(Elevation::decode("a.tif", &masked, &all).is_ok());
+        let map = Elevation::decode("a.tif", &masked, &all).expect("heights");
+        assert_eq!(map.samples[1], 2.0);
         for length in 0..masked.len() {
             let _ = Elevation::decode("a.tif", &masked[..length], &options);
         }

@@ -13,7 +13,7 @@ use super::derive::TILE;
 /// Bytes of the head.
 pub(super) const HEAD: usize = 64;
 /// What a file of tiles begins with; the last letter is its version.
-pub(super) const MARK: [u8; 8] = *b"DOLOTIL1";
+pub(super) const MARK: [u8; 8] = *b"DOLOTIL2";
 /// The finest level that is stored with slopes and deviations: those between it and level 0 are made from the latter, which
 /// takes a tile's reader some milliseconds and saves sixteen times the bytes.
 pub(super) const STORED: u32 = 3;

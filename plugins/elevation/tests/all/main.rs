@@ -2,6 +2,7 @@
 
 mod damage;
 mod kinds;
+mod made;
 mod places;
 mod tiled;
 mod written;

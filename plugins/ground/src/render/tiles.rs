@@ -12,8 +12,10 @@ use dolomite_terrain::{HeightMap, MapWrite, Readable, Terrain};
 pub(super) struct Tiles {
     /// Word of the data from which on the map stands.
     first: u64,
-    /// Of which layout of the data the writes are.
-    layout: u64,
+    /// Which map's they are ([`Stream::id`](dolomite_terrain::Stream::id)).
+    of: u64,
+    /// Until when the map has told.
+    now: u64,
     /// By where they go. They gather while data are laid out that are yet to be bound, and while nobody looks.
     writes: BTreeMap<u64, Vec<u32>>,
     /// What may be read of each level once all is written.
@@ -27,13 +29,15 @@ impl Tiles {
     /// world, so that what is taken is of the data which that world has laid out last.
     pub fn extract(known: Option<Self>, terrain: &Terrain) -> Option<Self> {
         let stream = terrain.streamed().and_then(HeightMap::stream)?;
-        let mut tiles = known.unwrap_or_default();
-        let news = stream.take_writes();
-        if tiles.layout != news.layout {
-            // The data were laid out anew, with all that was written before.
-            tiles.writes.clear();
-            tiles.layout = news.layout;
-        }
+        let known = known.filter(|known| known.of == stream.id());
+        let mut tiles = known.unwrap_or_else(|| Self {
+            of: stream.id(),
+            now: stream.laid_out(),
+            ..Self::default()
+        });
+        // Data that were laid out anew meanwhile hold some of it already: it is the same.
+        let news = stream.news(tiles.now);
+        tiles.now = news.now;
         tiles.first = terrain.streamed_at()?;
         let news_at = |MapWrite { at, words }| (at, words);
         tiles.writes.extend(news.list.into_iter().map(news_at));

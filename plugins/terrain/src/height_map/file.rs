@@ -235,10 +235,10 @@ impl HeightMapFile {
         options: &Options,
         progress: &ElevationProgress,
     ) -> Result<Option<TiledMap>, HeightMapError> {
-        let Ok(size) = Elevation::size(path, options) else {
+        let Ok(head) = Elevation::head(path, options) else {
             return Ok(None);
         };
-        let [columns, rows] = size.map(u64::from);
+        let [columns, rows] = head.size.map(u64::from);
         // Samples, and a third for what lies between them.
         let bytes = columns.saturating_mul(rows).saturating_mul(16) / 3;
         let is_long = columns.max(rows) > 4 * columns.min(rows);
@@ -249,7 +249,11 @@ impl HeightMapFile {
             smooth: self.filter == Filter::Bicubic,
             hole: match self.holes {
                 Holes::Fill => None,
-                Holes::Sea(level) => Some((level - Holes::DEPTH - self.offset) / self.scale),
+                Holes::Sea(level) => {
+                    // A number of the file, which becomes this height.
+                    let scale = self.scale * head.unit_metres.unwrap_or(1.0) as f32;
+                    Some((level - Holes::DEPTH - self.offset) / scale)
+                }
             },
             ..TileSettings::default()
         };

@@ -11,6 +11,7 @@ mod height_map;
 mod layout;
 mod permutation;
 mod plugin;
+mod shared;
 mod support;
 mod terrain;
 mod tiled;

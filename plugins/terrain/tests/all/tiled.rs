@@ -225,6 +225,7 @@ fn one_map_is_read_by_tiles_and_the_gpu_has_its_place() {
     };
     let terrain = Terrain::new(data.clone()).expect("valid");
     let gpu = terrain.gpu();
+    let since = map.stream().expect("by tiles").laid_out();
     assert_eq!(terrain.streamed_at(), Some(gpu.layers[2].data.into()));
     assert_eq!(
         gpu.layers[2].octaves,
@@ -234,11 +235,11 @@ fn one_map_is_read_by_tiles_and_the_gpu_has_its_place() {
     let mut before = gpu.data.clone();
     settle(&map, DVec2::new(1800.0, 900.0));
     let stream = map.stream().expect("by tiles");
-    let news = stream.take_writes();
+    let news = stream.news(since);
     assert_eq!(news.readable, stream.readable());
-    let writes = news.list;
+    let writes = &news.list;
     let first = gpu.layers[2].data as usize;
-    for write in &writes {
+    for write in writes {
         let at = first + write.at as usize;
         before[at..at + write.words.len()].copy_from_slice(&write.words);
     }
@@ -247,7 +248,9 @@ fn one_map_is_read_by_tiles_and_the_gpu_has_its_place() {
         "{}",
         writes.len()
     );
-    assert!(stream.take_writes().list.is_empty());
+    assert!(stream.news(news.now).list.is_empty());
+    // Another terrain with the same map is told the same.
+    assert_eq!(stream.news(since), news);
     let twice = TerrainData {
         layers: vec![layers[2].clone(), layers[2].clone()],
         ..data

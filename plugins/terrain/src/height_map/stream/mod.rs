@@ -4,8 +4,8 @@
 //! Whoever asks for a height gets it from the finest level that has all samples which the filter takes. Where a place is a sample of
 //! several levels, all of them give the same bits.
 //!
-//! The GPU has the same slots, so that it finds the same levels (`shaders/src/terrain/clip.wgsl`): what is put into memory is also
-//! put into a list of writes, which a renderer takes over in its own time and in order.
+//! The GPU has the same slots, so that it finds the same levels (`shaders/src/terrain/clip.wgsl`): whoever has such data asks what has
+//! been put into memory since they looked last, in their own time. As many may ask as have data of the same map.
 
 mod arrived;
 mod clip;
@@ -19,8 +19,8 @@ use clip::ClipLevel;
 use dolomite_elevation::{
     ElevationError, Extremes, TILE, TILE_COUNT, TileSamples, TiledMap, pack_slope, unpack_slope,
 };
-use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard};
 
 /// Words of a level's head in the data of the GPU: first column and row that may be read, last ones; slots along both axes; where heights
@@ -77,36 +77,53 @@ pub struct Stream {
     /// Lowest and highest sample, metres.
     ends: [f32; 2],
     levels: RwLock<Vec<ClipLevel>>,
-    writes: Mutex<Writes>,
+    changes: Mutex<Changes>,
+    /// No other has it.
+    id: u64,
     arrived: Mutex<Arrived>,
     bytes: u64,
     /// The file cannot be read any more.
     given_up: AtomicBool,
 }
 
-/// What the GPU has not been told yet.
+/// What was put into memory, and when: a number that grows with each change.
 #[derive(Debug, Default)]
-struct Writes {
-    /// By where they go: what nobody takes is written over, so that it never is more than the data.
-    list: BTreeMap<u64, Vec<u32>>,
-    /// Whether anybody takes them.
-    wanted: bool,
-    /// What may be read once all is written.
-    next: Vec<Readable>,
-    /// How often everything was laid out.
-    layout: u64,
+struct Changes {
+    now: u64,
+    /// Level and slot, by when they were filled last.
+    slots: BTreeMap<u64, (u32, u64)>,
+    /// When each was.
+    when: HashMap<(u32, u64), u64>,
+    /// When what may be read changed last, and to what.
+    windows: u64,
+    readable: Vec<Readable>,
+    /// When everything was laid out last.
+    laid_out: u64,
 }
 
-/// What the GPU is told.
+impl Changes {
+    fn fill(&mut self, level: u32, slot: u64) {
+        self.now += 1;
+        if let Some(before) = self.when.insert((level, slot), self.now) {
+            self.slots.remove(&before);
+        }
+        self.slots.insert(self.now, (level, slot));
+    }
+}
+
+/// What has to be written into data of the GPU that were laid out before ([`Stream::news`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapNews {
-    /// How often the data had been laid out before: writes are of the last layout.
-    pub layout: u64,
+    /// Until when this is told: what to ask for next.
+    pub now: u64,
     /// What has to be written before the data are looked at again.
     pub list: Vec<MapWrite>,
     /// What may be read of each level once that is done.
     pub readable: Vec<Readable>,
 }
+
+/// The next map's number.
+static NEXT: AtomicU64 = AtomicU64::new(1);
 
 fn read(levels: &RwLock<Vec<ClipLevel>>) -> RwLockReadGuard<'_, Vec<ClipLevel>> {
     // Whole whenever somebody panics: a window is set after its tiles.
@@ -156,7 +173,8 @@ impl Stream {
             map,
             metres,
             levels: RwLock::new(levels),
-            writes: Mutex::default(),
+            changes: Mutex::default(),
+            id: NEXT.fetch_add(1, Ordering::Relaxed),
             arrived: Mutex::default(),
             given_up: AtomicBool::new(false),
         };
@@ -276,48 +294,29 @@ impl Stream {
         let of = (request.level as usize, clip.tiles);
         lock(&self.arrived).add(of, before, clip.window);
         let slot = clip.slot(request.at) as u64;
-        let mut writes = lock(&self.writes);
-        if writes.wanted {
-            let starts = starts(&levels);
-            let [heights, extra] = starts[request.level as usize];
-            let words = tile.heights.iter().map(|height| height.to_bits()).collect();
-            writes.list.insert(heights + slot, words);
-            if request.level > 0 {
-                let count = levels[request.level as usize].slopes.len() as u64;
-                let deviations = tile.deviations.iter().map(|d| d.to_bits());
-                writes.list.insert(extra + slot, tile.slopes.clone());
-                writes
-                    .list
-                    .insert(extra + count + slot, deviations.collect());
-            }
-        }
-        drop(writes);
+        lock(&self.changes).fill(request.level, slot);
         self.tell_windows(&levels);
         true
     }
 
-    /// What may be read, for the GPU: after the tiles that it is about.
+    /// What may be read, for the GPU.
     fn tell_windows(&self, levels: &[ClipLevel]) {
-        let mut writes = lock(&self.writes);
-        let next: Vec<_> = levels.iter().map(ClipLevel::readable).collect();
-        if writes.next == next {
+        let mut changes = lock(&self.changes);
+        let readable: Vec<_> = levels.iter().map(ClipLevel::readable).collect();
+        if changes.readable == readable {
             return;
         }
-        writes.next = next;
-        if writes.wanted {
-            writes.list.insert(0, head(levels));
-        }
+        changes.now += 1;
+        changes.windows = changes.now;
+        changes.readable = readable;
     }
 
-    /// Appends everything as the GPU has it, from where `tell` goes on. Words of heads, then the levels one after the other.
+    /// Appends everything as the GPU has it, from where [`Self::news`] go on. Words of heads, then the levels one after the other.
     pub(crate) fn lay_out(&self, data: &mut Vec<u32>) {
         let levels = read(&self.levels);
-        let mut writes = lock(&self.writes);
-        writes.list.clear();
-        writes.wanted = true;
-        writes.next = levels.iter().map(ClipLevel::readable).collect();
-        writes.layout += 1;
-        drop(writes);
+        let mut changes = lock(&self.changes);
+        changes.laid_out = changes.now;
+        drop(changes);
         data.extend(head(&levels));
         for clip in levels.iter() {
             data.extend(clip.heights.iter().map(|height| height.to_bits()));
@@ -336,17 +335,53 @@ impl Stream {
         })
     }
 
-    /// What has to be written into the data that were laid out last. One taker gets it.
+    /// A number that no other map which is read by tiles has, as long as the program runs.
     #[must_use]
-    pub fn take_writes(&self) -> MapNews {
-        let mut writes = lock(&self.writes);
+    pub const fn id(&self) -> u64 {
+        self.id
+    }
+
+    /// When [`Terrain::gpu`](crate::Terrain::gpu) laid out everything last: from when on news are to be asked for first.
+    #[must_use]
+    pub fn laid_out(&self) -> u64 {
+        lock(&self.changes).laid_out
+    }
+
+    /// What has to be written into data that were as things stood at `since`, which is the last [`MapNews::now`]. Nothing is forgotten by
+    /// telling it: terrains that share the map ask one after the other. What was changed twice is told once, as it is now.
+    #[must_use]
+    pub fn news(&self, since: u64) -> MapNews {
+        let levels = read(&self.levels);
+        let changes = lock(&self.changes);
+        let starts = starts(&levels);
+        let mut list = Vec::new();
+        if changes.windows > since {
+            list.push(MapWrite {
+                at: 0,
+                words: head(&levels),
+            });
+        }
+        let later = changes.slots.range(since.saturating_add(1)..);
+        for &(level, slot) in later.map(|(_, slot)| slot) {
+            let clip = &levels[level as usize];
+            let [heights, extra] = starts[level as usize];
+            let range = slot as usize..slot as usize + TILE_COUNT;
+            let bits = |numbers: &[f32]| numbers.iter().map(|n| n.to_bits()).collect();
+            let mut write = |at: u64, words: Vec<u32>| {
+                let at = at + slot;
+                list.push(MapWrite { at, words });
+            };
+            write(heights, bits(&clip.heights[range.clone()]));
+            if level > 0 {
+                let count = clip.slopes.len() as u64;
+                write(extra, clip.slopes[range.clone()].to_vec());
+                write(extra + count, bits(&clip.deviations[range]));
+            }
+        }
         MapNews {
-            layout: writes.layout,
-            list: std::mem::take(&mut writes.list)
-                .into_iter()
-                .map(|(at, words)| MapWrite { at, words })
-                .collect(),
-            readable: writes.next.clone(),
+            now: changes.now,
+            list,
+            readable: levels.iter().map(ClipLevel::readable).collect(),
         }
     }
 
@@ -434,6 +469,42 @@ impl HeightMap {
             || vec![GroundRect::new(DVec2::splat(-1e9), DVec2::splat(1e9))],
             |rects| rects.into_iter().map(in_metres).collect(),
         )
+    }
+
+    /// Wants fine samples about (x, z), metres, and reads those under it at once: for a place where somebody is about to
+    /// be put. Waits for the disk; does nothing where they are there already, and of a map that is there as a whole.
+    ///
+    /// # Errors
+    /// [`ElevationError`], as [`Stream::load`].
+    pub fn read_about(&self, xz: DVec2) -> Result<(), ElevationError> {
+        let Some(stream) = self.stream().filter(|_| xz.is_finite()) else {
+            return Ok(());
+        };
+        if self.error_at(xz) == 0.0 {
+            return Ok(());
+        }
+        self.follow(xz);
+        let place = ((xz - self.origin()) / self.spacing()).to_array();
+        let sides = stream.map.size();
+        // Catmull-Rom takes samples from one before the cell to two after it; beyond the map its border goes on.
+        let tiles = [0, 1].map(|k| {
+            let most = f64::from(sides[k] - 1);
+            let tile = |by: f64| ((place[k].floor() + by).clamp(0.0, most) / TILE as f64) as u32;
+            tile(-1.0)..=tile(2.0)
+        });
+        let is_under = |request: &TileRequest| (0..2).all(|k| tiles[k].contains(&request.at[k]));
+        let mut missing = stream.missing(false);
+        missing.retain(|request| request.level == 0);
+        missing.sort_by_key(|request| !is_under(request));
+        for request in missing {
+            // What is there is a rectangle: after a short way others than those under it may lie between.
+            if self.error_at(xz) == 0.0 {
+                break;
+            }
+            let tile = stream.load(request)?;
+            stream.put(request, &tile);
+        }
+        Ok(())
     }
 
     /// Wants fine samples about (x, z), metres. Returns at once; see [`Stream::missing`].
