@@ -17,10 +17,10 @@ use std::time::Duration;
 /// How long it may take to say who it is.
 const GREETS: Duration = Duration::from_secs(30);
 
-/// How long it may take to answer: a million balls in the dev profile stay below.
+/// How long it may take to answer: far longer than a step of many balls, so that only who hangs is given up.
 const ANSWERS: Duration = Duration::from_secs(1800);
 
-/// The longest line that is listened to, bytes: a step of two million balls.
+/// The longest line that is listened to, bytes: a step of a million balls has a quarter of it at most.
 const LINE: u64 = 1 << 28;
 
 /// What it is waited for after it has closed its output.
