@@ -2,6 +2,8 @@
 
 use crate::measured::{Topic, TopicError, commit, today};
 use crate::studies::STUDIES;
+use crate::studies::bodies::messages::ProgramError;
+use crate::studies::bodies::program;
 use crate::studies::sweep::case::{CaseError, run_case};
 use crate::studies::tessellation::captures::{CaptureError, compare};
 use crate::study::{LabError, Options, Part, Report, Study, write_index};
@@ -47,6 +49,10 @@ pub struct Arguments {
     /// contact, and "end" is where it stops
     #[arg(long, value_name = "FILE.json")]
     pub case: Option<PathBuf>,
+    /// Of `bodies` alone: a program that moves balls by avian's `MoveAndSlide`, to be compared as well. It is built by
+    /// `cargo build --release --manifest-path lab/avian/Cargo.toml` as lab/avian/target/release/dolomite_avian
+    #[arg(long, value_name = "PROGRAM")]
+    pub avian: Option<PathBuf>,
     /// Timed runs of each measurement, of which the median counts
     #[arg(long, default_value_t = Options::default().repeats)]
     pub repeats: usize,
@@ -119,6 +125,9 @@ pub enum CliError {
     /// A case of `sweep`.
     #[error(transparent)]
     Case(#[from] CaseError),
+    /// The program that `bodies` compares.
+    #[error(transparent)]
+    Program(#[from] ProgramError),
     /// The data of a table.
     #[error(transparent)]
     Topic(#[from] TopicError),
@@ -132,6 +141,9 @@ const OF_CASES: &str = "tessellation";
 
 /// The study that `--case` goes with.
 const OF_CASE: &str = "sweep";
+
+/// The study that `--avian` goes with.
+const OF_AVIAN: &str = "bodies";
 
 /// The study that takes a folder, and prints a line for each of its files in place of one object.
 const OF_FOLDER: &str = "fbx";
@@ -176,6 +188,15 @@ where
             ErrorKind::ArgumentConflict,
             format!(
                 "--case goes with the study {OF_CASE} alone, not with {}",
+                arguments.study
+            ),
+        ));
+    }
+    if arguments.avian.is_some() && arguments.study != OF_AVIAN {
+        return Err(Arguments::command().error(
+            ErrorKind::ArgumentConflict,
+            format!(
+                "--avian goes with the study {OF_AVIAN} alone, not with {}",
                 arguments.study
             ),
         ));
@@ -300,6 +321,10 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
     if let Some(case) = &arguments.case {
         return Ok(vec![run_case(case)?]);
     }
+    if let Some(path) = &arguments.avian {
+        // Before the minutes that the study takes.
+        eprintln!("{}: {}", path.display(), program(path)?);
+    }
     let options = Options {
         seed: arguments.seed,
         count: arguments.count,
@@ -315,6 +340,7 @@ pub fn run(arguments: &Arguments) -> Result<Vec<Value>, CliError> {
         agents: arguments.agents,
         parts: arguments.parts.clone(),
         folder: arguments.folder.clone(),
+        avian: arguments.avian.clone(),
         out: Some(arguments.out.clone()),
     };
     let all = arguments.study == "all";
@@ -493,6 +519,20 @@ mod tests {
         let error = run(&parsed).unwrap_err();
         assert!(matches!(error, CliError::Captures(_)));
         assert!(error.to_string().contains("file.jsonl"), "{error}");
+    }
+
+    #[test]
+    fn a_program_of_avian_goes_with_bodies_alone_and_has_to_be_there() {
+        let refusal = parse("noise --avian x").unwrap_err();
+        assert_eq!(refusal.kind(), ErrorKind::ArgumentConflict);
+        let parsed = parse("bodies --avian no/such/program --count 1").unwrap();
+        let error = run(&parsed).unwrap_err();
+        assert!(matches!(error, CliError::Program(_)), "{error}");
+        let said = error.to_string();
+        assert!(
+            said.contains("no/such/program") && said.contains("lab/avian/Cargo.toml"),
+            "{said}"
+        );
     }
 
     #[test]

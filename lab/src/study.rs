@@ -61,6 +61,8 @@ pub struct Options {
     pub agents: usize,
     /// Where `fbx` looks for files; `None` is the shared data. Of `replay`: the recording; `None` makes one.
     pub folder: Option<PathBuf>,
+    /// The program that moves balls by avian's `MoveAndSlide` for `bodies`; `None` leaves it out.
+    pub avian: Option<PathBuf>,
     /// Where results besides tables and charts go; `None` keeps none.
     pub out: Option<PathBuf>,
 }
@@ -82,6 +84,7 @@ impl Default for Options {
             agents: 100_000,
             parts: Vec::new(),
             folder: None,
+            avian: None,
             out: None,
         }
     }

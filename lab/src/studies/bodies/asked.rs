@@ -3,7 +3,7 @@
 use crate::study::Asked;
 
 /// What its measured table says.
-pub const ASKED: [Asked; 21] = [
+pub const ASKED: [Asked; 28] = [
     asked(
         "A ball over borders of tiles of 8 m, farthest from one unbroken tile in 100 m, flat",
         "≤ 1e-3",
@@ -95,6 +95,24 @@ pub const ASKED: [Asked; 21] = [
         "ratio",
     ),
     asked(
+        "Moves a second over avian's MoveAndSlide, hills",
+        "",
+        "/over/hills/avian",
+        "ratio",
+    ),
+    asked(
+        "Moves a second over avian's MoveAndSlide that holds to the ground, hills",
+        "",
+        "/over/hills/avian_snaps",
+        "ratio",
+    ),
+    asked(
+        "Moves a second over avian's MoveAndSlide that holds to the ground, gravel",
+        "",
+        "/over/gravel/avian_snaps",
+        "ratio",
+    ),
+    asked(
         "Deepest penetration, hills and gravel",
         "≤ 1e-4",
         "/depth_max_m/ours",
@@ -107,6 +125,18 @@ pub const ASKED: [Asked; 21] = [
         "m",
     ),
     asked(
+        "Deepest penetration, avian's MoveAndSlide",
+        "",
+        "/depth_max_m/avian",
+        "m",
+    ),
+    asked(
+        "Deepest penetration, avian's MoveAndSlide that holds to the ground",
+        "",
+        "/depth_max_m/avian_snaps",
+        "m",
+    ),
+    asked(
         "Steps that stand still, hills",
         "",
         "/still/hills/ours",
@@ -116,6 +146,18 @@ pub const ASKED: [Asked; 21] = [
         "Steps that stand still, hills, Rapier's controller",
         "",
         "/still/hills/rapier",
+        "part",
+    ),
+    asked(
+        "Steps that stand still, hills, avian's MoveAndSlide that holds to the ground",
+        "",
+        "/still/hills/avian_snaps",
+        "part",
+    ),
+    asked(
+        "Steps after which nothing is stood on, hills, avian's MoveAndSlide that holds to the ground",
+        "",
+        "/airborne/hills/avian_snaps",
         "part",
     ),
     asked(

@@ -1,6 +1,7 @@
 //! Rapier's character controller over a mesh.
 
-use super::method::{RADIUS, SECONDS, Walkers};
+use super::messages::ProgramError;
+use super::method::{RADIUS, SECONDS, Walkers, timed};
 use super::terrain::Terrain;
 use bevy::math::{DVec3, Vec3};
 use bevy_rapier3d::rapier::control::{
@@ -65,10 +66,9 @@ impl Controller {
             places: places.iter().map(|place| place.as_vec3()).collect(),
         }
     }
-}
 
-impl Walkers for Controller {
-    fn step(&mut self, ball: usize, wish: DVec3) -> bool {
+    /// One step of one ball, and whether it stands then.
+    fn advance(&mut self, ball: usize, wish: DVec3) -> bool {
         let queries = self.broad_phase.as_query_pipeline(
             &DefaultQueryDispatcher,
             &self.bodies,
@@ -85,6 +85,12 @@ impl Walkers for Controller {
         );
         self.places[ball] += moved.translation;
         moved.grounded
+    }
+}
+
+impl Walkers for Controller {
+    fn step(&mut self, wishes: &[DVec3], stands: &mut [bool]) -> Result<f64, ProgramError> {
+        Ok(timed(wishes, stands, |ball, wish| self.advance(ball, wish)))
     }
 
     fn center(&self, ball: usize) -> DVec3 {

@@ -1,8 +1,13 @@
-//! Study `bodies`: Rapier's bodies on tiles of the ground, and Rapier's character controller beside our movers.
+//! Study `bodies`: Rapier's bodies on tiles of the ground, and beside our movers Rapier's character controller and, by a
+//! program of its own (`lab/avian`), avian's `MoveAndSlide`.
 
 mod asked;
 mod controller;
+mod curve;
+pub mod messages;
 mod method;
+mod movers;
+mod program;
 mod roll;
 mod terrain;
 mod walkers;
@@ -12,18 +17,22 @@ use crate::plot::{Axes, Chart, Curve as Line};
 use crate::study::{Figure, Options, Report, Study};
 use asked::ASKED;
 use bevy::math::{DVec2, Vec3};
+use curve::{Curve, ITERATIONS, curve};
 use dolomite_collision::rapier::Diagonals;
 use dolomite_testkit::metrics::ErrorStats;
 use dolomite_testkit::random::{Random, mixed};
+use messages::{BUILD, ProgramError};
+use program::Program;
 use roll::{GROUNDS, Under, apart, beside, fast, path};
 use serde_json::{Map, Value, json};
+use std::path::Path;
 use terrain::Terrain;
-use walkers::{Curve, ITERATIONS, Walked, all, curve, places};
+use walkers::{Walked, all, places};
 
 /// As the command line knows it.
 pub const STUDY: Study = Study {
     name: "bodies",
-    about: "Rapier's balls over borders of tiles, and its character controller beside our movers",
+    about: "Rapier's balls over borders of tiles; its character controller and avian's beside our movers",
     run,
     asked: &ASKED,
 };
@@ -66,7 +75,23 @@ fn rolled(random: &mut Random, height: roll::Height) -> Rolled {
     found
 }
 
+/// What a program that moves balls says that it is.
+///
+/// # Errors
+/// [`ProgramError`]: there is none, or it is none of those.
+pub fn program(path: &Path) -> Result<String, ProgramError> {
+    Ok(Program::start(path)?.about())
+}
+
 fn run(options: &Options) -> Report {
+    let program = options.avian.as_deref();
+    let about = program.map(self::program);
+    // Who does not greet is not asked for anything else.
+    let program = program.filter(|_| matches!(about, Some(Ok(_))));
+    let mut faults = Vec::new();
+    if let Some(Err(fault)) = &about {
+        faults.push(fault.to_string());
+    }
     let count = options.count.unwrap_or(1000).max(1);
     let mut random = Random::new(mixed(options.seed, 0));
     let (mut rows, mut roll) = (Vec::new(), Map::new());
@@ -96,7 +121,13 @@ fn run(options: &Options) -> Report {
     for terrain in Terrain::all() {
         eprintln!("bodies: {count} walk, {}", terrain.name);
         let from = places(&terrain, count, options.seed);
-        let walked = all(&terrain, &from, STEPS);
+        let compared = all(&terrain, &from, STEPS, program);
+        for (method, fault) in compared.faults {
+            let fault = format!("{method}, {}: {fault}", terrain.name);
+            eprintln!("bodies: left out: {fault}");
+            faults.push(fault);
+        }
+        let walked = compared.walked;
         let each = |what: &dyn Fn(&Walked) -> f64| {
             let named = walked
                 .iter()
@@ -125,11 +156,24 @@ fn run(options: &Options) -> Report {
         );
         curves.push((terrain.name, found));
     }
+    let by_program = match about {
+        None => format!(
+            "avian3d is not asked: built by `{BUILD}`, it is given as `--avian \
+             lab/avian/target/release/dolomite_avian`; a dependency of this workspace it would change Bevy for all"
+        ),
+        Some(Ok(about)) => format!(
+            "avian: {about}, in a program of its own that measures its moves itself, in turns with the others; as it is \
+             given, and (avian_snaps) with ground held within 0.3 m below who stood, what presses onto the ground left \
+             out, and slopes above 50° as walls"
+        ),
+        Some(Err(_)) => "avian3d was not asked".into(),
+    };
+    let left_out = faults.iter().map(|fault| format!("left out: {fault}"));
     Report {
         study: STUDY.name,
         rows,
         figures: vec![figure(&curves)],
-        notes: vec![
+        notes: [
             format!(
                 "a ball of 0.5 m rolls 100 m over tiles of 8 m from {BALLS} places at 3 to 5 m/s, and over one tile of \
                  256 m, or over parry's height field of 256 m with FIX_INTERNAL_EDGES and cells cut all alike"
@@ -140,8 +184,11 @@ fn run(options: &Options) -> Report {
             "errors of a slide are against 64 advances from the same place; the index of a list of `iterations` is \
              the number of advances less 1"
                 .into(),
-            "avian3d is not asked: it is no dependency of this workspace".into(),
-        ],
+            by_program,
+        ]
+        .into_iter()
+        .chain(left_out)
+        .collect(),
         summary: json!({
             "walkers": count,
             "steps": STEPS,
@@ -153,6 +200,7 @@ fn run(options: &Options) -> Report {
             "lost": lost,
             "depth_max_m": depth,
             "iterations": iterations,
+            "left_out": faults,
         }),
     }
 }
@@ -249,7 +297,9 @@ mod tests {
             let errors = &summary["iterations"][terrain]["error_mean_m"];
             let mean = |i: usize| errors[i].as_f64().unwrap();
             assert!(mean(0) > mean(2) && mean(2) >= mean(4), "{summary}");
+            assert_eq!(summary["over"][terrain]["avian"], Value::Null);
         }
+        assert_eq!(summary["left_out"], json!([]));
         assert!(
             summary["depth_max_m"]["ours"].as_f64().unwrap() <= 1e-4,
             "{summary}"

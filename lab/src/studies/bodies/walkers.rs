@@ -1,61 +1,22 @@
-//! Thousands of balls that walk: our movers, and Rapier's character controller.
+//! Thousands of balls that walk by several methods in turns, and who judges them.
 
 use super::controller::Controller;
+use super::messages::ProgramError;
 use super::method::{RADIUS, SECONDS, Walkers};
+use super::movers::Movers;
+use super::program::Program;
 use super::terrain::{HALF, Terrain, leaves};
 use bevy::math::{DVec3, ops};
-use dolomite_collision::{Body, MoveOutcome, MoveSettings, Mover, Scratch, World, advance};
+use dolomite_collision::Body;
 use dolomite_testkit::metrics::{Hash64, median};
 use dolomite_testkit::random::{Random, mixed};
-use std::time::Instant;
+use std::path::Path;
 
 /// How fast they want to go, metres a second.
 const SPEED: f64 = 4.0;
 
 /// Steps after which they turn.
 const TURN: u32 = 30;
-
-/// Advances of a slide that are tried for the curve of errors.
-pub const ITERATIONS: [u32; 5] = [1, 2, 3, 4, 5];
-
-/// Advances of the reference: more than any step takes.
-const REFERENCE: u32 = 64;
-
-/// Ours.
-pub struct Movers<'a> {
-    world: World<'a>,
-    settings: MoveSettings,
-    movers: Vec<Mover>,
-    scratch: Scratch,
-    outcome: MoveOutcome,
-}
-
-impl<'a> Movers<'a> {
-    /// At these places.
-    pub fn new(bodies: &'a [Body<'a>], places: &[DVec3]) -> Self {
-        let mover = |&place| Mover::new(place, DVec3::splat(RADIUS));
-        Self {
-            world: World::new(bodies),
-            settings: MoveSettings::default(),
-            movers: places.iter().map(mover).collect(),
-            scratch: Scratch::default(),
-            outcome: MoveOutcome::default(),
-        }
-    }
-}
-
-impl Walkers for Movers<'_> {
-    fn step(&mut self, ball: usize, wish: DVec3) -> bool {
-        let mover = &mut self.movers[ball];
-        let (scratch, outcome) = (&mut self.scratch, &mut self.outcome);
-        advance(&self.world, mover, wish, &self.settings, scratch, outcome);
-        outcome.grounded
-    }
-
-    fn center(&self, ball: usize) -> DVec3 {
-        self.movers[ball].center
-    }
-}
 
 /// What became of all balls of one method.
 #[derive(Clone, Default)]
@@ -100,7 +61,7 @@ pub fn places(terrain: &Terrain, count: usize, seed: u32) -> Vec<DVec3> {
 }
 
 /// The way a ball wants to go in a step, level.
-fn wish(ball: usize, step: u32, place: DVec3) -> DVec3 {
+pub fn wish(ball: usize, step: u32, place: DVec3) -> DVec3 {
     let bits = mixed(ball as u32, step / TURN);
     let angle = (bits >> 8) as f32 / 16_777_216.0 * std::f32::consts::TAU;
     let (sin, cos) = ops::sin_cos(angle);
@@ -120,15 +81,16 @@ struct Run<'a> {
     still: u64,
     standing: u64,
     walked: Walked,
+    fault: Option<ProgramError>,
 }
 
-/// Walks all methods in turns: first they fall onto the ground, then they walk.
+/// Walks all methods in turns: first they fall onto the ground, then they walk. Who fails is left out from then on.
 pub fn walk(
     terrain: &Terrain,
     places: &[DVec3],
     steps: u32,
     methods: &mut [&mut dyn Walkers],
-) -> Vec<Walked> {
+) -> Vec<Result<Walked, ProgramError>> {
     /// Steps in which they fall and come to rest.
     const FALL: u32 = 30;
     let count = places.len();
@@ -142,13 +104,14 @@ pub fn walk(
             still: 0,
             standing: 0,
             walked: Walked::default(),
+            fault: None,
         })
         .collect();
     let mut before = vec![DVec3::ZERO; count];
     let mut wishes = vec![DVec3::ZERO; count];
     for step in 0..FALL + steps {
         let walks = step >= FALL;
-        for run in &mut runs {
+        for run in runs.iter_mut().filter(|run| run.fault.is_none()) {
             for ball in 0..count {
                 let place = run.walkers.center(ball);
                 before[ball] = place;
@@ -164,15 +127,17 @@ pub fn walk(
                 } - 9.81 * SECONDS;
                 wishes[ball] = level + DVec3::Y * (run.falling[ball] * SECONDS);
             }
-            let begun = Instant::now();
-            for (ball, wish) in wishes.iter().enumerate() {
-                run.stands[ball] = run.walkers.step(ball, *wish);
-            }
+            let ns = match run.walkers.step(&wishes, &mut run.stands) {
+                Ok(ns) => ns,
+                Err(fault) => {
+                    run.fault = Some(fault);
+                    continue;
+                }
+            };
             if !walks {
                 continue;
             }
-            run.times
-                .push(begun.elapsed().as_secs_f64() * 1e9 / count.max(1) as f64);
+            run.times.push(ns / count.max(1) as f64);
             for ball in 0..count {
                 let place = run.walkers.center(ball);
                 if let Some(nearest) = terrain.tree.nearest(place, RADIUS + 0.1) {
@@ -191,6 +156,9 @@ pub fn walk(
     }
     runs.into_iter()
         .map(|run| {
+            if let Some(fault) = run.fault {
+                return Err(fault);
+            }
             let all = (count as f64 * f64::from(steps)).max(1.0);
             let mut hash = Hash64::default();
             let mut walked = run.walked;
@@ -208,98 +176,53 @@ pub fn walk(
             walked.still = run.still as f64 / all;
             walked.airborne = 1.0 - run.standing as f64 / all;
             walked.hash = hash.finish();
-            walked
+            Ok(walked)
         })
         .collect()
 }
 
-/// Nanoseconds and errors (metres, against [`REFERENCE`] advances from the same place) of slides of at most so many
-/// advances, and the part of steps that differ at all.
-pub struct Curve {
-    /// Of [`ITERATIONS`].
-    pub ns: [f64; 5],
-    /// Mean error.
-    pub mean: [f64; 5],
-    /// Largest error.
-    pub max: [f64; 5],
-    /// Part of steps with an error above a micrometre.
-    pub wrong: [f64; 5],
+/// What became of each method on one terrain.
+#[derive(Default)]
+pub struct Compared {
+    /// Those that walked to the end, ours first.
+    pub walked: Vec<(&'static str, Walked)>,
+    /// Those that did not.
+    pub faults: Vec<(&'static str, ProgramError)>,
 }
 
-/// Walks with many advances, and asks in every step what fewer would have done.
-pub fn curve(terrain: &Terrain, places: &[DVec3], steps: u32) -> Curve {
-    let bodies = [Body::fixed(&terrain.tree)];
-    let mut movers = Movers::new(&bodies, places);
-    movers.settings.iterations = REFERENCE;
-    let world = World::new(&bodies);
-    let mut scratch = Scratch::default();
-    let mut outcome = MoveOutcome::default();
-    let mut errors = [(); 5].map(|()| Vec::new());
-    let mut times = [0.0; 5];
-    let count = places.len();
-    let mut ends = vec![DVec3::ZERO; count];
-    let mut wishes = vec![DVec3::ZERO; count];
-    for step in 0..30 + steps {
-        let from: Vec<Mover> = movers.movers.clone();
-        for ball in 0..count {
-            let down = DVec3::Y * (-9.81 * SECONDS * SECONDS);
-            wishes[ball] = if step < 30 {
-                down * 20.0
-            } else {
-                wish(ball, step, from[ball].center) + down
-            };
-            movers.step(ball, wishes[ball]);
-            ends[ball] = movers.center(ball);
-        }
-        if step < 30 {
-            continue;
-        }
-        for (i, iterations) in ITERATIONS.into_iter().enumerate() {
-            let settings = MoveSettings {
-                iterations,
-                ..movers.settings
-            };
-            let begun = Instant::now();
-            for ball in 0..count {
-                let mut mover = from[ball];
-                let wish = wishes[ball];
-                advance(
-                    &world,
-                    &mut mover,
-                    wish,
-                    &settings,
-                    &mut scratch,
-                    &mut outcome,
-                );
-                errors[i].push(mover.center.distance(ends[ball]));
-            }
-            times[i] += begun.elapsed().as_secs_f64() * 1e9;
-        }
-    }
-    let all = (count as f64 * f64::from(steps)).max(1.0);
-    Curve {
-        ns: times.map(|time| time / all),
-        mean: [0, 1, 2, 3, 4].map(|i| errors[i].iter().sum::<f64>() / all),
-        max: [0, 1, 2, 3, 4].map(|i| errors[i].iter().copied().fold(0.0, f64::max)),
-        wrong: [0, 1, 2, 3, 4]
-            .map(|i| errors[i].iter().filter(|error| **error > 1e-6).count() as f64 / all),
-    }
-}
-
-/// Ours and Rapier's, as it is given and as it climbs steps, on one terrain.
-pub fn all(terrain: &Terrain, places: &[DVec3], steps: u32) -> Vec<(&'static str, Walked)> {
+/// Ours and Rapier's, as it is given and as it climbs steps, on one terrain; and those of a program, as it is given and
+/// as it holds to the ground.
+pub fn all(terrain: &Terrain, places: &[DVec3], steps: u32, program: Option<&Path>) -> Compared {
+    let mut compared = Compared::default();
     let bodies = [Body::fixed(&terrain.tree)];
     let mut ours = Movers::new(&bodies, places);
     let mut plain = Controller::new(terrain, places, false);
     let mut climbing = Controller::new(terrain, places, true);
-    let walked = walk(
-        terrain,
-        places,
-        steps,
-        &mut [&mut ours, &mut plain, &mut climbing],
-    );
-    ["ours", "rapier", "rapier_steps"]
+    let mut programs = Vec::new();
+    for (name, holds) in [("avian", false), ("avian_snaps", true)] {
+        match program.map(|path| Program::start(path)?.on(terrain, places, holds)) {
+            Some(Ok(program)) => programs.push((name, program)),
+            Some(Err(fault)) => compared.faults.push((name, fault)),
+            None => {}
+        }
+    }
+    let mut methods: Vec<(_, &mut dyn Walkers)> = vec![
+        ("ours", &mut ours),
+        ("rapier", &mut plain),
+        ("rapier_steps", &mut climbing),
+    ];
+    for (name, program) in &mut programs {
+        methods.push((name, program));
+    }
+    let (names, mut walkers): (Vec<&'static str>, Vec<_>) = methods.into_iter().unzip();
+    for (name, walked) in names
         .into_iter()
-        .zip(walked)
-        .collect()
+        .zip(walk(terrain, places, steps, &mut walkers))
+    {
+        match walked {
+            Ok(walked) => compared.walked.push((name, walked)),
+            Err(fault) => compared.faults.push((name, fault)),
+        }
+    }
+    compared
 }

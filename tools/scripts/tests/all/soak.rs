@@ -17,7 +17,8 @@ fn soak(arguments: &str, report: &str, code: u8) -> (System, Said) {
         &format!(
             "case $1 in\n\
              --version) echo cargo 1.95.0 ;;\n\
-             build) mkdir -p \"$SYSTEM/target/release\"\n\
+             build) [[ $* != *lab/avian/* || {code} == 0 ]] || exit {code}\n\
+               mkdir -p \"$SYSTEM/target/release\"\n\
                printf '%s\\n' '#!/usr/bin/env bash' \"cat \\\"$SYSTEM/report\\\"\" >\"$SYSTEM/target/release/dolomite_lab\"\n\
                printf '%s' '{report}' >\"$SYSTEM/report\"\n\
                printf '%s\\n' '#!/usr/bin/env bash' 'printf \"{{\\n  \\\"arguments\\\": \\\"%s\\\"\\n}}\\n\" \"$*\"' >\"$SYSTEM/target/release/dolomite_fbx_search\"\n\
@@ -60,6 +61,23 @@ fn tests_that_fail_are_a_failure_and_their_words_are_kept() {
     let kept = system.file("out/ignored.json");
     assert!(kept.contains("\"passed\": false"), "{kept}");
     assert!(kept.contains("\"one \\\"quoted\\\" line\""), "{kept}");
+}
+
+/// Avian is a package of its own, whose crates a machine may not have.
+#[test]
+fn bodies_are_measured_beside_avian_where_it_can_be_built() {
+    let report = "{\n  \"study\": \"bodies\"\n}";
+    for code in [0, 1] {
+        let (system, said) = soak("bodies", report, code);
+        assert_eq!(said.code, 0, "{said:#?}");
+        let kept = system.file("out/bodies.json");
+        assert!(kept.contains("\"passed\": true"), "{kept}");
+        assert_eq!(
+            kept.contains("/target/avian/release/dolomite_avian"),
+            code == 0,
+            "{kept}"
+        );
+    }
 }
 
 /// Many hours' work goes on where it was.
