@@ -3,10 +3,13 @@
 
 use crate::about::Text64;
 use crate::error::ElevationError;
-use crate::extremes::{Extremes, is_customary};
+use crate::extremes::Extremes;
 use crate::looks::Looks;
-use crate::options::{NoData, Options};
+use crate::nodata::{Marks, is_nodata, named};
+use crate::options::Options;
+use crate::parts::in_parts;
 use crate::progress::ElevationProgress;
+use crate::refuse::refuse;
 
 /// Takes whole rows as they become complete, from north to south: columns and rows of the map, the first row's number, samples.
 pub(crate) type RowSink<'a> = dyn FnMut([u32; 2], usize, &[f32]) -> Result<(), ElevationError> + 'a;
@@ -395,7 +398,10 @@ impl<'a> Grid<'a> {
                 let marked = gaps || !nodata.is_empty();
                 wide.looks.check(marked, self.file, self.options)?;
             }
-            None => self.check(gaps || marks.any(), &found)?,
+            None => {
+                let told = (gaps || marks.any(), &found);
+                refuse(self.file, self.options, self.kept[0], &self.samples, told)?;
+            }
         }
         let mut range = (found.low <= found.high).then_some([found.low, found.high]);
         if (scale, offset) != (1.0, 0.0) && !is_scaled {
@@ -418,177 +424,4 @@ impl<'a> Grid<'a> {
             nodata: nodata.into_iter().map(Text64).collect(),
         })
     }
-
-    /// Refuses NaN without a word that it is no data, infinity, and numbers that can only be no data.
-    fn check(&self, marked: bool, found: &Extremes) -> Result<(), ElevationError> {
-        let at = |index: usize| {
-            let every = self.options.every.max(1);
-            let place = [index % self.kept[0], index / self.kept[0]];
-            place.map(|n| n as u32 * every)
-        };
-        let find = |is: &dyn Fn(f32) -> bool| {
-            let first = self.samples.iter().position(|&sample| is(sample));
-            let count = self.samples.iter().filter(|&&sample| is(sample)).count();
-            first.map(|first| (at(first), count as u64))
-        };
-        let again = || self.options.command(self.file);
-        let not_finite = |value: f32, is: &dyn Fn(f32) -> bool| {
-            find(is).map(|([column, row], count)| ElevationError::NotFinite {
-                file: self.file.to_owned(),
-                again: again(),
-                value,
-                column,
-                row,
-                count,
-            })
-        };
-        // What was marked is NaN as well: only where nothing could mark is a NaN the file's own.
-        if found.nan > 0
-            && !marked
-            && let Some(error) = not_finite(f32::NAN, &|s| s.is_nan())
-        {
-            return Err(error);
-        }
-        for infinite in [f32::INFINITY, f32::NEG_INFINITY] {
-            if (found.low == infinite || found.high == infinite)
-                && let Some(error) = not_finite(infinite, &|s| s == infinite)
-            {
-                return Err(error);
-            }
-        }
-        if self.options.nodata == NoData::None {
-            return Ok(());
-        }
-        for value in [found.low, found.high] {
-            if !is_customary(value) {
-                continue;
-            }
-            let mut others = Extremes::NONE;
-            let parts = self.samples.chunks(1 << 16).map(|part| {
-                let mut others = Extremes::NONE;
-                for &sample in part.iter().filter(|&&sample| sample != value) {
-                    others.low = others.low.min(sample);
-                    others.high = others.high.max(sample);
-                }
-                others
-            });
-            for part in parts {
-                others.join(part);
-            }
-            // Farther from all others than they are from each other, and than any step of a cliff.
-            let apart = (value - others.high).max(others.low - value);
-            if others.low <= others.high
-                && apart > (others.high - others.low).max(100.0)
-                && let Some(([column, row], count)) = find(&|s| s == value)
-            {
-                return Err(ElevationError::LooksLikeNoData {
-                    file: self.file.to_owned(),
-                    again: again(),
-                    value,
-                    column,
-                    row,
-                    count,
-                    low: others.low,
-                    high: others.high,
-                });
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The numbers that stand for no data: the file's, and that of a setting.
-pub(crate) fn named(options: &Options, file_nodata: &[f64]) -> Vec<f64> {
-    let mut nodata: Vec<f64> = match options.nodata {
-        NoData::None => Vec::new(),
-        _ => file_nodata.to_vec(),
-    };
-    if let NoData::Value(value) = options.nodata
-        && !nodata.iter().any(|n| n.to_bits() == value.to_bits())
-    {
-        nodata.push(value);
-    }
-    nodata
-}
-
-/// The largest floats, as text that was cut off names them: -3.40282e+38.
-const LARGEST: f64 = 3.4e38;
-
-/// Whether a number stands for no data where `nodata` does. Either infinity stands for both, and a number beyond all heights for all beyond:
-/// digits of the largest float get lost on the way through text.
-fn is_nodata(value: f64, nodata: f64) -> bool {
-    if nodata.is_infinite() {
-        return (value as f32).is_infinite();
-    }
-    if nodata.abs() >= LARGEST {
-        return value.abs() >= LARGEST && value.is_sign_negative() == nodata.is_sign_negative();
-    }
-    // A fraction may have been a float before it was written with more digits.
-    value == nodata || nodata.fract() != 0.0 && value as f32 == nodata as f32
-}
-
-/// The numbers that stand for no data, as they compare with samples.
-#[derive(Clone, Debug)]
-pub(crate) struct Marks(Vec<f64>);
-
-impl Marks {
-    pub fn new(nodata: &[f64]) -> Self {
-        Self(nodata.to_vec())
-    }
-
-    pub fn any(&self) -> bool {
-        !self.0.is_empty()
-    }
-
-    /// Makes them NaN.
-    pub fn mark(&self, samples: &mut [f32]) {
-        for &nodata in self.0.iter().filter(|n| !n.is_nan()) {
-            if nodata.abs() >= LARGEST {
-                for sample in samples.iter_mut() {
-                    let is_one = is_nodata((*sample).into(), nodata);
-                    *sample = if is_one { f32::NAN } else { *sample };
-                }
-                continue;
-            }
-            // A float that was written as text is that float again.
-            let nodata = nodata as f32;
-            for sample in samples.iter_mut() {
-                *sample = if *sample == nodata { f32::NAN } else { *sample };
-            }
-        }
-    }
-}
-
-/// Runs `work` over parts of the samples, each part in cache, on all cores where that pays.
-pub(crate) fn in_parts<R: Send>(
-    samples: &mut [f32],
-    work: impl Fn(&mut [f32]) -> R + Sync,
-) -> Vec<R> {
-    const PART: usize = 1 << 14;
-    let threads = threads(samples.len());
-    let share = samples.len().div_ceil(threads).next_multiple_of(PART);
-    if threads == 1 {
-        return samples.chunks_mut(PART).map(&work).collect();
-    }
-    std::thread::scope(|scope| {
-        let shares: Vec<_> = samples
-            .chunks_mut(share)
-            .map(|share| {
-                let work = &work;
-                scope.spawn(move || share.chunks_mut(PART).map(work).collect::<Vec<_>>())
-            })
-            .collect();
-        let shares = shares.into_iter().map(|share| match share.join() {
-            Ok(results) => results,
-            Err(panic) => std::panic::resume_unwind(panic),
-        });
-        shares.flatten().collect()
-    })
-}
-
-/// How many threads so many samples are worth.
-pub(crate) fn threads(samples: usize) -> usize {
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get);
-    // A thread costs some 50 us, a million samples a millisecond.
-    (samples >> 20).clamp(1, cores.min(16))
 }

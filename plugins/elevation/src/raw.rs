@@ -2,9 +2,11 @@
 
 use crate::about::{FileKind, NumberType};
 use crate::error::ElevationError;
-use crate::grid::{Grid, check_size, named, threads};
+use crate::grid::{Grid, check_size};
 use crate::input::{Input, Source, ending};
+use crate::nodata::named;
 use crate::options::{ByteOrder, Options, Raw};
+use crate::parts::threads;
 use crate::progress::ElevationProgress;
 use crate::samples::Elevation;
 use std::io::SeekFrom;

@@ -3,8 +3,8 @@
 use super::derive::TILE;
 use super::place::{Placed, Stamp};
 use crate::error::ElevationError;
-use crate::grid::Marks;
 use crate::input::read_error;
+use crate::nodata::Marks;
 use crate::raw::Plan;
 use std::io;
 
