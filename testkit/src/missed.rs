@@ -4,8 +4,8 @@
 use crate::random::Random;
 use bevy::math::DVec2;
 use dolomite_terrain::{
-    Fractal, GroundPoint, GroundRect, Hill, Layer, Mask, Planes, Source, Sum, Terrain, TerrainData,
-    Warp,
+    Fractal, GroundPoint, GroundRect, Hill, Layer, Mask, PermutationNoise, Planes, Source, Sum,
+    Terrain, TerrainData, Warp,
 };
 
 /// Samples along a side of a cell.
@@ -86,6 +86,49 @@ pub fn massif() -> Terrain {
             masked(20.0, 300.0, eroded),
             masked(4.0, 60.0, fractal(Sum::Fbm, 47, 7, 0.5, 2.2, 38.0)),
         ],
+    })
+    .expect("these settings are within the ranges that their fields state")
+}
+
+/// Noise 4096 m square that rises out of the sea here and there, by a few metres on islets of as many.
+#[must_use]
+pub fn islets() -> Terrain {
+    let fractal = Fractal {
+        seed: 4,
+        amplitude: 8.0,
+        wavelength: 60.0,
+        ..Fractal::default()
+    };
+    Terrain::new(TerrainData {
+        extent: GroundRect::square(DVec2::ZERO, 4096.0),
+        layers: vec![Layer {
+            source: Source::Fractal(fractal),
+            mask: None,
+        }],
+        base: -5.0,
+        sea_level: Some(0.0),
+    })
+    .expect("these settings are within the ranges that their fields state")
+}
+
+/// Hills of 30 m, 2048 m square, that are 0 at every sample of cells of 256 m and more: permutation noise, on whose lattice they stand; in a sea or in
+/// none, which is as high.
+#[must_use]
+pub fn on_lattice(sea_level: Option<f32>) -> Terrain {
+    let noise = PermutationNoise {
+        octaves: 6,
+        amplitude: 30.0,
+        wavelength: 64.0,
+        ..PermutationNoise::default()
+    };
+    Terrain::new(TerrainData {
+        extent: GroundRect::square(DVec2::ZERO, 2048.0),
+        layers: vec![Layer {
+            source: Source::Permutation(noise),
+            mask: None,
+        }],
+        base: 0.0,
+        sea_level,
     })
     .expect("these settings are within the ranges that their fields state")
 }

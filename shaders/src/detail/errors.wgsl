@@ -84,3 +84,8 @@ fn off(square: Square, sample: vec2<f32>, u: f32, v: f32) -> Off {
 fn second_difference(sample: vec2<f32>, a: vec2<f32>, b: vec2<f32>) -> f32 {
     return residual(sample - 0.5 * (a + b));
 }
+
+// The same of heights of the bed.
+fn bend_of_bed(middle: f32, a: f32, b: f32) -> f32 {
+    return abs(0.5 * ((middle - a) + (middle - b)));
+}

@@ -3,7 +3,7 @@
 
 #import dolomite::detail::types::Cell
 #import dolomite::detail::bindings::{cells, counts, detail, detail_pass, links, MAKE, blocks_before, make_block}
-#import dolomite::detail::errors::{COUNT, MIDDLE, ROUNDING, SAMPLES, STEPS, Square, TAIL, off, second_difference}
+#import dolomite::detail::errors::{COUNT, MIDDLE, ROUNDING, SAMPLES, STEPS, Square, TAIL, bend_of_bed, off, second_difference}
 #import dolomite::detail::lattice::{cell_half, cell_quarter, cell_sides, lattice_point}
 #import dolomite::detail::unseen::unseen
 #import dolomite::terrain::fixed::{Fixed, GroundPoint, fixed_add, fixed_negate, ground_point, ground_x, ground_z, mul_wide}
@@ -31,6 +31,10 @@ struct Found {
     finest: f32,
     low: f32,
     high: f32,
+    // Of the bed alone: the heights between which it lies, and its largest second difference.
+    bed_low: f32,
+    bed_high: f32,
+    bed_bend: f32,
 }
 
 // half * step * (k - MIDDLE) / MIDDLE along one axis, rounded towards 0.
@@ -72,9 +76,13 @@ fn slot_of(i: u32, j: u32) -> u32 {
     return select(select(5u, upright, i == MIDDLE), middle, j == MIDDLE);
 }
 
+fn bed(cell: u32, i: u32, j: u32) -> f32 {
+    return heights[cell * COUNT + j * SAMPLES + i];
+}
+
 // Height of the drawn surface, and of the bed as far as it is seen.
 fn drawn(cell: u32, i: u32, j: u32) -> vec2<f32> {
-    let height = heights[cell * COUNT + j * SAMPLES + i];
+    let height = bed(cell, i, j);
     return vec2(max(height, detail.sea), clamp(height, detail.sea - detail.opaque_depth, detail.sea));
 }
 
@@ -120,6 +128,9 @@ fn whole(cell: u32, first: u32, outer: u32, middle: vec2<f32>, before: Found) ->
         let sample = surface(cell, i, j, middle);
         here.low = select(here.low, sample.x, sample.x < here.low);
         here.high = greater(here.high, sample.x);
+        let height = bed(cell, i, j);
+        here.bed_low = select(here.bed_low, height, height < here.bed_low);
+        here.bed_high = greater(here.bed_high, height);
         let error = off(square, sample, f32(i) / f32(STEPS), f32(j) / f32(STEPS));
         here.halves = greater(here.halves, error.halves);
         let own = vec4(error.side) == vec4(0u, 1u, 2u, 3u);
@@ -170,6 +181,19 @@ fn sixteenths(cell: u32, first: u32, middle: vec2<f32>, before: Found) -> Found 
         let centre = second_difference(surface(cell, x + 1u, z + 1u, middle), select(sw, nw, even), select(ne, se, even));
         here.finest = greater(here.finest, greater(upright, level));
         here.finer = greater(here.finer, greater(here.finest, centre));
+        let nw_bed = bed(cell, x, z);
+        let ne_bed = bed(cell, x + 2u, z);
+        let se_bed = bed(cell, x + 2u, z + 2u);
+        let sw_bed = bed(cell, x, z + 2u);
+        let upright_bed = greater(
+            bend_of_bed(bed(cell, x, z + 1u), nw_bed, sw_bed),
+            bend_of_bed(bed(cell, x + 2u, z + 1u), ne_bed, se_bed),
+        );
+        let level_bed = greater(
+            bend_of_bed(bed(cell, x + 1u, z), nw_bed, ne_bed),
+            bend_of_bed(bed(cell, x + 1u, z + 2u), sw_bed, se_bed),
+        );
+        here.bed_bend = greater(here.bed_bend, greater(upright_bed, level_bed));
     }
     return here;
 }
@@ -188,7 +212,15 @@ fn made(cell: u32, centre: vec2<u32>, half: u32) -> Cell {
         all.finest = max(all.finest, other.finest);
         all.low = min(all.low, other.low);
         all.high = max(all.high, other.high);
+        all.bed_low = min(all.bed_low, other.bed_low);
+        all.bed_high = max(all.bed_high, other.bed_high);
+        all.bed_bend = max(all.bed_bend, other.bed_bend);
     }
+    // As far as ground may rise out of the sea between samples.
+    let depth = max(detail.sea - all.bed_high, 0.0);
+    let rising = select(0.0, all.bed_bend - depth / (1.0 + TAIL), all.bed_low < detail.sea);
+    all.finer = greater(all.finer, rising);
+    all.finest = greater(all.finest, rising);
     let sides = cell_sides(half);
     let middle = middle_of(cell).x;
     let low = middle + all.low;
@@ -246,7 +278,7 @@ fn make_cells(
             }
         }
         workgroupBarrier();
-        var here = Found(vec4(0.0), 0.0, 0.0, 0.0, 1e30, -1e30);
+        var here = Found(vec4(0.0), 0.0, 0.0, 0.0, 1e30, -1e30, 1e30, -1e30, 0.0);
         let middle = middle_of(cell);
         here = whole(cell, own, cell_quarter(centre, half), middle, here);
         here = quarters(cell, own, middle, here);

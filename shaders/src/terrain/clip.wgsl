@@ -134,6 +134,10 @@ fn clip_height(layer: Layer, place: vec2<i32>, part: vec2<f32>) -> vec3<f32> {
     return vec3(height, gradient * layer.scale);
 }
 
+// A rectangle that begins or ends so close to a sample, in samples of the map, takes it to be its border: windows reach a whole one
+// farther, and rounding would else add a row of them here and not on the CPU.
+const WITHIN: f32 = 1.0 / 64.0;
+
 // What samples `apart` may miss over a rectangle, all in samples of the map.
 fn clip_missed(layer: Layer, low: vec2<f32>, high: vec2<f32>, apart: f32) -> f32 {
     for (var level = 1u; level < layer.octaves; level++) {
@@ -143,8 +147,8 @@ fn clip_missed(layer: Layer, low: vec2<f32>, high: vec2<f32>, apart: f32) -> f32
             continue;
         }
         let clip = clip_level(layer, level);
-        let first = vec2<i32>(floor(low / step));
-        let last = max(vec2<i32>(ceil(high / step)) - vec2(1), first);
+        let first = vec2<i32>(floor((low + WITHIN) / step));
+        let last = max(vec2<i32>(ceil((high - WITHIN) / step)) - vec2(1), first);
         if !clip_holds(clip, first, last) {
             continue;
         }

@@ -44,4 +44,4 @@ pub mod record;
 pub mod triangle;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -45,6 +45,22 @@ impl MeshErrors {
             finest: larger(self.finest, other.finest),
         }
     }
+
+    /// The same where second differences of neighbouring samples are as large as `bend` at least.
+    #[must_use]
+    pub const fn bent(self, bend: f32) -> Self {
+        Self {
+            finer: greater(self.finer, bend),
+            finest: greater(self.finest, bend),
+            ..self
+        }
+    }
+}
+
+/// The largest second difference of neighbouring samples along rows and columns, in the unit of the samples.
+#[must_use]
+pub fn bend(samples: &[f32; COUNT]) -> f32 {
+    second_differences(samples).0
 }
 
 /// Errors of a cell whose diagonal goes through corner `outer`.

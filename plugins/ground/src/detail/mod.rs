@@ -48,6 +48,8 @@ pub mod lattice;
 pub mod layout;
 #[doc(hidden)]
 pub mod mesh;
+#[cfg(test)]
+mod near;
 pub mod probe;
 #[doc(hidden)]
 pub mod select;

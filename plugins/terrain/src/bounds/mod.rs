@@ -10,6 +10,7 @@
 //! range; slopes of eroded sums are the loosest, up to ten times the truth.
 
 mod fractal;
+mod hidden;
 mod sum;
 mod unseen;
 

@@ -1,6 +1,7 @@
 //! What must hold of blocks, on small grounds and pictures; each with a version that does not.
 
-mod grounds;
+pub mod eyes;
+pub mod grounds;
 mod guarantee;
 mod near;
 mod nested;

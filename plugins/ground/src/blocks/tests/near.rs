@@ -1,26 +1,17 @@
 //! The bound near the ground: eyes 0.3 to 3 m above it on slopes, on crests and in hollows, that look along it, down and
 //! up, over ground that begins behind them and below the near plane; where samples say little, while blocks are made, and
 //! with too few vertices.
-//!
-//! **What is promised there.** A place counts if the drawn or the true surface is seen at it. Where the other one lies
-//! nearer than the near plane, or behind the eye, its place in the picture is none; what counts is the part of the way
-//! between them that lies beyond the near plane, which is all that a picture can show. By the same formula as if a depth
-//! below that of the near plane were seen, it would be any number of pixels.
 
 use bevy::math::{DVec2, DVec3, UVec2};
 use dolomite_terrain::{Source, Terrain};
-use dolomite_testkit::missed::{massif, missed};
+use dolomite_testkit::missed::{islets, massif, missed, on_lattice};
 
+use super::eyes::{Found, TOLERANCE, eye_at, height};
 use super::grounds::{Camera, Random, fbm, island, layer, map, of, triangles};
 use crate::blocks::choose::{Choice, Limits, choose};
 use crate::blocks::kept::KeptBlocks;
 use crate::blocks::mesh::mesh;
 use crate::blocks::place::VERTICES;
-
-/// Metres about the eye in which it is looked at.
-const REACH: f64 = 12.0;
-/// Tolerance, pixels of a picture 180 pixels high.
-const TOLERANCE: f32 = 12.0;
 
 /// Samples every 2 m, on which the lattice stands.
 fn rough() -> Terrain {
@@ -30,12 +21,6 @@ fn rough() -> Terrain {
         None,
         vec![layer(Source::Map(map(UVec2::splat(128), 2.0, origin)))],
     )
-}
-
-/// Height of the true surface.
-fn height(terrain: &Terrain, xz: DVec2) -> f64 {
-    let sea = terrain.sea_level().map_or(f64::NEG_INFINITY, f64::from);
-    terrain.sample_f64(xz).height.max(sea)
 }
 
 /// A place on land: by turns any, a crest, a hollow, a steep slope.
@@ -78,86 +63,35 @@ fn place(terrain: &Terrain, random: &mut Random, kind: usize) -> DVec2 {
     at
 }
 
-/// From 0.3 to 3 m above a place, looking any way.
-fn eye_at(terrain: &Terrain, xz: DVec2, random: &mut Random) -> Camera {
-    let above = 0.3 + 2.7 * random.unit() * random.unit();
-    let yaw = random.unit() * std::f64::consts::TAU;
-    let pitch = (random.unit() - 0.5) * 2.8;
-    let near = [0.01, 0.1, 0.5, 1.5][(random.unit() * 4.0) as usize & 3];
-    Camera {
-        near,
-        ..Camera::at(terrain, xz, above, yaw, pitch)
-    }
+/// What is drawn by a choice about the eye.
+fn look(
+    found: &mut Found,
+    blocks: &KeptBlocks,
+    choice: &Choice,
+    camera: &Camera,
+    random: &mut Random,
+) {
+    let drawn = triangles(blocks, &mesh(blocks, choice));
+    let limit = f64::from(TOLERANCE * choice.held);
+    found.look(blocks.terrain(), &drawn, limit, camera, random);
 }
 
-/// What was found about the eyes.
-#[derive(Debug, Default)]
-struct Found {
-    /// Largest error over what is said to be held.
-    largest: f64,
-    views: usize,
-    places: usize,
-    above: usize,
-}
-
-impl Found {
-    /// Looks at places about the eye.
-    fn look(&mut self, blocks: &KeptBlocks, choice: &Choice, camera: &Camera, random: &mut Random) {
-        let limit = f64::from(TOLERANCE * choice.held);
-        let flat = |at: DVec3| DVec2::new(at.x, at.z);
-        let eye = flat(camera.eye);
-        let drawn = triangles(blocks, &mesh(blocks, choice));
-        let near: Vec<_> = drawn
-            .iter()
-            .filter(|&&[a, b, c]| {
-                let (low, high) = (flat(a.min(b).min(c)), flat(a.max(b).max(c)));
-                low.cmplt(eye + REACH).all() && high.cmpgt(eye - REACH).all()
-            })
-            .collect();
-        self.views += 1;
-        for _ in 0..500 {
-            let turn = DVec2::from_angle(random.unit() * std::f64::consts::TAU);
-            let share = random.unit();
-            let at = eye + turn * REACH * (0.02 + 0.98 * share * share * share);
-            let found = near.iter().find_map(|&&[a, b, c]| {
-                let area = |a: DVec2, b: DVec2, c: DVec2| (b - a).perp_dot(c - a);
-                let [p, q, r] = [a, b, c].map(flat);
-                let weights = [area(at, q, r), area(p, at, r), area(p, q, at)];
-                let [u, v, w] = weights.map(|weight| weight / area(p, q, r));
-                // On a side both triangles are the same.
-                let inside = u.min(v).min(w) >= -1e-9;
-                inside.then_some(u * a.y + v * b.y + w * c.y)
-            });
-            let Some(drawn) = found else {
-                continue;
-            };
-            let truth = height(blocks.terrain(), at);
-            let place = |y: f64| DVec3::new(at.x, y, at.y);
-            if let Some(pixels) = camera.pixels(place(truth), place(drawn)) {
-                self.places += 1;
-                self.above += usize::from(pixels > limit);
-                self.largest = self.largest.max(pixels / limit);
-            }
+/// Chooses until nothing is wished for, and looks at every fourth choice and the last.
+fn settle(
+    found: &mut Found,
+    blocks: &mut KeptBlocks,
+    camera: &Camera,
+    limits: Limits,
+    random: &mut Random,
+) {
+    for number in 0.. {
+        let choice = choose(blocks, &camera.bound(TOLERANCE), limits);
+        let done = choice.wishes.is_empty() || limits.made == 0;
+        if done || number % 4 == 0 {
+            look(found, blocks, &choice, camera, random);
         }
-    }
-
-    /// Chooses until nothing is wished for, and looks at every fourth choice and the last.
-    fn settle(
-        &mut self,
-        blocks: &mut KeptBlocks,
-        camera: &Camera,
-        limits: Limits,
-        random: &mut Random,
-    ) {
-        for number in 0.. {
-            let choice = choose(blocks, &camera.bound(TOLERANCE), limits);
-            let done = choice.wishes.is_empty() || limits.made == 0;
-            if done || number % 4 == 0 {
-                self.look(blocks, &choice, camera, random);
-            }
-            if done {
-                return;
-            }
+        if done {
+            return;
         }
     }
 }
@@ -196,7 +130,13 @@ fn where_samples_say_little(count: usize, least: f64, views: usize) -> Found {
     }
     let mut found = Found::default();
     for camera in &cameras {
-        found.settle(&mut blocks, camera, Limits::default(), &mut random);
+        settle(
+            &mut found,
+            &mut blocks,
+            camera,
+            Limits::default(),
+            &mut random,
+        );
     }
     assert_eq!(outside(&blocks), 0);
 
@@ -214,7 +154,7 @@ fn where_samples_say_little(count: usize, least: f64, views: usize) -> Found {
     };
     let mut narrow = Found::default();
     for camera in &cameras[..views] {
-        narrow.settle(&mut blocks, camera, none, &mut random);
+        settle(&mut narrow, &mut blocks, camera, none, &mut random);
     }
     assert!(narrow.above > 10 && outside(&blocks) > 100, "{narrow:?}");
     found
@@ -232,13 +172,13 @@ fn anywhere(terrain: &Terrain, views: usize, seed: u64) -> Found {
             vertices: [1 << 22, 1500][k / 2 % 2],
             made: [usize::MAX, 12][k % 2],
         };
-        found.settle(&mut blocks, &camera, limits, &mut random);
+        settle(&mut found, &mut blocks, &camera, limits, &mut random);
         // Moved a little, as it goes on.
         let there = Camera {
             eye: camera.eye + DVec3::new(0.3, 0.05, -0.2),
             ..camera
         };
-        found.settle(&mut blocks, &there, limits, &mut random);
+        settle(&mut found, &mut blocks, &there, limits, &mut random);
     }
     assert_eq!(outside(&blocks), 0);
     found
@@ -249,6 +189,25 @@ fn who_stands_where_samples_say_little_sees_the_ground_as_well_as_is_said() {
     let found = where_samples_say_little(1000, 700.0, 3);
     assert_eq!(found.above, 0, "{found:?}");
     assert!(found.places > 2000, "{found:?}");
+}
+
+/// Islets between samples, and hills whose samples are all the same, in a sea as high as these and without.
+#[test]
+fn who_stands_on_ground_of_which_all_samples_are_alike_sees_it_as_well_as_is_said() {
+    for terrain in [islets(), on_lattice(Some(0.0)), on_lattice(None)] {
+        let mut random = Random::new(1);
+        let mut blocks = blocks_of(&terrain);
+        let mut found = Found::default();
+        for missed in missed(&terrain, 1500, 16.0, 1).iter().take(8) {
+            let camera = eye_at(&terrain, missed.place, &mut random);
+            let limits = Limits::default();
+            settle(&mut found, &mut blocks, &camera, limits, &mut random);
+        }
+        println!("{found:?}");
+        assert_eq!((found.above, found.holes), (0, 0), "{found:?}");
+        assert!(found.places > 300, "{found:?}");
+        assert_eq!(outside(&blocks), 0);
+    }
 }
 
 #[test]

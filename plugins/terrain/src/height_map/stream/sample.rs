@@ -8,6 +8,10 @@ use crate::height_map::{Filter, HeightMap};
 use bevy::math::{DVec2, Vec2};
 use dolomite_elevation::unpack_slope;
 
+/// A rectangle that begins or ends so close to a sample, in samples of the map, takes it to be its border: windows reach a whole one
+/// farther, and rounding would else add a row of them in f32 and not in f64. The same as in `shaders/src/terrain/clip.wgsl`.
+const WITHIN: f64 = 1.0 / 64.0;
+
 /// A cell of a level, and where in it.
 struct Cell<T> {
     at: [i32; 2],
@@ -135,8 +139,8 @@ impl Stream {
         let first = (1..levels.len()).find(|&k| 1.001 * (1_u64 << k) as f64 >= apart)?;
         for (k, clip) in levels.iter().enumerate().skip(first) {
             let step = (1_u64 << k) as f64;
-            let begin = low.map(|n| (n / step).floor() as i64);
-            let end = high.map(|n| (n / step).ceil() as i64 - 1);
+            let begin = low.map(|n| ((n + WITHIN) / step).floor() as i64);
+            let end = high.map(|n| ((n - WITHIN) / step).ceil() as i64 - 1);
             let end = [0, 1].map(|axis| end[axis].max(begin[axis]));
             if !clip.holds(begin, end) {
                 continue;
