@@ -64,14 +64,14 @@ const LEVELS: u32 = 24u;
 // neighbours differ most in brightness too; three brightnesses, the coarsest levels darkest. What is finer is as the last.
 fn level_colour(level: u32) -> vec3<f32> {
     var hues = array<vec3<f32>, 8>(
-        vec3(0.0, 0.447, 0.698),
-        vec3(0.941, 0.894, 0.259),
-        vec3(0.835, 0.369, 0.0),
         vec3(0.337, 0.706, 0.914),
-        vec3(0.8, 0.475, 0.655),
-        vec3(0.0, 0.62, 0.451),
+        vec3(0.0, 0.447, 0.698),
         vec3(0.902, 0.624, 0.0),
+        vec3(0.835, 0.369, 0.0),
+        vec3(0.941, 0.894, 0.259),
+        vec3(0.8, 0.475, 0.655),
         vec3(1.0, 1.0, 1.0),
+        vec3(0.0, 0.62, 0.451),
     );
     let own = min(level, LEVELS - 1u);
     return hues[own % 8u] * (0.5 + 0.25 * f32(own / 8u));
