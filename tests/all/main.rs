@@ -30,6 +30,7 @@ mod support;
 
 mod things;
 mod tint;
+mod views;
 #[path = "../../plugins/character/tests/all/support/walk.rs"]
 mod walk;
 #[cfg(target_os = "linux")]

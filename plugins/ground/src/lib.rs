@@ -26,6 +26,7 @@
 //! | [`blocks`] | level of detail in blocks, chosen by numbers that are kept with them |
 //! | [`cover`] | the ground as patches of the tessellation stage: a balanced quadtree around the focus |
 //! | [`detail`] | the ground with its error bounded in pixels, chosen on the GPU |
+//! | [`inspection`] | level, error and overdraw of the drawn ground in each pixel |
 //! | [`material`] | what the ground is made of, and how the sea looks: data |
 //! | `render` | both on the GPU, textures and look (feature `render`) |
 
@@ -43,6 +44,7 @@ pub mod blocks;
 pub mod cover;
 pub mod detail;
 mod idle_budget;
+pub mod inspection;
 pub mod material;
 mod plugin;
 mod range;
@@ -53,6 +55,7 @@ mod shown;
 mod streaming;
 
 pub use cover::{PatchDetail, TerrainCover, TerrainCoverSystems, TerrainView};
+pub use inspection::GroundInspection;
 pub use material::{
     Band, Canopy, CanopyLayer, GroundCanopy, GroundLayer, GroundMaterial, GroundShading,
     MaterialBands, Measure, Sea, Surface,

@@ -7,6 +7,7 @@ use crate::cover::{PatchBounds, PatchDetail, TerrainCoverSystems, TerrainView, u
 use crate::detail::budget::{Budget, DetailBudgetPlugin};
 use crate::detail::{DrawnProbes, MakingBudget, TerrainLod};
 use crate::idle_budget;
+use crate::inspection::GroundInspection;
 use crate::material::{GroundCanopy, GroundMaterial, GroundShading, MaterialBands, Sea};
 use crate::sets::GroundSystems;
 use crate::shown::{ShownTerrains, follow_terrains};
@@ -50,6 +51,7 @@ impl Plugin for GroundPlugin {
             .register_type::<Sea>()
             .register_type::<GroundCanopy>()
             .register_type::<DrawnProbes>()
+            .register_type::<GroundInspection>()
             .register_type::<MakingBudget>();
         app.init_resource::<PatchBounds>()
             .init_resource::<MakingBudget>()

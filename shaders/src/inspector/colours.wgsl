@@ -40,3 +40,39 @@ fn heat(share: f32) -> vec3<f32> {
 fn bounded(radiance: vec3<f32>) -> vec3<f32> {
     return radiance / (1.0 + max(radiance.r, max(radiance.g, radiance.b)));
 }
+
+// No ground, or nothing else that a picture shows: a grey, which no ramp or level has.
+const NOTHING: vec3<f32> = vec3(0.25, 0.25, 0.25);
+// What is beyond a ramp.
+const MORE: vec3<f32> = vec3(0.3, 0.65, 1.0);
+
+// 0 is black, then indigo, orange, and pale yellow at 1: ever brighter, so that it is read without its hues. `MORE` above 1.
+fn ramp(share: f32) -> vec3<f32> {
+    if share > 1.0 {
+        return MORE;
+    }
+    let x = saturate(share) * 3.0;
+    let low = mix(vec3(0.0), vec3(0.35, 0.0, 0.55), saturate(x));
+    let middle = mix(low, vec3(0.9, 0.35, 0.1), saturate(x - 1.0));
+    return mix(middle, vec3(1.0, 1.0, 0.6), saturate(x - 2.0));
+}
+
+// Levels that have a colour of their own.
+const LEVELS: u32 = 24u;
+
+// A hue each of eight levels, chosen by Okabe and Ito (2008) for those who see colours otherwise, in the order in which
+// neighbours differ most in brightness too; three brightnesses, the coarsest levels darkest. What is finer is as the last.
+fn level_colour(level: u32) -> vec3<f32> {
+    var hues = array<vec3<f32>, 8>(
+        vec3(0.337, 0.706, 0.914),
+        vec3(0.0, 0.447, 0.698),
+        vec3(0.902, 0.624, 0.0),
+        vec3(0.835, 0.369, 0.0),
+        vec3(0.941, 0.894, 0.259),
+        vec3(0.8, 0.475, 0.655),
+        vec3(1.0, 1.0, 1.0),
+        vec3(0.0, 0.62, 0.451),
+    );
+    let own = min(level, LEVELS - 1u);
+    return hues[own % 8u] * (0.5 + 0.25 * f32(own / 8u));
+}

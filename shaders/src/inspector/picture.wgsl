@@ -2,7 +2,9 @@
 // A definition says which picture, another what it reads.
 
 #import dolomite::deferred::gbuffer::{decode_color, unpack_bytes, unpack_emissive, unpack_flags, unpack_normal}
-#import dolomite::inspector::colours::{bounded, distance_grey, encoded_of, heat, linear_of, motion_colour}
+#import dolomite::deferred::pyramid::level
+#import dolomite::inspector::colours::{NOTHING, bounded, distance_grey, encoded_of, heat, level_colour, linear_of, motion_colour, ramp}
+#import dolomite::inspector::legend::{with_levels, with_ramp}
 
 // `Look` of `picture/render.rs`.
 struct Look {
@@ -18,6 +20,7 @@ struct Look {
     fastest: f32,
     // The count that is red.
     most: f32,
+    pyramid_level: u32,
 }
 
 @group(0) @binding(0) var<uniform> look: Look;
@@ -41,12 +44,28 @@ struct Look {
 #endif
 #endif
 #ifdef COUNTS
-// Of each tile of 16 × 16 pixels, from the second word on: where its list begins, a part of its length, its length.
-@group(0) @binding(1) var<storage, read> tiles: array<u32>;
+// Lights: of each tile of 16 × 16 pixels, from the second word on: where its list begins, a part of its length, its length.
+// The depth pyramid: bits of its texels, a level after the other.
+@group(0) @binding(1) var<storage, read> words_read: array<u32>;
 #endif
 #ifdef LAYERS
 @group(0) @binding(1) var layers: texture_depth_2d_array;
 #endif
+
+// The grey of a depth at a place.
+fn depth_grey(place: vec2<f32>, depth: f32) -> vec3<f32> {
+    let ndc = (place - look.viewport.xy) / look.viewport.zw * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    let at = vec4(ndc, depth, 1.0);
+    let w = dot(look.to_w, at);
+    // Reversed depth: 0 lies infinitely far away, and there w is 0 as well.
+    if depth <= 0.0 || w == 0.0 {
+        return vec3(0.0, 0.0, 0.125);
+    }
+    return vec3(distance_grey(-dot(look.to_z, at) / w, look.near, look.far));
+}
+
+// The count at the end of the ramp of overdraw.
+const MOST_OVERDRAW: f32 = 8.0;
 
 // What is shown of a pixel, as a picture file keeps it.
 fn shown(place: vec2<f32>) -> vec3<f32> {
@@ -85,15 +104,37 @@ fn shown(place: vec2<f32>) -> vec3<f32> {
     colour = vec3<f32>((vec3(flags) >> vec3(0u, 1u, 2u)) & vec3(1u));
 #endif
 #ifdef DISTANCE
-    let depth = textureLoad(depths, pixel, 0);
-    let ndc = (place - look.viewport.xy) / look.viewport.zw * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
-    let at = vec4(ndc, depth, 1.0);
-    let w = dot(look.to_w, at);
-    // Reversed depth: 0 lies infinitely far away, and there w is 0 as well.
-    if depth <= 0.0 || w == 0.0 {
-        return vec3(0.0, 0.0, 0.125);
+    colour = depth_grey(place, textureLoad(depths, pixel, 0));
+#endif
+#ifdef DEPTH_PYRAMID
+    let size = vec2<u32>(look.viewport.zw);
+    // The last level has one texel.
+    let most = max(32u - countLeadingZeros(max(max(size.x, size.y), 1u) - 1u), 1u);
+    let index = clamp(look.pyramid_level, 1u, most);
+    let own = level(size, index);
+    let of_pyramid = vec2<u32>(place - look.viewport.xy) >> vec2(index);
+    colour = depth_grey(place, bitcast<f32>(words_read[own.first + of_pyramid.y * own.size.x + of_pyramid.x]));
+#endif
+#ifdef GROUND_LEVEL
+    let bisections = textureLoad(numbers, pixel, 0).r;
+    colour = NOTHING;
+    if bisections >= 0.0 {
+        colour = level_colour(u32(bisections) / 2u);
     }
-    colour = vec3(distance_grey(-dot(look.to_z, at) / w, look.near, look.far));
+    colour = with_levels(colour, place - look.viewport.xy, look.viewport.zw);
+#endif
+#ifdef GROUND_ERROR
+    let error = textureLoad(numbers, pixel, 0).rg;
+    colour = NOTHING;
+    if error.r >= 0.0 {
+        colour = ramp(error.r / error.g);
+    }
+    colour = with_ramp(colour, place - look.viewport.xy, look.viewport.zw, error.g, true);
+#endif
+#ifdef GROUND_OVERDRAW
+    let count = textureLoad(numbers, pixel, 0).r;
+    colour = select(NOTHING, ramp(count / MOST_OVERDRAW), count > 0.0);
+    colour = with_ramp(colour, place - look.viewport.xy, look.viewport.zw, MOST_OVERDRAW, false);
 #endif
 #ifdef NORMALS
     colour = textureLoad(numbers, pixel, 0).rgb;
@@ -107,7 +148,7 @@ fn shown(place: vec2<f32>) -> vec3<f32> {
 #ifdef LIGHT_COUNTS
     let tile = vec2<u32>(place - look.viewport.xy) / 16u;
     let across = (u32(look.viewport.z) + 15u) / 16u;
-    colour = heat(f32(tiles[3u + 3u * (tile.y * across + tile.x)]) / look.most);
+    colour = heat(f32(words_read[3u + 3u * (tile.y * across + tile.x)]) / look.most);
 #endif
 #ifdef SHADOW_MAPS
     // All layers side by side, as many in a row as in a column.

@@ -16,6 +16,7 @@ use dolomite::ground::detail::layout::{
 use dolomite::ground::detail::probe::ANSWER_PASS;
 use dolomite::ground::render::GroundKind;
 use dolomite::ground::render::detail::detail_variants;
+use dolomite::ground::render::inspect::inspection_variants;
 use dolomite::tessellation::render::{KindVariants, StageVariant, stage_variants};
 use dolomite_classic::render::{BoundedClassicKind, ClassicKind};
 use dolomite_geometry::render::{DrawShader, DrawTraits, draw_variants};
@@ -150,6 +151,14 @@ pub fn all() -> Option<Asked> {
     for defines in dolomite::inspector::picture::variants(&dolomite::WAYS) {
         let file = "inspector/picture.wgsl";
         variants.push(Variant::of_file("pictures of the frame", file, &defines));
+    }
+    for defines in inspection_variants() {
+        let file = "ground/inspect.wgsl";
+        variants.push(Variant::of_file(
+            "inspections of the ground",
+            file,
+            &defines,
+        ));
     }
     let drawn = crowd::draw(&mut app);
     variants.extend(drawn);

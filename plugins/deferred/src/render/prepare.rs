@@ -108,6 +108,13 @@ impl ViewLighting {
         self.occlusion.as_ref().map(|occlusion| &occlusion.visible)
     }
 
+    /// The depth pyramid: bits of its texels from level 1 on, as [`pyramid`](crate::pyramid) lays them out. `None` unless
+    /// the view is lit by tiles and has as many lights in view that the pyramid saves time: 256.
+    #[must_use]
+    pub fn depth_pyramid(&self) -> Option<&Buffer> {
+        self.pyramid.as_ref().map(ViewPyramid::texels)
+    }
+
     /// Takes the wanted variation, or keeps the last one until the wanted one is compiled.
     fn take(&mut self, wanted: Variation, view: &ExtractedView, maker: &mut Maker) -> Variation {
         // Of the workgroup's memory.

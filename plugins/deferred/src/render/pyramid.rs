@@ -77,6 +77,11 @@ impl ViewPyramid {
             && self.shown.size() <= 4 * needed
     }
 
+    /// All levels.
+    pub const fn texels(&self) -> &Buffer {
+        &self.texels
+    }
+
     /// Bytes of its buffers.
     pub fn bytes(&self) -> u64 {
         self.texels.size() + self.shown.size() + 32 * self.tasks.len() as u64

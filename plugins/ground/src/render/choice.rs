@@ -11,6 +11,7 @@ use super::blocks::prepare::BlockViews;
 use super::detail::prepare::DetailViews;
 use super::detail::{self, DetailKind, detail_key};
 use super::drawn::{DrawnGround, GroundProgress, Telling};
+use super::inspect;
 use crate::detail::Metric;
 use crate::detail::layout::{HEAD_COARSENING, HEAD_LEFT};
 
@@ -21,6 +22,7 @@ pub fn build<K: DetailKind>(app: &mut App) {
         return;
     }
     blocks::build::<K>(app);
+    inspect::build::<K>(app);
     if let Some(render_app) = app.get_sub_app_mut(RenderApp) {
         let reports = report::<K>.in_set(RenderSystems::Cleanup);
         render_app.add_systems(Render, reports.in_set(Telling));

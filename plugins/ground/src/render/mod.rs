@@ -10,6 +10,7 @@ pub mod choice;
 pub mod detail;
 mod drawn;
 mod edits;
+pub mod inspect;
 mod kind;
 mod look;
 mod noise;

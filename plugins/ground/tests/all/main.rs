@@ -14,6 +14,8 @@ mod chosen;
 mod cover;
 #[cfg(feature = "render")]
 mod edits;
+#[cfg(feature = "render")]
+mod inspect;
 mod plugin;
 #[cfg(feature = "render")]
 mod several;

@@ -53,6 +53,27 @@ fn a_changed_struct_is_seen() {
     same_layout!(&composed("detail/look.wgsl"), DetailPass { depth, more });
 }
 
+#[test]
+fn what_an_inspection_is_told_lies_as_in_rust() {
+    use dolomite_ground::inspection::InspectionParams;
+    same_layout!(
+        &composed("ground/inspect.wgsl"),
+        InspectionParams {
+            clip,
+            anchor,
+            anchor_height,
+            tolerance,
+            half_size,
+            root_area,
+            pad,
+            first_end,
+            last_begin,
+            first_stretch,
+            last_stretch,
+        }
+    );
+}
+
 #[cfg(feature = "render")]
 #[test]
 fn the_grounds_look_lies_as_in_rust() {

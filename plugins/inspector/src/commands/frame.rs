@@ -80,7 +80,7 @@ pub(super) fn add(table: &mut Table) {
             let Some(name) = text(matches, "view") else {
                 let lines = views.list().iter().map(|view| {
                     let state = if view.is_on(world) { "on" } else { "off" };
-                    format!("{:<12} {state:<4} {}\n", view.name, view.about)
+                    format!("{:<16} {state:<4} {}\n", view.name, view.about)
                 });
                 let lines: String = lines.collect();
                 return Ok(Step::Said(if lines.is_empty() {

@@ -39,9 +39,98 @@ pub fn heat(share: f32) -> Vec3 {
     Vec3::new(from(2.0), from(1.0) - from(3.0), from(0.0) - from(1.0))
 }
 
+/// No ground, or nothing else that a picture shows: a grey, which no ramp or level has.
+pub const NOTHING: Vec3 = Vec3::splat(0.25);
+
+/// What is beyond a ramp.
+pub const MORE: Vec3 = Vec3::new(0.3, 0.65, 1.0);
+
+/// 0 is black, then indigo, orange, and pale yellow at 1: ever brighter, so that it is read without its hues. [`MORE`]
+/// above 1.
+#[must_use]
+pub fn ramp(share: f32) -> Vec3 {
+    if share > 1.0 {
+        return MORE;
+    }
+    let x = share.clamp(0.0, 1.0) * 3.0;
+    let step = |from: f32| (x - from).clamp(0.0, 1.0);
+    Vec3::ZERO
+        .lerp(Vec3::new(0.35, 0.0, 0.55), step(0.0))
+        .lerp(Vec3::new(0.9, 0.35, 0.1), step(1.0))
+        .lerp(Vec3::new(1.0, 1.0, 0.6), step(2.0))
+}
+
+/// Levels that have a colour of their own.
+pub const LEVELS: u32 = 24;
+
+/// The count at the end of the ramp of overdraw.
+pub const MOST_OVERDRAW: f32 = 8.0;
+
+/// A hue each of eight levels, chosen by Okabe and Ito (2008, *Color Universal Design*) for those who see colours
+/// otherwise, in an order in which neighbours differ in brightness too; three brightnesses, the coarsest levels darkest.
+/// What is finer is as the last.
+#[must_use]
+pub fn level_colour(level: u32) -> Vec3 {
+    const HUES: [[f32; 3]; 8] = [
+        [0.337, 0.706, 0.914],
+        [0.0, 0.447, 0.698],
+        [0.902, 0.624, 0.0],
+        [0.835, 0.369, 0.0],
+        [0.941, 0.894, 0.259],
+        [0.8, 0.475, 0.655],
+        [1.0, 1.0, 1.0],
+        [0.0, 0.62, 0.451],
+    ];
+    let own = level.min(LEVELS - 1);
+    let hue = Vec3::from_array(HUES[(own % 8) as usize]);
+    hue * (0.5 + 0.25 * (own / 8) as f32)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// CIE Y of a colour as a file keeps it (IEC 61966-2-1).
+    fn brightness(colour: Vec3) -> f32 {
+        let linear = colour.to_array().map(|encoded| match encoded {
+            low if low <= 0.040_45 => low / 12.92,
+            high => ops::powf((high + 0.055) / 1.055, 2.4),
+        });
+        Vec3::from_array(linear).dot(Vec3::new(0.2126, 0.7152, 0.0722))
+    }
+
+    #[test]
+    fn a_ramp_gets_ever_brighter_and_tells_a_hundredth_of_its_length() {
+        let at = |k: u32| ramp(k as f32 / 100.0);
+        for k in 1..=100 {
+            assert!(brightness(at(k)) > brightness(at(k - 1)), "{k}");
+            // Two levels of a byte and more.
+            let apart = (at(k) - at(k - 1)).abs().max_element();
+            assert!(apart > 2.0 / 255.0, "{k}: {apart}");
+            assert!(at(k).distance(NOTHING) > 0.1 && at(k).distance(MORE) > 0.1);
+        }
+        assert_eq!((ramp(-1.0), ramp(1.001)), (Vec3::ZERO, MORE));
+        assert_eq!(ramp(f32::INFINITY), MORE);
+    }
+
+    #[test]
+    fn every_level_has_a_colour_and_neighbours_differ_in_brightness() {
+        for level in 0..LEVELS {
+            for other in 0..level {
+                let apart = level_colour(level).distance(level_colour(other));
+                assert!(apart > 0.1, "{level} {other}: {apart}");
+            }
+            assert!(level_colour(level).distance(NOTHING) > 0.1);
+            let next = brightness(level_colour(level + 1));
+            let ratio = (brightness(level_colour(level)) + 0.05) / (next + 0.05);
+            let is_last = level + 1 == LEVELS;
+            assert!(
+                is_last || !(0.72..1.4).contains(&ratio),
+                "{level}: {ratio}"
+            );
+        }
+        assert_eq!(level_colour(99), level_colour(LEVELS - 1));
+    }
 
     #[test]
     fn a_heat_has_five_stops_and_is_straight_between_them() {

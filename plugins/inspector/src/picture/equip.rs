@@ -198,7 +198,12 @@ fn take_back(commands: &mut Commands, camera: Entity, lent: Lent, wanted: Lent) 
 }
 
 /// The modules that the shader imports.
-const MODULES: [&str; 2] = ["deferred/gbuffer.wgsl", "inspector/colours.wgsl"];
+const MODULES: [&str; 4] = [
+    "deferred/gbuffer.wgsl",
+    "deferred/pyramid.wgsl",
+    "inspector/colours.wgsl",
+    "inspector/legend.wgsl",
+];
 
 fn load(shaders: &mut Assets<Shader>) -> Loaded {
     let mut add = |path: &str| {

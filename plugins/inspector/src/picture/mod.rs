@@ -12,9 +12,11 @@
 //! | `equip` | prepasses for as long as they are needed; what is refused |
 //! | `render` | the pass |
 //! | [`colours`] | numbers as colours, as `shaders/src/inspector/colours.wgsl` |
+//! | [`legend`] | where the legend of a picture lies, as `shaders/src/inspector/legend.wgsl` |
 
 pub mod colours;
 mod equip;
+pub mod legend;
 mod render;
 pub mod source;
 
@@ -45,6 +47,8 @@ pub struct FramePicture {
     pub fastest: f32,
     /// Count that is red, above 0.
     pub most: f32,
+    /// Level of the depth pyramid: its texels are 2 to this power pixels wide. 1 to 16; what a view has not is its last.
+    pub level: u32,
 }
 
 impl Default for FramePicture {
@@ -55,6 +59,7 @@ impl Default for FramePicture {
             far: 10_000.0,
             fastest: 32.0,
             most: 32.0,
+            level: 4,
         }
     }
 }
@@ -138,7 +143,11 @@ pub(crate) fn build(app: &mut App) {
                 .field("near", above("Distance that is white", "m"))
                 .field("far", above("Distance that is black", "m"))
                 .field("fastest", above("Motion of full colour", "px"))
-                .field("most", above("Count that is red", "")),
+                .field("most", above("Count that is red", ""))
+                .field(
+                    "level",
+                    Field::new("Level of the depth pyramid").range(1.0..=16.0),
+                ),
         );
     for picture in own_pictures() {
         app.picture(picture);

@@ -36,6 +36,7 @@ pub(super) struct Look {
     far: f32,
     fastest: f32,
     most: f32,
+    pyramid_level: u32,
 }
 
 impl Look {
@@ -60,6 +61,7 @@ impl Look {
             far: if far > near { far } else { 2.0 * near },
             fastest: above(settings.fastest, usual.fastest),
             most: above(settings.most, usual.most),
+            pyramid_level: settings.level,
         }
     }
 }

@@ -28,7 +28,10 @@ fn every_variant_of_the_shader_is_valid() {
         let naga::TypeInner::Struct { span, .. } = kind.inner else {
             panic!("Look is a structure");
         };
-        assert_eq!(span, 64, "three vectors and four numbers, as in Rust");
+        assert_eq!(
+            span, 80,
+            "three vectors, four numbers and a level, as in Rust"
+        );
     }
 }
 

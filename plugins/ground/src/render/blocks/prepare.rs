@@ -19,7 +19,7 @@ use super::store::{BlockStore, slots_for};
 use crate::blocks::gate::Gate;
 use crate::blocks::layout::BlockNumbers;
 use crate::detail::layout::without;
-use crate::detail::{Metric, TerrainLod};
+use crate::detail::{DetailLattice, Metric, TerrainLod};
 use crate::render::detail::prepare::DetailViews;
 use crate::render::detail::view::{detail_view, picture};
 use crate::render::detail::{DetailKind, ExtractedGround, detail_key};
@@ -56,6 +56,13 @@ impl<K> Default for BlockViews<K> {
 }
 
 impl<K> BlockViews<K> {
+    /// The lattice of a view's ground and its metric, if it chooses in blocks.
+    pub(in crate::render) fn lattice(&self, view: Entity) -> Option<(&DetailLattice, Metric)> {
+        let detail = self.views.get(&view)?.inputs.detail;
+        let store = self.stores.get(&detail.finest.to_bits())?;
+        Some((&store.ground.lattice, detail.metric))
+    }
+
     /// What a view has drawn, if it chooses in blocks.
     pub(in crate::render) fn drawn(
         &self,

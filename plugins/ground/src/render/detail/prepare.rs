@@ -61,6 +61,13 @@ impl<K> DetailViews<K> {
         self.data_due
     }
 
+    /// The lattice of a view's ground, and the metric of its newest choice.
+    pub(in crate::render) fn lattice(&self, view: Entity) -> Option<(&DetailLattice, Metric)> {
+        let detail = self.views.get(&view)?.detail;
+        let store = self.stores.get(&detail.finest.to_bits())?;
+        Some((&store.ground.lattice, detail.metric))
+    }
+
     /// The metric of a view's newest choice.
     pub(in crate::render) fn metric(&self, view: Entity) -> Option<Metric> {
         self.views.get(&view).map(|own| own.detail.metric)
