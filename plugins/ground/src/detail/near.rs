@@ -46,10 +46,10 @@ fn who_stands_on_a_summit_that_samples_miss_sees_the_ground_as_well_as_is_said()
     let worst = places.first().map_or(0.0, |worst| worst.beyond);
     assert!(worst > 40.0, "samples miss {worst} m at most");
     let places: Vec<DVec2> = places.iter().map(|missed| missed.place).collect();
-    let found = from(&terrain, &places, 2);
+    let found = from(&terrain, &places, 12);
     println!("{found:?}");
     assert_eq!((found.above, found.holes), (0, 0), "{found:?}");
-    assert!(found.places > 1000, "{found:?}");
+    assert!(found.places > 500, "{found:?}");
 }
 
 #[test]

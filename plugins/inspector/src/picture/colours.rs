@@ -124,10 +124,7 @@ mod tests {
             let next = brightness(level_colour(level + 1));
             let ratio = (brightness(level_colour(level)) + 0.05) / (next + 0.05);
             let is_last = level + 1 == LEVELS;
-            assert!(
-                is_last || !(0.72..1.4).contains(&ratio),
-                "{level}: {ratio}"
-            );
+            assert!(is_last || !(0.72..1.4).contains(&ratio), "{level}: {ratio}");
         }
         assert_eq!(level_colour(99), level_colour(LEVELS - 1));
     }
