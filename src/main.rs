@@ -9,6 +9,7 @@ use clap::Parser;
 use dolomite_game::bench::classic::matrix;
 use dolomite_game::bench::path::Path;
 use dolomite_game::bench::{self, BenchError, parts, start};
+use dolomite_game::run::ended::end;
 use dolomite_game::run::{began, shot, window};
 use dolomite_game::settings;
 
@@ -42,12 +43,13 @@ fn main() -> ExitCode {
             }
         };
     }
+    // From here on a device may have been opened.
     match run(line) {
-        Ok(AppExit::Success) => ExitCode::SUCCESS,
-        Ok(AppExit::Error(code)) => ExitCode::from(code.get()),
+        Ok(AppExit::Success) => end(0),
+        Ok(AppExit::Error(code)) => end(code.get()),
         Err(error) => {
             eprintln!("dolomite: {error}");
-            ExitCode::FAILURE
+            end(1)
         }
     }
 }

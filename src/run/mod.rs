@@ -2,7 +2,7 @@
 //!
 //! | file | concern |
 //! |---|---|
-//! | [`began`] | when the process began |
+//! | [`began`], [`ended`] | when the process began; its end |
 //! | [`device`] | is there a device that can draw this |
 //! | [`window`], [`patient`] | play in a window, which answers from its first frame on |
 //! | [`offscreen`], [`mod@shot`] | an app without a window; one picture from it |
@@ -10,6 +10,7 @@
 
 pub mod began;
 pub mod device;
+pub mod ended;
 pub mod meet;
 pub mod offscreen;
 pub mod patient;

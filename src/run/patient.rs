@@ -23,6 +23,7 @@ use bevy::tasks::{ComputeTaskPool, futures_lite::future};
 use bevy::window::WindowCloseRequested;
 use dolomite::inspector::Inspector;
 
+use super::ended::end;
 use crate::view::start::Starting;
 
 /// How long the renderer is waited for before the event loop has its turn.
@@ -216,6 +217,6 @@ fn leave_if_asked(world: &World) {
     let closed = world.get_resource::<Messages<WindowCloseRequested>>();
     let closed = closed.is_some_and(|closed| !closed.is_empty());
     if escape || closed {
-        std::process::exit(0);
+        end(0);
     }
 }
