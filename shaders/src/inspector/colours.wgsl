@@ -41,7 +41,7 @@ fn bounded(radiance: vec3<f32>) -> vec3<f32> {
     return radiance / (1.0 + max(radiance.r, max(radiance.g, radiance.b)));
 }
 
-// No ground, or nothing else that a picture shows: a grey, which no ramp or level has.
+// No ground, or nothing else that is to be seen: a grey, which no ramp or level has.
 const NOTHING: vec3<f32> = vec3(0.25, 0.25, 0.25);
 // What is beyond a ramp.
 const MORE: vec3<f32> = vec3(0.3, 0.65, 1.0);

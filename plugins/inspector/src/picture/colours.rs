@@ -39,7 +39,7 @@ pub fn heat(share: f32) -> Vec3 {
     Vec3::new(from(2.0), from(1.0) - from(3.0), from(0.0) - from(1.0))
 }
 
-/// No ground, or nothing else that a picture shows: a grey, which no ramp or level has.
+/// No ground, or nothing else that is to be seen: a grey, which no ramp or level has.
 pub const NOTHING: Vec3 = Vec3::splat(0.25);
 
 /// What is beyond a ramp.
