@@ -324,7 +324,8 @@ mod tests {
         let stays = walked(walker(false, true)).unwrap();
         assert_eq!((stays.lost, stays.airborne, stays.still), (0, 0.0, 1.0));
         assert_eq!(stays.depth, 0.0);
-        assert_eq!(stays.gaps.len(), 20 * 40);
+        // They hang where they were put, out of reach of what is below them.
+        assert!(stays.gaps.is_empty());
     }
 
     #[test]
