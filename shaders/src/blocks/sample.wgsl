@@ -45,7 +45,7 @@ fn sample_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
 #ifdef TERRAIN_TILED
     clip_near = ON_SAMPLES;
 #endif
-    let heights = four_heights(x, z);
+    let heights = four_heights(x, Four(z, z, z, z));
     let at = sample_row(group.y) + row * SAMPLES + column;
     // The last of a row stands alone.
     for (var i = 0u; i < min(4u, SAMPLES - column); i++) {

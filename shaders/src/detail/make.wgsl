@@ -1,5 +1,5 @@
 // Makes cells: a workgroup a block of four, eight threads a cell. Heights come from here alone. First the
-// samples, then errors, then the cell; each thread has every eighth sample, row or square of its cell.
+// samples, then errors, then the cell; each thread has every eighth four of samples, sample, row or square of its cell.
 
 #import dolomite::detail::types::Cell
 #import dolomite::detail::bindings::{cells, counts, detail, detail_pass, links, MAKE, blocks_before, make_block}
@@ -7,11 +7,14 @@
 #import dolomite::detail::lattice::{cell_half, cell_quarter, cell_sides, lattice_point}
 #import dolomite::detail::unseen::unseen
 #import dolomite::terrain::fixed::{Fixed, GroundPoint, fixed_add, fixed_negate, ground_point, ground_x, ground_z, mul_wide}
+#import dolomite::terrain::four::{Four, four_heights}
 #import dolomite::terrain::height::terrain_height
 
 // Threads of a cell. No barrier and no atomic number stands between them and a cell's errors: software Vulkan
 // pays for both by the thread.
 const THREADS: u32 = 8u;
+// Samples of a cell, four at a time.
+const FOURS: u32 = (COUNT + 3u) / 4u;
 
 // COUNT a cell.
 var<workgroup> heights: array<f32, 324>;
@@ -60,20 +63,38 @@ fn part(step: vec2<u32>, half: u32, k: u32) -> Fixed {
     return size;
 }
 
-fn sample_place(centre: vec2<u32>, half: u32, sample: u32) -> GroundPoint {
-    let middle = lattice_point(centre);
-    return ground_point(
-        fixed_add(ground_x(middle), part(detail.step_x, half, sample % SAMPLES)),
-        fixed_add(ground_z(middle), part(detail.step_z, half, sample / SAMPLES)),
+fn sample_x(middle: GroundPoint, half: u32, sample: u32) -> Fixed {
+    return fixed_add(ground_x(middle), part(detail.step_x, half, sample % SAMPLES));
+}
+
+fn sample_z(middle: GroundPoint, half: u32, sample: u32) -> Fixed {
+    return fixed_add(ground_z(middle), part(detail.step_z, half, sample / SAMPLES));
+}
+
+// Heights of four samples, one after the other; of the last one more than once where fewer are left.
+fn sample_four(middle: GroundPoint, half: u32, first: u32) -> vec4<f32> {
+    let at = min(vec4(first) + vec4(0u, 1u, 2u, 3u), vec4(COUNT - 1u));
+    return four_heights(
+        Four(
+            sample_x(middle, half, at.x),
+            sample_x(middle, half, at.y),
+            sample_x(middle, half, at.z),
+            sample_x(middle, half, at.w),
+        ),
+        Four(
+            sample_z(middle, half, at.x),
+            sample_z(middle, half, at.y),
+            sample_z(middle, half, at.z),
+            sample_z(middle, half, at.w),
+        ),
     );
 }
 
-// Middles of the sides 0 to 3, the centre 4; 5 for other samples.
-fn slot_of(i: u32, j: u32) -> u32 {
-    let upright = select(select(5u, 3u, j == STEPS), 1u, j == 0u);
-    let level = select(select(5u, 2u, i == STEPS), 0u, i == 0u);
-    let middle = select(level, 4u, i == MIDDLE);
-    return select(select(5u, upright, i == MIDDLE), middle, j == MIDDLE);
+// The sample in the middle of a side 0 to 3, or in the cell's, 4.
+fn sample_of_slot(slot: u32) -> u32 {
+    let i = select(select(MIDDLE, STEPS, slot == 2u), 0u, slot == 0u);
+    let j = select(select(MIDDLE, STEPS, slot == 3u), 0u, slot == 1u);
+    return j * SAMPLES + i;
 }
 
 fn bed(cell: u32, i: u32, j: u32) -> f32 {
@@ -269,13 +290,18 @@ fn make_cells(
         let number = make_block(at) + cell;
         let centre = links[number].centre;
         let half = cell_half(centre);
-        for (var k = own; k < COUNT; k += THREADS) {
-            let height = terrain_height(sample_place(centre, half, k));
-            heights[cell * COUNT + k] = height.x;
-            let slot = slot_of(k % SAMPLES, k / SAMPLES);
-            if slot < 5u {
-                corners[5u * cell + slot] = height;
+        let middle_point = lattice_point(centre);
+        for (var k = own; k < FOURS; k += THREADS) {
+            let four = sample_four(middle_point, half, 4u * k);
+            for (var i = 0u; i < min(4u, COUNT - 4u * k); i++) {
+                heights[cell * COUNT + 4u * k + i] = four[i];
             }
+        }
+        // Of five samples the gradient too.
+        if own < 5u {
+            let sample = sample_of_slot(own);
+            let place = ground_point(sample_x(middle_point, half, sample), sample_z(middle_point, half, sample));
+            corners[5u * cell + own] = terrain_height(place);
         }
         workgroupBarrier();
         var here = Found(vec4(0.0), 0.0, 0.0, 0.0, 1e30, -1e30, 1e30, -1e30, 0.0);

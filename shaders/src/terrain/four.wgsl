@@ -1,6 +1,6 @@
 #define_import_path dolomite::terrain::four
 
-// Heights of four places of one row at once: the height of height.wgsl, term by term, without its gradient. What is read of the
+// Heights of four places at once: the height of height.wgsl, term by term, without its gradient. What is read of the
 // terrain is read once for the four: on software Vulkan reading an octave takes longer than evaluating it. CPU reference:
 // `Terrain::sample` in plugins/terrain/src/terrain.rs.
 
@@ -105,8 +105,7 @@ fn four_masked(layer: Layer, below: vec4<f32>, added: vec4<f32>) -> vec4<f32> {
     return below + select(step * added, added, layer.mask_scale == 0.0);
 }
 
-fn four_heights(x: Four, z: Fixed) -> vec4<f32> {
-    let row = Four(z, z, z, z);
+fn four_heights(x: Four, z: Four) -> vec4<f32> {
     var height = vec4(terrain.base);
     for (var i = 0u; i < terrain.layer_count; i++) {
         let layer = terrain_layers[i];
@@ -114,46 +113,46 @@ fn four_heights(x: Four, z: Fixed) -> vec4<f32> {
         // As in height.wgsl.
 #ifndef TERRAIN_WITHOUT_FRACTALS
         if layer.kind <= ERODED {
-            added = four_fractals(layer, x, row);
+            added = four_fractals(layer, x, z);
         }
 #endif
 #ifndef TERRAIN_WITHOUT_CLASSIC
         if layer.kind == CLASSIC {
             added = vec4(
-                permutation_height(layer, x.a, z).x,
-                permutation_height(layer, x.b, z).x,
-                permutation_height(layer, x.c, z).x,
-                permutation_height(layer, x.d, z).x,
+                permutation_height(layer, x.a, z.a).x,
+                permutation_height(layer, x.b, z.b).x,
+                permutation_height(layer, x.c, z.c).x,
+                permutation_height(layer, x.d, z.d).x,
             );
         }
 #endif
 #ifndef TERRAIN_WITHOUT_MAPS
         if layer.kind == BILINEAR || layer.kind == BICUBIC {
             added = vec4(
-                map_height(layer, x.a, z).x,
-                map_height(layer, x.b, z).x,
-                map_height(layer, x.c, z).x,
-                map_height(layer, x.d, z).x,
+                map_height(layer, x.a, z.a).x,
+                map_height(layer, x.b, z.b).x,
+                map_height(layer, x.c, z.c).x,
+                map_height(layer, x.d, z.d).x,
             );
         }
 #endif
 #ifndef TERRAIN_WITHOUT_HILLS
         if layer.kind == HILL {
             added = vec4(
-                hill_height(layer, x.a, z).x,
-                hill_height(layer, x.b, z).x,
-                hill_height(layer, x.c, z).x,
-                hill_height(layer, x.d, z).x,
+                hill_height(layer, x.a, z.a).x,
+                hill_height(layer, x.b, z.b).x,
+                hill_height(layer, x.c, z.c).x,
+                hill_height(layer, x.d, z.d).x,
             );
         }
 #endif
 #ifndef TERRAIN_WITHOUT_EDITS
         if layer.kind >= EDITS_BILINEAR {
             added = vec4(
-                edits_height(layer, x.a, z).x,
-                edits_height(layer, x.b, z).x,
-                edits_height(layer, x.c, z).x,
-                edits_height(layer, x.d, z).x,
+                edits_height(layer, x.a, z.a).x,
+                edits_height(layer, x.b, z.b).x,
+                edits_height(layer, x.c, z.c).x,
+                edits_height(layer, x.d, z.d).x,
             );
         }
 #endif
