@@ -47,15 +47,7 @@ pub(crate) fn by_text(text: &str) -> Option<Crs> {
         let number = number.split(']').next()?.trim();
         let unit: f64 = number.parse().ok()?;
         let name = quoted(text);
-        // One with a parallel that is true to scale is not: its unit is not that of the equator.
-        let mercator = [
-            "MERCATOR_AUXILIARY_SPHERE",
-            "PSEUDO",
-            "\"MERCATOR_1SP\"",
-            "\"MERCATOR (VARIANT A)\"",
-        ]
-        .iter()
-        .any(|name| upper.contains(name));
+        let mercator = is_mercator(upper)?;
         return (unit > 0.0 && unit.is_finite()).then_some(Crs::Projected {
             epsg: None,
             name,
@@ -100,6 +92,33 @@ pub(crate) fn by_text(text: &str) -> Option<Crs> {
         unit,
         mercator: false,
     })
+}
+
+/// Whether a metre of the map is shorter on the ground the farther it is from the equator, where it is one. `None`: it is one elsewhere.
+fn is_mercator(upper: &str) -> Option<bool> {
+    if upper.contains("MERCATOR_AUXILIARY_SPHERE") || upper.contains("PSEUDO") {
+        return Some(true);
+    }
+    let after = |words: &[&str]| {
+        let mut rest = words.iter().filter_map(|word| upper.split_once(word));
+        rest.next().map(|(_, rest)| rest)
+    };
+    let method = after(&["PROJECTION[\"", "METHOD[\""]).and_then(|rest| rest.split('"').next());
+    match method {
+        Some("MERCATOR_1SP" | "MERCATOR (VARIANT A)") => Some(true),
+        Some("MERCATOR" | "MERCATOR_2SP" | "MERCATOR (VARIANT B)") => {
+            let names = [
+                "\"STANDARD_PARALLEL_1\",",
+                "\"LATITUDE OF 1ST STANDARD PARALLEL\",",
+            ];
+            let Some(rest) = after(&names) else {
+                return Some(true);
+            };
+            let parallel: f64 = rest.split([',', ']']).next()?.trim().parse().ok()?;
+            (parallel == 0.0).then_some(true)
+        }
+        _ => Some(false),
+    }
 }
 
 /// Bytes to the bracket that closes the first one, itself too; brackets in quotes do not count.
@@ -149,22 +168,31 @@ mod tests {
     #[test]
     fn lengths_of_a_cylinder_that_grow_with_the_latitude() {
         let of = |projection: &str| {
-            format!("PROJCS[\"x\",GEOGCS[\"y\"],PROJECTION[\"{projection}\"],UNIT[\"metre\",1]]")
+            format!("PROJCS[\"x\",GEOGCS[\"y\"],PROJECTION[\"{projection}],UNIT[\"metre\",1]]")
+        };
+        let parallel = |degrees: &str| {
+            format!("Mercator\"],PARAMETER[\"Standard_Parallel_1\",{degrees}]")
+                .trim_end_matches(']')
+                .to_owned()
         };
         for (projection, wanted) in [
-            ("Mercator_1SP", true),
-            ("Mercator_Auxiliary_Sphere", true),
-            ("Mercator_2SP", false),
-            ("Transverse_Mercator", false),
+            ("Mercator_1SP\"".to_owned(), Some(true)),
+            ("Mercator_Auxiliary_Sphere\"".to_owned(), Some(true)),
+            ("Mercator_2SP\"".to_owned(), Some(true)),
+            (parallel("0.0"), Some(true)),
+            // Its unit is one at another latitude.
+            (parallel("42.0"), None),
+            ("Transverse_Mercator\"".to_owned(), Some(false)),
+            ("Hotine_Oblique_Mercator\"".to_owned(), Some(false)),
         ] {
-            let crs = by_text(&of(projection)).expect("its unit is known");
-            let Crs::Projected { mercator, .. } = crs else {
-                panic!("{crs:?}");
-            };
+            let mercator = by_text(&of(&projection)).map(|crs| match crs {
+                Crs::Projected { mercator, .. } => mercator,
+                other => panic!("{other:?}"),
+            });
             assert_eq!(mercator, wanted, "{projection}");
         }
         // What is cut off within its brackets is none.
-        let whole = of("Mercator_1SP");
+        let whole = of("Mercator_1SP\"");
         for length in 0..whole.len() {
             assert_eq!(by_text(&whole[..length]), None, "{length}");
         }

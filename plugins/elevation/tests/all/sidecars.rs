@@ -311,8 +311,7 @@ fn a_grid_of_text_may_begin_with_blanks() {
     for blanks in [0, 1, 500, 507, 510, 511, 512, 513, 600, 5_000, 60_000] {
         for mark in ["", "\u{feff}"] {
             let file = format!("{mark}{}{text}", "\r\n \t".repeat(blanks / 4 + 1));
-            let file = &file.as_bytes()[..];
-            let map = Elevation::decode("a.txt", file, &Options::default());
+            let map = Elevation::decode("a.txt", file.as_bytes(), &Options::default());
             let map = map.unwrap_or_else(|error| panic!("{blanks}: {error}"));
             assert_eq!(map.samples, [1.0, 2.0]);
         }
