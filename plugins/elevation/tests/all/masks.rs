@@ -12,7 +12,7 @@ use tiff::tags::Tag;
 
 /// Whether the mask of our tests has data there.
 fn there(column: u32, row: u32) -> bool {
-    (column * 5 + row * 3) % 7 != 0 && row != 11
+    !(column * 5 + row * 3).is_multiple_of(7) && row != 11
 }
 
 /// A mask of so many columns and rows, in pieces of so many rows.
