@@ -13,7 +13,7 @@ use super::elevation::ReadArgs;
 
 /// Say what a file of elevation is, picture it, convert it.
 ///
-/// Reads PNG, TIFF, GeoTIFF, ESRI ASCII, HGT and raw numbers.
+/// Reads PNG, TIFF, GeoTIFF, ESRI ASCII, HGT and raw numbers, with what stands beside them: .aux.xml, world files, .prj, .msk.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     dolomite heights alps.tif --out relief.png\n  \

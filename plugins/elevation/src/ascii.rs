@@ -5,10 +5,13 @@
 
 use crate::about::{FileKind, NumberType};
 use crate::error::ElevationError;
-use crate::georeference::{Crs, FOOT, Georeference, Registration, US_FOOT};
+use crate::georeference::Registration;
 use crate::grid::{Grid, check_size};
-use crate::input::{Input, LONGEST, number};
+use crate::input::Input;
+use crate::lattice::{Lattice, Own};
+use crate::number::{LONGEST, number};
 use crate::samples::Elevation;
+use crate::sidecars::Numbers;
 use std::io::{BufRead, BufReader, Read};
 
 /// The keys that there are.
@@ -35,6 +38,13 @@ pub(crate) fn is_header(head: &[u8]) -> bool {
         KEYS.iter()
             .any(|key| key.as_bytes().eq_ignore_ascii_case(word))
     })
+}
+
+/// Whether a grid may begin beyond these first bytes of a file: they are blanks, or the first word may go on.
+pub(crate) fn may_begin_later(head: &[u8]) -> bool {
+    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    let longest = KEYS.iter().map(|key| key.len()).max().unwrap_or(0);
+    head.trim_ascii_start().len() <= longest
 }
 
 /// What the keys say.
@@ -112,12 +122,17 @@ fn header<R: BufRead>(
         place,
         reason,
     };
-    let failed = |error: std::io::Error| crate::input::read_error(file, &error);
+    let failed = |error: std::io::Error| crate::error::read_error(file, &error);
     let mut header = Header::default();
     // The first word that is no key is the first sample.
     let first = loop {
         let word = words.next().map_err(failed)?.to_vec();
-        let word = word.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&word).to_vec();
+        let plain = word.strip_prefix(b"\xef\xbb\xbf");
+        if plain.is_some_and(<[u8]>::is_empty) {
+            // The mark of UTF-8, and blanks behind it.
+            continue;
+        }
+        let word = plain.unwrap_or(&word).to_vec();
         let Some(key) = KEYS
             .iter()
             .find(|key| key.as_bytes().eq_ignore_ascii_case(&word))
@@ -143,14 +158,14 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
     let file = input.file.to_owned();
     let feed = std::mem::take(&mut input.feed);
     let bytes = input.bytes;
-    let projection = input.projection.take();
+    let sidecars = std::mem::take(&mut input.sidecars);
     let damaged = |place: String, reason: String| ElevationError::Damaged {
         file: file.clone(),
         kind: "ESRI ASCII grid",
         place,
         reason,
     };
-    let failed = |error: std::io::Error| crate::input::read_error(&file, &error);
+    let failed = |error: std::io::Error| crate::error::read_error(&file, &error);
     let mut words = Words {
         from: BufReader::with_capacity(1 << 16, &mut *input.source as &mut dyn Read),
         word: Vec::new(),
@@ -166,11 +181,16 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
             format!("{samples} samples cannot be in {bytes} bytes"),
         ));
     }
-    let nodata: Vec<f64> = header.nodata.into_iter().collect();
-    let own = (&nodata[..], (1.0, 0.0));
+    let own = Numbers {
+        nodata: header.nodata.into_iter().collect(),
+        ..Numbers::default()
+    };
+    let numbers = sidecars.numbers(1, own);
+    let (nodata, scale) = (&numbers.nodata[..], numbers.scaled());
+    let own = (nodata, scale);
     let too_wide = || damaged("key ncols".to_owned(), "a row is too long".to_owned());
     let mut grid = Grid::fed(&file, size, input.options, feed, own, 1, too_wide)?;
-    grid.wide(&nodata, (1.0, 0.0));
+    grid.wide(nodata, scale);
     let mut word = first;
     let mut line = Vec::new();
     for row in 0..rows as usize {
@@ -196,9 +216,16 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
         ));
     }
     drop(words);
-    let settled = grid.settle(&nodata, (1.0, 0.0))?;
+    let settled = grid.settle(nodata, scale)?;
     let mut map = Elevation::new(&file, settled, (FileKind::Ascii, size, NumberType::Text));
-    header.place(&mut map, projection.as_deref(), input)?;
+    numbers.tell(&mut map.about);
+    let own = Place(header.lattice(rows));
+    sidecars.place(&mut map, (&file, input.options), &own)?;
+    if map.georeference.is_none() {
+        map.about
+            .notes
+            .push("place or cell size is missing, so where it lies is not known".to_owned());
+    }
     Ok(map)
 }
 
@@ -226,168 +253,37 @@ impl Header {
         Some(())
     }
 
-    /// Tells the map where it lies.
-    fn place(
-        &self,
-        map: &mut Elevation,
-        projection: Option<&str>,
-        input: &Input<'_>,
-    ) -> Result<(), ElevationError> {
-        let (Some((x, x_centre)), Some((y, y_centre)), [Some(dx), Some(dy)]) =
-            (self.x, self.y, self.step)
-        else {
-            map.about
-                .notes
-                .push("place or cell size is missing, so where it lies is not known".to_owned());
-            return Ok(());
-        };
-        let [_, rows] = map.about.size.map(f64::from);
+    /// Columns and rows on the ground.
+    fn lattice(&self, rows: u32) -> Option<Lattice> {
+        let ((x, x_centre), (y, y_centre)) = (self.x?, self.y?);
+        let step = [self.step[0]?, self.step[1]?];
         let half = |centre: bool| if centre { 0.0 } else { 0.5 };
         let first = [
-            x + half(x_centre) * dx,
-            y + (half(y_centre) + rows - 1.0) * dy,
+            x + half(x_centre) * step[0],
+            y + (half(y_centre) + f64::from(rows) - 1.0) * step[1],
         ];
         let registration = if x_centre && y_centre {
             Registration::Point
         } else {
             Registration::Area
         };
-        let crs = match projection {
-            Some(text) => match by_prj(text) {
-                Some(crs) => crs,
-                None if input.options.any_projection => Crs::Unknown,
-                None => {
-                    return Err(ElevationError::Projection {
-                        file: input.file.to_owned(),
-                        again: input.options.command(input.file),
-                        tag: "the .prj beside it".to_owned(),
-                        name: text.chars().take(60).collect(),
-                    });
-                }
-            },
-            None => {
-                let south = y + (half(y_centre) - 0.5) * dy;
-                let on_earth = x.abs() <= 360.0
-                    && south >= -91.0
-                    && south + rows * dy <= 91.0
-                    && dx.max(dy) <= 1.0;
-                let (crs, said) = if on_earth {
-                    let name = String::new();
-                    (
-                        Crs::Degrees { epsg: None, name },
-                        "degrees: they all lie on the globe",
-                    )
-                } else {
-                    let (name, epsg) = (String::new(), None);
-                    let plane = Crs::Projected {
-                        epsg,
-                        name,
-                        unit: 1.0,
-                        mercator: false,
-                    };
-                    (plane, "metres: they do not lie on a globe in degrees")
-                };
-                map.about.notes.push(format!(
-                    "no .prj stands beside it; its places are taken for {said}"
-                ));
-                crs
-            }
-        };
-        let georeference = Georeference {
-            crs,
+        Some(Lattice {
             first,
-            step: [dx, dy],
+            step,
             registration,
-        };
-        map.lies_at(georeference, input.options.every);
-        Ok(())
+        })
     }
 }
 
-/// The coordinate system of a `.prj`: well-known text, or ESRI's old keys and values.
-fn by_prj(text: &str) -> Option<Crs> {
-    // Spaces may stand about brackets and commas.
-    let text = text
-        .trim_start_matches('\u{feff}')
-        .trim()
-        .replace(" [", "[");
-    let text = text.as_str();
-    let upper = text.to_ascii_uppercase();
-    let quoted = |text: &str| text.split('"').nth(1).unwrap_or_default().to_owned();
-    // A compound system holds the plane, or the globe, before the heights.
-    let part = |words: &[&str]| {
-        let at = words.iter().filter_map(|word| upper.find(word)).min()?;
-        Some(at..at + bracketed(&upper[at..])?)
-    };
-    if let Some(plane) = part(&["PROJCS[", "PROJCRS["]) {
-        let (upper, text) = (&upper[plane.clone()], &text[plane]);
-        // The last unit is that of the plane: those before it are of the angles.
-        let last = upper.rfind("UNIT[")?;
-        let number = upper[last..].split(',').nth(1)?;
-        let number = number.split(']').next()?.trim();
-        let unit: f64 = number.parse().ok()?;
-        let name = quoted(text);
-        let mercator = upper.contains("MERCATOR_AUXILIARY_SPHERE") || upper.contains("PSEUDO");
-        return (unit > 0.0 && unit.is_finite()).then_some(Crs::Projected {
-            epsg: None,
-            name,
-            unit,
-            mercator,
-        });
-    }
-    if let Some(globe) = part(&["GEOGCS[", "GEOGCRS[", "GEODCRS["]) {
-        return Some(Crs::Degrees {
-            epsg: None,
-            name: quoted(&text[globe]),
-        });
-    }
-    // PROJECTION GEOGRAPHIC, UNITS DD
-    let value = |key: &str| {
-        let line = upper
-            .lines()
-            .find(|line| line.split_whitespace().next() == Some(key))?;
-        line.split_whitespace().nth(1).map(str::to_owned)
-    };
-    let name = value("PROJECTION")?;
-    if name == "GEOGRAPHIC" {
-        // Seconds and minutes (DS, DM) are other lengths.
-        if value("UNITS").is_some_and(|units| units != "DD") {
-            return None;
-        }
-        return Some(Crs::Degrees {
-            epsg: None,
-            name: String::new(),
-        });
-    }
-    let unit = match value("UNITS")?.as_str() {
-        "METERS" | "METRES" | "METER" | "METRE" => 1.0,
-        "FEET" => US_FOOT,
-        "INTERNATIONAL_FEET" | "FT" => FOOT,
-        _ => return None,
-    };
-    Some(Crs::Projected {
-        epsg: None,
-        name,
-        unit,
-        mercator: false,
-    })
-}
+/// Its place, of which no key says what its numbers are.
+struct Place(Option<Lattice>);
 
-/// Bytes to the bracket that closes the first one, itself too; brackets in quotes do not count.
-fn bracketed(text: &str) -> Option<usize> {
-    let (mut depth, mut quoted) = (0_usize, false);
-    for (at, byte) in text.bytes().enumerate() {
-        match byte {
-            b'"' => quoted = !quoted,
-            b'[' if !quoted => depth += 1,
-            b']' if !quoted => {
-                depth = depth.checked_sub(1)?;
-                if depth == 0 {
-                    return Some(at + 1);
-                }
-            }
-            _ => {}
-        }
+impl Own for Place {
+    fn lattice(&self) -> Result<Option<Lattice>, ElevationError> {
+        Ok(self.0)
     }
-    None
+
+    fn tag(&self) -> &'static str {
+        "its place and the .prj beside it"
+    }
 }

@@ -226,6 +226,20 @@ pub enum ElevationError {
         /// Name or number of the projection.
         name: String,
     },
+    /// A file beside the map that counts for it and cannot be understood.
+    #[error(
+        "{file}, which stands beside {map}: {place}: {reason}; mend it, or move it away and it does not count"
+    )]
+    Sidecar {
+        /// The file beside the map.
+        file: String,
+        /// The map.
+        map: String,
+        /// Line, byte, element or tag.
+        place: String,
+        /// What is wrong there.
+        reason: String,
+    },
     /// Tiles that do not make one map.
     #[error("{file} and {other}: {reason}")]
     Tiles {
@@ -319,5 +333,13 @@ pub(crate) fn typed(word: &str) -> String {
         word.to_owned()
     } else {
         format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+/// An error of the system while a file is read.
+pub(crate) fn read_error(file: &str, error: &std::io::Error) -> ElevationError {
+    ElevationError::Read {
+        file: file.to_owned(),
+        reason: error.to_string(),
     }
 }

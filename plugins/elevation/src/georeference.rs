@@ -72,6 +72,19 @@ pub(crate) const US_FOOT: f64 = 1200.0 / 3937.0;
 /// Metres a foot.
 pub(crate) const FOOT: f64 = 0.3048;
 
+/// Metres a unit, by its name in GDAL.
+pub(crate) fn unit_by_name(name: &str) -> Option<f64> {
+    Some(match name.to_ascii_lowercase().as_str() {
+        "m" | "metre" | "meter" | "metres" | "meters" => 1.0,
+        "ft" | "foot" | "feet" | "international foot" => FOOT,
+        "us survey foot" | "us-ft" | "ussft" | "us survey feet" | "foot_us" => US_FOOT,
+        "km" => 1000.0,
+        "cm" => 0.01,
+        "dm" => 0.1,
+        _ => return None,
+    })
+}
+
 /// The name of a unit of so many metres.
 #[must_use]
 pub(crate) fn unit_name(metres: f64) -> String {

@@ -2,11 +2,13 @@
 
 use crate::about::{FileKind, NumberType};
 use crate::error::ElevationError;
-use crate::georeference::{Crs, Georeference, Registration};
+use crate::georeference::{Crs, Registration};
 use crate::input::Input;
+use crate::lattice::{Lattice, Own};
 use crate::options::{ByteOrder, Raw};
 use crate::raw;
 use crate::samples::Elevation;
+use crate::sidecars::Numbers;
 use std::path::Path;
 
 /// Columns and rows: 3, 1 and half an arc second, and 2 by 1 arc seconds as north of 50° N.
@@ -35,30 +37,56 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
         order: ByteOrder::Big,
         ..Raw::default()
     };
-    let mut map = raw::read_with(input, &layout, &[-32_768.0])?;
-    map.about.kind = FileKind::Hgt;
-    map.about.unit_metres = Some(1.0);
     let name = Path::new(input.file).file_stem().unwrap_or_default();
-    match corner(&name.to_string_lossy()) {
-        Some([east, north]) => {
-            let step = size.map(|n| 1.0 / f64::from(n - 1));
-            let georeference = Georeference {
-                crs: Crs::Degrees {
-                    epsg: Some(4326),
-                    name: "WGS 84".to_owned(),
-                },
-                first: [east, north + 1.0],
-                step,
-                registration: Registration::Point,
-            };
-            map.lies_at(georeference, input.options.every);
-        }
-        None => map.about.notes.push(
+    let place = Degree {
+        size,
+        corner: corner(&name.to_string_lossy()),
+    };
+    let own = Numbers {
+        nodata: vec![-32_768.0],
+        unit: Some(1.0),
+        ..Numbers::default()
+    };
+    let mut map = raw::read_with(input, &layout, own, &place)?;
+    map.about.kind = FileKind::Hgt;
+    if map.georeference.is_none() {
+        map.about.notes.push(
             "its name is not that of a degree, such as N36W085.hgt, so where it lies is not known"
                 .to_owned(),
-        ),
+        );
     }
     Ok(map)
+}
+
+/// The degree that a file is of, so far as its name tells it.
+struct Degree {
+    size: [u32; 2],
+    corner: Option<[f64; 2]>,
+}
+
+impl Own for Degree {
+    fn lattice(&self) -> Result<Option<Lattice>, ElevationError> {
+        Ok(self.corner.map(|[east, north]| Lattice {
+            first: [east, north + 1.0],
+            step: self.size.map(|n| 1.0 / f64::from(n - 1)),
+            registration: Registration::Point,
+        }))
+    }
+
+    fn crs(&self) -> Result<Option<Crs>, ElevationError> {
+        Ok(Some(Crs::Degrees {
+            epsg: Some(4326),
+            name: "WGS 84".to_owned(),
+        }))
+    }
+
+    fn registration(&self) -> Option<Registration> {
+        Some(Registration::Point)
+    }
+
+    fn tag(&self) -> &'static str {
+        "its name"
+    }
 }
 
 /// Longitude and latitude of the south-western corner, from a name such as `N36W085` or `s01e012_v3`.

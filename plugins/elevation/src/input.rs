@@ -1,9 +1,11 @@
 //! What every reader of a kind is given.
 
-use crate::error::ElevationError;
+use crate::error::{ElevationError, read_error};
 use crate::grid::Feed;
 use crate::options::Options;
-use std::io::{Read, Seek};
+use crate::sidecars::Sidecars;
+use std::fs::File;
+use std::io::{Cursor, Read, Seek};
 use std::path::Path;
 
 /// What is read: a file, or bytes.
@@ -11,6 +13,15 @@ pub(crate) trait Source: Read + Seek + Send {
     /// The same once more, for another thread, where that is cheap.
     fn again(&self) -> Option<Box<dyn Source>> {
         None
+    }
+}
+
+impl Source for File {}
+impl Source for Cursor<&[u8]> {}
+
+impl<S: Source + ?Sized> Source for &mut S {
+    fn again(&self) -> Option<Box<dyn Source>> {
+        (**self).again()
     }
 }
 
@@ -24,8 +35,8 @@ pub(crate) struct Input<'a> {
     pub bytes: u64,
     /// How it is read.
     pub options: &'a Options,
-    /// Text of the `.prj` beside it, if there is one.
-    pub projection: Option<String>,
+    /// What stands beside it and counts for it.
+    pub sidecars: Sidecars,
     /// Where rows go.
     pub feed: Feed<'a>,
 }
@@ -37,78 +48,8 @@ impl Input<'_> {
     }
 }
 
-pub(crate) fn read_error(file: &str, error: &std::io::Error) -> ElevationError {
-    ElevationError::Read {
-        file: file.to_owned(),
-        reason: error.to_string(),
-    }
-}
-
 /// The ending of a file's name, in small letters.
 pub(crate) fn ending(file: &str) -> String {
     let ending = Path::new(file).extension().unwrap_or_default();
     ending.to_string_lossy().to_lowercase()
-}
-
-/// The longest word that is a number: far more than the digits of any f64.
-pub(crate) const LONGEST: usize = 64;
-
-/// A number as C reads it; some write a comma for the point, and what is no number as Microsoft's C did.
-pub(crate) fn number(word: &[u8]) -> Option<f64> {
-    if word.len() > LONGEST {
-        return None;
-    }
-    let text = std::str::from_utf8(word).ok()?;
-    if let Ok(number) = text.parse() {
-        return Some(number);
-    }
-    let size = text.strip_prefix(['+', '-']).unwrap_or(text);
-    let is = |begin: &str| {
-        let head = size.get(..begin.len());
-        head.is_some_and(|head| head.eq_ignore_ascii_case(begin))
-    };
-    if is("1.#INF") {
-        let sign = if text.starts_with('-') { -1.0 } else { 1.0 };
-        return Some(sign * f64::INFINITY);
-    }
-    if ["1.#QNAN", "1.#SNAN", "1.#IND", "nan("].into_iter().any(is) {
-        return Some(f64::NAN);
-    }
-    // Fortran's double precision.
-    let plain = text.replace(',', ".").replace(['d', 'D'], "e");
-    let begins = size.starts_with(|c: char| c.is_ascii_digit() || c == '.' || c == ',');
-    begins.then(|| plain.parse().ok())?
-}
-
-#[cfg(test)]
-mod tests {
-    use super::number;
-
-    #[test]
-    fn numbers_as_people_write_them() {
-        for (text, wanted) in [
-            ("5", 5.0),
-            ("+5", 5.0),
-            ("-.5", -0.5),
-            ("5.", 5.0),
-            ("1e3", 1000.0),
-            ("1.5E+03", 1500.0),
-            ("-1,5", -1.5),
-            ("1.5D+03", 1500.0),
-            ("-3.4028234663852886e+38", -3.402_823_466_385_288_6e38),
-            ("inf", f64::INFINITY),
-            ("-1.#INF00", f64::NEG_INFINITY),
-        ] {
-            assert_eq!(number(text.as_bytes()), Some(wanted), "{text}");
-        }
-        for text in ["nan", "NaN", "-nan", "1.#QNAN", "-1.#IND", "nan(0x8)"] {
-            let number = number(text.as_bytes());
-            assert!(number.is_some_and(f64::is_nan), "{text}");
-        }
-        for text in [
-            "", "+", "++5", "+-5", "5m", "1.2.3", "1.234,5", "four", "0x10", "-", "d5", "e5",
-        ] {
-            assert_eq!(number(text.as_bytes()), None, "{text}");
-        }
-    }
 }

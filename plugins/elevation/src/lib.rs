@@ -25,12 +25,18 @@
 //! # Ok::<(), dolomite_elevation::ElevationError>(())
 //! ```
 //!
+//! What stands beside a file counts too: GDAL's `.aux.xml`, a world file, a `.prj` and a mask (`.msk`), in the file's own folder and in any letter
+//! case. Of the place GDAL's own goes first, then the file itself, then the world file; of no data, scale and unit the file itself goes
+//! first; a mask in the file goes before one beside it. [`About::notes`] says what was used.
+//!
 //! Conventions: columns run to the east, rows to the south; a place of a map is that of a sample's centre.
 
 mod about;
 mod ascii;
+mod crs;
 mod error;
 mod extremes;
+mod gaps;
 mod geodesy;
 mod georeference;
 mod grid;
@@ -38,9 +44,11 @@ mod hgt;
 mod hillshade;
 mod holes;
 mod input;
+mod lattice;
 mod looks;
 mod mosaic;
 mod nodata;
+mod number;
 mod options;
 mod parts;
 mod picture;
@@ -49,6 +57,7 @@ mod raw;
 mod read;
 mod refuse;
 mod samples;
+mod sidecars;
 mod through;
 mod tiff;
 mod tiled;

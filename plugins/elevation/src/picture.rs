@@ -7,8 +7,10 @@ use crate::about::{FileKind, NumberType};
 use crate::error::ElevationError;
 use crate::grid::{Grid, check_size};
 use crate::input::Input;
+use crate::lattice::Nowhere;
 use crate::options::{NoData, Options};
 use crate::samples::Elevation;
+use crate::sidecars::Numbers;
 use png::{ColorType, Decoder, DecodingError, Limits, Transformations};
 use std::io::BufReader;
 
@@ -60,9 +62,10 @@ pub(crate) fn head(input: &mut Input<'_>) -> Result<([u32; 2], NumberType), Elev
 pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
     let (file, options, bytes) = (input.file, input.options, input.bytes);
     let feed = std::mem::take(&mut input.feed);
+    let sidecars = std::mem::take(&mut input.sidecars);
     let damaged = |place: &str, error: DecodingError| match error {
         DecodingError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
-            crate::input::read_error(file, &error)
+            crate::error::read_error(file, &error)
         }
         error => ElevationError::Damaged {
             file: file.to_owned(),
@@ -94,6 +97,12 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
         },
         _ => Vec::new(),
     };
+    let own = Numbers {
+        nodata,
+        ..Numbers::default()
+    };
+    let numbers = sidecars.numbers(options.band.unwrap_or(1), own);
+    let (nodata, scale) = (&numbers.nodata[..], numbers.scaled());
     let row_bytes = (u64::from(size[0]) * (channels.count * bits) as u64).div_ceil(8);
     let raw = row_bytes.saturating_mul(u64::from(size[1]));
     if raw / MOST_DEFLATE > bytes {
@@ -113,7 +122,7 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
         convert: format!("gdal_translate {} plain.tif", crate::error::typed(file)),
     };
     let complete = if interlaced { size[1] } else { 1 };
-    let own = (&nodata[..], (1.0, 0.0));
+    let own = (nodata, scale);
     let mut grid = Grid::fed(file, size, options, feed, own, complete, too_large)?;
     let mut passes = passes(size, interlaced).into_iter().flatten();
     let mut rows = 0;
@@ -141,7 +150,7 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
         });
     }
     drop(reader);
-    let settled = grid.settle_with_gaps(&nodata, (1.0, 0.0), true)?;
+    let settled = grid.settle_with_gaps(nodata, scale, true)?;
     let number = number_of(bits);
     let mut map = Elevation::new(file, settled, (FileKind::Png, size, number));
     map.about.bands = channels.count as u32;
@@ -149,12 +158,14 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
     if interlaced {
         map.about.packing.push_str(", interlaced");
     }
+    numbers.tell(&mut map.about);
     if bits <= 8 {
         map.about.notes.push(format!(
             "{bits} bits a sample are {} steps of height: hills will have terraces",
             1 << bits
         ));
     }
+    sidecars.place(&mut map, (file, options), &Nowhere)?;
     Ok(map)
 }
 

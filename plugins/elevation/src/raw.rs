@@ -4,11 +4,13 @@ use crate::about::{FileKind, NumberType};
 use crate::error::ElevationError;
 use crate::grid::{Grid, check_size};
 use crate::input::{Input, Source, ending};
+use crate::lattice::{Nowhere, Own};
 use crate::nodata::named;
 use crate::options::{ByteOrder, Options, Raw};
 use crate::parts::threads;
 use crate::progress::ElevationProgress;
 use crate::samples::Elevation;
+use crate::sidecars::Numbers;
 use std::io::SeekFrom;
 
 /// Bytes that are read at a time: more than a disk's block, less than a cache.
@@ -30,34 +32,40 @@ fn by_ending(file: &str) -> NumberType {
 }
 
 pub(crate) fn read(input: &mut Input<'_>, raw: &Raw) -> Result<Elevation, ElevationError> {
-    read_with(input, raw, &[])
+    read_with(input, raw, Numbers::default(), &Nowhere)
 }
 
-/// As [`read`], of a kind in which some numbers stand for no data.
+/// As [`read`], of a kind that says more of its numbers and its place.
 pub(crate) fn read_with(
     input: &mut Input<'_>,
     raw: &Raw,
-    nodata: &[f64],
+    own: Numbers,
+    place: &dyn Own,
 ) -> Result<Elevation, ElevationError> {
+    let sidecars = std::mem::take(&mut input.sidecars);
+    let numbers = sidecars.numbers(1, own);
+    let (nodata, scale) = (&numbers.nodata[..], numbers.scaled());
+    let is_scaled = scale != (1.0, 0.0);
     let (number, size) = told(input.file, input.bytes, raw)?;
     let plan = Plan::new(input.file, input.bytes, input.options, raw, number, size)?;
     let feed = std::mem::take(&mut input.feed);
     // f32 does not hold them all: one by one, before they are rounded.
     let told = named(input.options, nodata);
-    let wide = number == NumberType::U32 && told.iter().any(|&n| n > f64::from(1 << 24));
-    let grid = if feed.sink.is_some() || wide {
+    let wide =
+        number == NumberType::U32 && (is_scaled || told.iter().any(|&n| n > f64::from(1 << 24)));
+    let grid = if feed.sink.is_some() || feed.mask.is_some() || wide {
         let convert = || ElevationError::Memory {
             file: input.file.to_owned(),
             again: input.options.command(input.file),
             bytes: 4 * u64::from(size[0]),
         };
-        let own = (nodata, (1.0, 0.0));
+        let own = (nodata, scale);
         let mut grid = Grid::fed(input.file, size, input.options, feed, own, 1, convert)?;
         if wide {
-            grid.wide(nodata, (1.0, 0.0));
+            grid.wide(nodata, scale);
         }
         plan.feed(&mut *input.source, &mut grid, wide)
-            .map_err(|error| crate::input::read_error(input.file, &error))?;
+            .map_err(|error| crate::error::read_error(input.file, &error))?;
         grid
     } else {
         let layout = Layout {
@@ -72,10 +80,12 @@ pub(crate) fn read_with(
         samples(input, &layout, &mut grid)?;
         grid
     };
-    let settled = grid.settle(nodata, (1.0, 0.0))?;
+    let settled = grid.settle(nodata, scale)?;
     let mut map = Elevation::new(input.file, settled, (FileKind::Raw, size, number));
     map.about.packing = packing(raw.order);
-    let short = matches!(number, NumberType::U16 | NumberType::I16);
+    numbers.tell(&mut map.about);
+    // Whether they look swapped is seen of the numbers as they are stored.
+    let short = matches!(number, NumberType::U16 | NumberType::I16) && !is_scaled;
     if short && looks_swapped(number, size[0] as usize, &map.samples) {
         let other = match raw.order {
             ByteOrder::Little => "big",
@@ -85,6 +95,7 @@ pub(crate) fn read_with(
             "these look like numbers in the other byte order: with `--raw-order {other}` neighbours differ sixteen times less"
         ));
     }
+    sidecars.place(&mut map, (input.file, input.options), place)?;
     Ok(map)
 }
 
@@ -263,7 +274,7 @@ fn samples(
         }
         all
     });
-    all.map_err(|error| crate::input::read_error(file, &error))
+    all.map_err(|error| crate::error::read_error(file, &error))
 }
 
 impl Layout {

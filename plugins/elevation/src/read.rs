@@ -1,12 +1,14 @@
 //! From a file to samples: which kind it is, and who reads it.
 
 use crate::about::{FileKind, Head, NumberType};
-use crate::error::ElevationError;
+use crate::error::{ElevationError, read_error};
+use crate::gaps::MaskBeside;
 use crate::grid::{Feed, MOST_SAMPLES};
-use crate::input::{Input, Source, ending, read_error};
-use crate::options::{Options, Raw};
+use crate::input::{Input, Source, ending};
+use crate::options::{NoData, Options, Raw};
 use crate::progress::ElevationProgress;
 use crate::samples::Elevation;
+use crate::sidecars::{Numbers, Sidecars};
 use crate::{ascii, hgt, picture, raw, tiff};
 use std::fs::File;
 use std::io::{Cursor, Read, Seek, SeekFrom};
@@ -34,29 +36,14 @@ impl Source for Opened<'_> {
     fn again(&self) -> Option<Box<dyn Source>> {
         // A handle of its own: clones share one position.
         let file = File::open(self.path).ok()?;
-        Some(Box::new(Again(file)))
+        Some(Box::new(file))
     }
 }
-
-struct Again(File);
-
-impl Read for Again {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        self.0.read(buffer)
-    }
-}
-
-impl Seek for Again {
-    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
-        self.0.seek(to)
-    }
-}
-
-impl Source for Again {}
-impl Source for Cursor<&[u8]> {}
 
 /// The first bytes tell the kind; no header that is looked for is longer, blanks before it aside.
-const HEAD: usize = 512;
+const HEAD: u64 = 512;
+/// Blanks before the header of a grid of text that are passed over, at most.
+const BLANKS: u64 = 1 << 16;
 
 impl Elevation {
     /// Reads a file.
@@ -102,19 +89,21 @@ impl Elevation {
         };
         with_input(path, &any, Feed::default(), |mut input| {
             let kind = found(&mut input)?;
+            let beside = |band| input.sidecars.numbers(band, Numbers::default()).unit;
+            let (unit, of_band) = (beside(1), beside(options.band.unwrap_or(1)));
             Ok(match &kind {
                 Found::Raw(told) => {
                     let (number, size) = raw::told(input.file, input.bytes, told)?;
-                    Head::new(FileKind::Raw, size, number, None)
+                    Head::new(FileKind::Raw, size, number, unit)
                 }
                 Found::Png => {
                     let (size, number) = picture::head(&mut input)?;
-                    Head::new(FileKind::Png, size, number, None)
+                    Head::new(FileKind::Png, size, number, of_band)
                 }
                 Found::Tiff => tiff::head(&mut input)?,
                 Found::Ascii => {
                     let size = ascii::size(&mut input)?;
-                    Head::new(FileKind::Ascii, size, NumberType::Text, None)
+                    Head::new(FileKind::Ascii, size, NumberType::Text, unit)
                 }
                 Found::Hgt => {
                     let size = hgt::size(&input)?;
@@ -143,13 +132,13 @@ impl Elevation {
             bytes: bytes.len() as u64,
             source: &mut Cursor::new(bytes),
             options,
-            projection: None,
+            sidecars: Sidecars::default(),
             feed: Feed::default(),
         })
     }
 }
 
-/// Opens a file and lets `work` read it.
+/// Opens a file, looks for what stands beside it, and lets `work` read it.
 pub(crate) fn with_input<R>(
     path: &Path,
     options: &Options,
@@ -163,12 +152,12 @@ pub(crate) fn with_input<R>(
         let error = std::io::Error::other("it is not a file");
         return Err(read_error(&name, &error));
     }
-    let projection = std::fs::File::open(path.with_extension("prj")).ok();
-    let projection = projection.and_then(|file| {
-        let mut text = String::new();
-        // The longest of the EPSG are some 3 000 bytes.
-        file.take(1 << 16).read_to_string(&mut text).ok()?;
-        Some(text)
+    let sidecars = Sidecars::of(path)?;
+    // Who says that every number is a height means it.
+    let mask = sidecars.mask().filter(|_| options.nodata != NoData::None);
+    let mask = mask.map(|mask| MaskBeside {
+        path: mask.to_owned(),
+        open: tiff::open_mask,
     });
     let mut source = Opened { file, path };
     work(Input {
@@ -176,8 +165,8 @@ pub(crate) fn with_input<R>(
         source: &mut source,
         bytes: data.len(),
         options,
-        projection,
-        feed,
+        sidecars,
+        feed: Feed { mask, ..feed },
     })
 }
 
@@ -196,21 +185,16 @@ pub(crate) fn found(input: &mut Input<'_>) -> Result<Found, ElevationError> {
         return Ok(Found::Raw(raw));
     }
     let mut head = Vec::new();
-    let read = (&mut input.source).take(HEAD as u64).read_to_end(&mut head);
+    let mut read = (&mut input.source).take(HEAD).read_to_end(&mut head);
+    if read.is_ok() && ascii::may_begin_later(&head) {
+        read = (&mut input.source).take(BLANKS).read_to_end(&mut head);
+    }
     read.and_then(|_| input.source.rewind())
         .map_err(|error| input.failed(&error))?;
     if head.starts_with(b"\x89PNG\r\n\x1a\n") {
         return Ok(Found::Png);
     }
-    if [
-        &b"II\x2a\0"[..],
-        b"MM\0\x2a",
-        b"II\x2b\0\x08\0\0\0",
-        b"MM\0\x2b\0\x08\0\0",
-    ]
-    .iter()
-    .any(|magic| head.starts_with(magic))
-    {
+    if tiff::begins(&head) {
         return Ok(Found::Tiff);
     }
     if ascii::is_header(&head) {

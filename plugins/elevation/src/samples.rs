@@ -46,7 +46,7 @@ impl Elevation {
                 georeference: None,
                 holes: settled.holes,
                 range: settled.range,
-                notes: Vec::new(),
+                notes: settled.notes,
             },
             size: settled.size,
             georeference: None,

@@ -135,6 +135,7 @@ fn read<'a>(
         progress: progress.clone(),
         sink: Some(Box::new(sink)),
         most: HELD,
+        ..Feed::default()
     };
     Elevation::fed(from, options, feed).map(|read| read.about)
 }

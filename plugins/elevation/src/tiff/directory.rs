@@ -34,7 +34,7 @@ pub(super) fn check(input: &mut Input<'_>) -> Result<Found, ElevationError> {
         let from = &mut *input.source;
         from.seek(SeekFrom::Start(at))
             .and_then(|_| from.take(length).read_to_end(&mut buffer))
-            .map_err(|error| crate::input::read_error(file, &error))?;
+            .map_err(|error| crate::error::read_error(file, &error))?;
         if (buffer.len() as u64) < length {
             return Err(failure.damaged(place, "the file ends before it"));
         }

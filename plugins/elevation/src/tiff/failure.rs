@@ -45,7 +45,7 @@ impl Failure<'_> {
                         | std::io::ErrorKind::Other
                 ) =>
             {
-                crate::input::read_error(self.file, &error)
+                crate::error::read_error(self.file, &error)
             }
             error => self.damaged(place, error.to_string()),
         }

@@ -3,8 +3,9 @@
 use super::Tiff;
 use super::failure::Failure;
 use super::text::text;
-use crate::error::{ElevationError, typed};
-use crate::georeference::{Crs, FOOT, Georeference, Registration, US_FOOT};
+use crate::error::ElevationError;
+use crate::georeference::{Crs, FOOT, Registration, US_FOOT};
+use crate::lattice::{Lattice, Own, refused};
 use crate::options::Options;
 use ::tiff::tags::Tag;
 use std::collections::BTreeMap;
@@ -50,19 +51,6 @@ fn unit(code: u16) -> Option<f64> {
         9005 => 0.304_797_265_4, // Clarke's foot
         9036 => 1000.0,
         9041 => 0.914_398_530_744_440_8 / 3.0, // Sears' foot, of 1922
-        _ => return None,
-    })
-}
-
-/// Metres a unit, by its name in GDAL.
-pub(super) fn unit_by_name(name: &str) -> Option<f64> {
-    Some(match name.to_ascii_lowercase().as_str() {
-        "m" | "metre" | "meter" | "metres" | "meters" => 1.0,
-        "ft" | "foot" | "feet" | "international foot" => FOOT,
-        "us survey foot" | "us-ft" | "ussft" | "us survey feet" | "foot_us" => US_FOOT,
-        "km" => 1000.0,
-        "cm" => 0.01,
-        "dm" => 0.1,
         _ => return None,
     })
 }
@@ -169,81 +157,51 @@ impl Keys {
             .map(u32::from)
     }
 
-    /// Where the samples lie, if the tags tell it.
-    pub(super) fn place(
-        &self,
-        file: &str,
-        options: &Options,
-    ) -> Result<Option<Georeference>, ElevationError> {
-        let wrong = |tag: &str, reason: String, command: &str| ElevationError::Georeference {
-            file: file.to_owned(),
-            tag: tag.to_owned(),
-            reason,
-            convert: format!("{command} {} north-up.tif", typed(file)),
-        };
-        let registration = match self.short(key::RASTER) {
-            Some(2) => Registration::Point,
-            _ => Registration::Area,
-        };
+    fn registration(&self) -> Option<Registration> {
+        match self.short(key::RASTER) {
+            Some(1) => Some(Registration::Area),
+            Some(2) => Some(Registration::Point),
+            _ => None,
+        }
+    }
+
+    /// Columns and rows on the ground, if the tags tell it.
+    fn lattice(&self, file: &str) -> Result<Option<Lattice>, ElevationError> {
+        let registration = self.registration().unwrap_or(Registration::Area);
         // The raster's (0, 0) is a sample's centre, or the north-western corner of one.
         let half = match registration {
             Registration::Point => 0.0,
             Registration::Area => 0.5,
         };
-        let (step, first) = match (&self.matrix, &self.scale, &self.ties) {
+        let (tag, lattice) = match (&self.matrix, &self.scale, &self.ties) {
             (Some(m), _, _) if m.len() >= 16 => {
-                if m[1] != 0.0 || m[4] != 0.0 {
-                    let reason = "its rows do not run from west to east".to_owned();
-                    return Err(wrong("ModelTransformationTag", reason, "gdalwarp"));
-                }
-                let step = [m[0], -m[5]];
-                (step, [m[3] + half * step[0], m[7] - half * step[1]])
+                let numbers = [[m[3], m[0], m[1]], [m[7], m[4], m[5]]];
+                let lattice = Lattice::upright(numbers, half, registration);
+                ("ModelTransformationTag", lattice)
             }
             (_, Some(scale), Some(ties)) if scale.len() >= 2 && ties.len() >= 6 => {
                 let step = [scale[0], scale[1]];
-                let first = [
-                    ties[3] + (half - ties[0]) * step[0],
-                    ties[4] - (half - ties[1]) * step[1],
-                ];
-                (step, first)
+                let lattice = Lattice {
+                    first: [
+                        ties[3] + (half - ties[0]) * step[0],
+                        ties[4] - (half - ties[1]) * step[1],
+                    ],
+                    step,
+                    registration,
+                };
+                ("ModelPixelScaleTag", lattice.checked())
             }
             (None, None, Some(ties)) if ties.len() > 6 => {
                 let reason = format!(
                     "{} points tie it to the ground, which is not that of a grid",
                     ties.len() / 6
                 );
-                return Err(wrong("ModelTiepointTag", reason, "gdalwarp -tps"));
+                return Err(refused(file, "ModelTiepointTag", reason, "gdalwarp -tps"));
             }
             _ => return Ok(None),
         };
-        if !(step[0] > 0.0 && step[1] > 0.0 && step.iter().chain(&first).all(|n| n.is_finite())) {
-            let tag = if self.matrix.is_some() {
-                "ModelTransformationTag"
-            } else {
-                "ModelPixelScaleTag"
-            };
-            let reason = format!(
-                "steps of {} and {} from ({}, {}), but columns must run to the east and rows to the south",
-                step[0], step[1], first[0], first[1]
-            );
-            return Err(wrong(tag, reason, "gdalwarp"));
-        }
-        let crs = match self.crs(file, options) {
-            Err(ElevationError::Projection { .. }) if options.any_projection => Crs::Unknown,
-            crs => crs?,
-        };
-        if let Crs::Degrees { .. } = crs
-            && !(first[1] <= 91.0 && first[0].abs() <= 540.0 && step[1] <= 90.0)
-        {
-            let reason = format!("({}, {}) is no place in degrees", first[0], first[1]);
-            return Err(wrong("ModelTiepointTag", reason, "gdalwarp"));
-        }
-        Ok(Some(Georeference {
-            crs,
-            first,
-            step,
-            registration,
-        }))
+        let lattice = lattice.map_err(|reason| refused(file, tag, reason, "gdalwarp"))?;
+        Ok(Some(lattice))
     }
 
     fn crs(&self, file: &str, options: &Options) -> Result<Crs, ElevationError> {
@@ -309,5 +267,35 @@ impl Keys {
             Some(USER) => Ok(Crs::Unknown),
             Some(other) => Err(unknown("GTModelTypeGeoKey", format!("of model {other}"))),
         }
+    }
+}
+
+/// What the tags say, for whoever puts it together with what stands beside the file.
+pub(super) struct OwnPlace<'a> {
+    pub keys: &'a Keys,
+    pub file: &'a str,
+    pub options: &'a Options,
+}
+
+impl Own for OwnPlace<'_> {
+    fn lattice(&self) -> Result<Option<Lattice>, ElevationError> {
+        self.keys.lattice(self.file)
+    }
+
+    fn crs(&self) -> Result<Option<Crs>, ElevationError> {
+        match self.keys.crs(self.file, self.options) {
+            Err(ElevationError::Projection { .. }) if self.options.any_projection => {
+                Ok(Some(Crs::Unknown))
+            }
+            crs => crs.map(Some),
+        }
+    }
+
+    fn registration(&self) -> Option<Registration> {
+        self.keys.registration()
+    }
+
+    fn tag(&self) -> &'static str {
+        "ModelTiepointTag"
     }
 }

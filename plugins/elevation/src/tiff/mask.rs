@@ -33,14 +33,19 @@ impl Mask {
                 continue;
             }
             layout.check(bytes, 0, failure)?;
-            let across = layout.grid()[0] as usize;
-            return Ok(Some(Self {
-                layout,
-                held: usize::MAX,
-                chunks: vec![None; across],
-            }));
+            return Ok(Some(Self::new(layout)));
         }
         Ok(None)
+    }
+
+    /// That of a picture which was checked, and has one band.
+    pub fn new(layout: Layout) -> Self {
+        let across = layout.grid()[0] as usize;
+        Self {
+            layout,
+            held: usize::MAX,
+            chunks: vec![None; across],
+        }
     }
 
     /// Takes away where the mask is 0, from a place on.

@@ -2,11 +2,12 @@
 
 use ::tiff::tags::Tag;
 
+use super::Tiff;
 use super::failure::Failure;
 use super::text::text;
-use super::{Tiff, geo};
 use crate::error::ElevationError;
-use crate::input::number;
+use crate::georeference::unit_by_name;
+use crate::number::number;
 use crate::options::{NoData, Options};
 
 /// XML with scale, offset and unit.
@@ -38,8 +39,8 @@ pub(super) fn nodata(
 
 /// What GDAL's own XML says of the band.
 pub(super) struct Metadata {
-    pub(super) scale: f64,
-    pub(super) offset: f64,
+    /// Scale and offset.
+    pub(super) scale: Option<(f64, f64)>,
     /// Metres a unit of height.
     pub(super) unit: Option<f64>,
 }
@@ -64,10 +65,13 @@ impl Metadata {
             let number: f64 = item(role)?.parse().ok()?;
             number.is_finite().then_some(number)
         };
+        let scale = number("scale").filter(|&scale| scale != 0.0);
+        let offset = number("offset");
+        // One of both stands for both: the other is what changes nothing.
+        let either = scale.is_some() || offset.is_some();
         Ok(Self {
-            scale: number("scale").filter(|&scale| scale != 0.0).unwrap_or(1.0),
-            offset: number("offset").unwrap_or(0.0),
-            unit: item("unittype").and_then(|name| geo::unit_by_name(&name)),
+            scale: either.then(|| (scale.unwrap_or(1.0), offset.unwrap_or(0.0))),
+            unit: item("unittype").and_then(|name| unit_by_name(&name)),
         })
     }
 }

@@ -5,6 +5,7 @@
 //! whatever the file begins with there. For the same reason a chunk must lie within the file, and an uncompressed one
 //! be as long as its samples.
 
+mod beside;
 mod chunks;
 mod directory;
 mod failure;
@@ -16,35 +17,63 @@ mod rows;
 mod text;
 mod unpack;
 
+pub(crate) use beside::open_mask;
+
 use crate::about::{FileKind, Head};
 use crate::error::ElevationError;
 use crate::grid::{Grid, check_size};
 use crate::input::{Input, Source};
 use crate::options::NoData;
 use crate::samples::Elevation;
+use crate::sidecars::Numbers;
 use ::tiff::decoder::Decoder;
 use ::tiff::tags::ByteOrder;
 use chunks::Gaps;
 use failure::Failure;
-use geo::Keys;
+use geo::{Keys, OwnPlace};
 use layout::layout;
 use mask::Mask;
 use metadata::{Metadata, nodata};
 use std::io::BufReader;
 
-type Tiff<'a> = Decoder<BufReader<&'a mut (dyn Source + 'a)>>;
+type Tiff<'a> = Decoder<BufReader<Box<dyn Source + 'a>>>;
+
+/// Whether a file that begins so is one: its first eight bytes.
+pub(crate) fn begins(head: &[u8]) -> bool {
+    [
+        &b"II\x2a\0"[..],
+        b"MM\0\x2a",
+        b"II\x2b\0\x08\0\0\0",
+        b"MM\0\x2b\0\x08\0\0",
+    ]
+    .iter()
+    .any(|magic| head.starts_with(magic))
+}
+
+/// The decoder of a map.
+fn decoder<'a>(
+    source: &'a mut (dyn Source + '_),
+    failure: &Failure<'_>,
+) -> Result<Tiff<'a>, ElevationError> {
+    let from: Box<dyn Source + 'a> = Box::new(source);
+    Decoder::new(BufReader::with_capacity(1 << 16, from))
+        .map_err(|error| failure.of("its directory", error))
+}
 
 /// What its first directory tells.
 pub(crate) fn head(input: &mut Input<'_>) -> Result<Head, ElevationError> {
     let failure = Failure { file: input.file };
     let band = input.options.band.unwrap_or(1).saturating_sub(1);
     let found = directory::check(input)?;
-    let from = BufReader::with_capacity(1 << 16, &mut *input.source as &mut dyn Source);
-    let mut tiff = Decoder::new(from).map_err(|error| failure.of("its directory", error))?;
+    let mut tiff = decoder(&mut *input.source, &failure)?;
     let is_big_endian = tiff.byte_order() == ByteOrder::BigEndian;
     let layout = layout(&mut tiff.image_ifd(), is_big_endian, &failure)?;
     let metadata = Metadata::read(&mut tiff, band, &failure)?;
-    let unit = metadata.unit.or(Keys::read(&mut tiff, &failure)?.vertical);
+    let own = Numbers {
+        unit: metadata.unit.or(Keys::read(&mut tiff, &failure)?.vertical),
+        ..Numbers::default()
+    };
+    let unit = input.sidecars.numbers(band + 1, own).unit;
     Ok(Head::new(kind(found.big), layout.size, layout.number, unit))
 }
 
@@ -57,11 +86,11 @@ fn kind(big: bool) -> FileKind {
 
 pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
     let (file, options, bytes) = (input.file, input.options, input.bytes);
-    let feed = std::mem::take(&mut input.feed);
+    let mut feed = std::mem::take(&mut input.feed);
+    let sidecars = std::mem::take(&mut input.sidecars);
     let failure = Failure { file };
     let directory::Found { big, masks } = directory::check(input)?;
-    let from = BufReader::with_capacity(1 << 16, &mut *input.source as &mut dyn Source);
-    let mut tiff = Decoder::new(from).map_err(|error| failure.of("its directory", error))?;
+    let mut tiff = decoder(&mut *input.source, &failure)?;
     let is_big_endian = tiff.byte_order() == ByteOrder::BigEndian;
     let layout = layout(&mut tiff.image_ifd(), is_big_endian, &failure)?;
     check_size(file, layout.size, options)?;
@@ -87,7 +116,13 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
     layout.check(bytes, band, &failure)?;
     let keys = Keys::read(&mut tiff, &failure)?;
     let metadata = Metadata::read(&mut tiff, band, &failure)?;
-    let nodata = nodata(&mut tiff, options, &failure)?;
+    let own = Numbers {
+        nodata: nodata(&mut tiff, options, &failure)?,
+        scale: metadata.scale,
+        unit: metadata.unit.or(keys.vertical),
+        ..Numbers::default()
+    };
+    let numbers = sidecars.numbers(band + 1, own);
     // Who says that every number is a height means it; who asks for the band that tells where there is data gets it.
     let gaps = options.nodata != NoData::None;
     let alpha = layout.alpha.filter(|&alpha| gaps && alpha != band);
@@ -96,8 +131,12 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
     }
     let masks = if gaps { &masks[..] } else { &[] };
     let mask = Mask::find(&mut tiff, masks, (&layout, bytes), &failure)?;
+    if mask.is_some() {
+        // Its own goes before one beside it.
+        feed.mask = None;
+    }
     let has_gaps = alpha.is_some() || mask.is_some();
-    let scale = (metadata.scale, metadata.offset);
+    let (nodata, scale) = (&numbers.nodata[..], numbers.scaled());
     let too_tall = || {
         let [_, rows] = layout.chunk;
         let what = format!("a TIFF of this size whose pieces have {rows} rows");
@@ -109,12 +148,12 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
         layout.size,
         options,
         feed,
-        (&nodata, scale),
+        (nodata, scale),
         complete,
         too_tall,
     )?;
     if layout.number.is_wide() {
-        grid.wide(&nodata, scale);
+        grid.wide(nodata, scale);
     }
     let is_masked = mask.is_some();
     let gaps = Gaps {
@@ -123,13 +162,12 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
     };
     let absent = layout.samples(&mut tiff, band, gaps, &mut grid, &failure)?;
     drop(tiff);
-    let settled = grid.settle_with_gaps(&nodata, scale, absent > 0 || has_gaps)?;
+    let settled = grid.settle_with_gaps(nodata, scale, absent > 0 || has_gaps)?;
     let mut map = Elevation::new(file, settled, (kind(big), layout.size, layout.number));
     let about = &mut map.about;
     about.bands = layout.bands;
     about.packing = layout.packing(absent);
-    (about.scale, about.offset) = (metadata.scale, metadata.offset);
-    about.unit_metres = metadata.unit.or(keys.vertical);
+    numbers.tell(about);
     if is_masked {
         about
             .notes
@@ -141,9 +179,12 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
             .notes
             .push(format!("{absent} {one} are absent: there is no data"));
     }
-    if let Some(georeference) = keys.place(file, options)? {
-        map.lies_at(georeference, options.every);
-    }
+    let own = OwnPlace {
+        keys: &keys,
+        file,
+        options,
+    };
+    sidecars.place(&mut map, (file, options), &own)?;
     Ok(map)
 }
 

@@ -2,8 +2,7 @@
 
 use super::derive::TILE;
 use super::place::{Placed, Stamp};
-use crate::error::ElevationError;
-use crate::input::read_error;
+use crate::error::{ElevationError, read_error};
 use crate::nodata::Marks;
 use crate::raw::Plan;
 use std::io;

@@ -8,22 +8,24 @@ use super::place::Placed;
 use super::sum::{Sum, sum};
 use super::{Base, Extremes, TileSettings, decode};
 use crate::about::{About, FileKind};
-use crate::error::ElevationError;
+use crate::error::{ElevationError, read_error};
 use crate::extremes::is_customary;
 use crate::grid::Feed;
-use crate::input::{Input, read_error};
+use crate::input::Input;
+use crate::lattice::Nowhere;
 use crate::looks::Looks;
 use crate::nodata::{Marks, named};
 use crate::options::{Options, Raw};
 use crate::progress::ElevationProgress;
 use crate::read::{Found, found, with_input};
 use crate::samples::Elevation;
+use crate::sidecars::{Numbers, Sidecars};
 use crate::{grid, raw};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The map's own file as level 0, where it holds plain numbers.
+/// The map's own file as level 0, where it holds plain numbers and nothing beside it makes others of them.
 pub(super) fn direct(
     path: &Path,
     options: &Options,
@@ -33,6 +35,9 @@ pub(super) fn direct(
         let Found::Raw(told) = found(&mut input)? else {
             return Ok(None);
         };
+        if input.feed.mask.is_some() || input.sidecars.changes(1) {
+            return Ok(None);
+        }
         let (number, size) = raw::told(input.file, input.bytes, &told)?;
         raw::Plan::new(input.file, input.bytes, options, &told, number, size).map(Some)
     })?;
@@ -59,14 +64,32 @@ pub(super) fn key(
     options: &Options,
     settings: &TileSettings,
 ) -> Result<u64, ElevationError> {
-    /// Bytes that are looked at in each of some places of the map.
+    let mut all = looked_at(path, Sum::default())?;
+    let sidecars = Sidecars::of(path)?;
+    for trace in sidecars.traces() {
+        all = all.add(&trace);
+    }
+    if let Some(mask) = sidecars.mask() {
+        all = looked_at(mask, all)?;
+    }
+    let how = format!(
+        "{options:?} {} {:?}",
+        settings.smooth,
+        settings.hole.map(f32::to_bits)
+    );
+    Ok(all.add(how.as_bytes()).done())
+}
+
+/// Adds the length of a file, its time and some of its content to a sum.
+fn looked_at(path: &Path, mut all: Sum) -> Result<Sum, ElevationError> {
+    /// Bytes that are looked at in each of some places of the file.
     const PIECE: u64 = 1 << 12;
     const PIECES: u64 = 64;
     let name = path.display().to_string();
     let failed = |error: std::io::Error| read_error(&name, &error);
     let file = Placed::open(path).map_err(failed)?;
     let stamp = file.stamp().map_err(failed)?;
-    let mut all = Sum::default().add(&stamp.bytes.to_le_bytes());
+    all = all.add(&stamp.bytes.to_le_bytes());
     let since = stamp
         .changed
         .and_then(|time| time.duration_since(std::time::UNIX_EPOCH).ok());
@@ -79,14 +102,7 @@ pub(super) fn key(
         file.read(at, &mut piece).map_err(failed)?;
         all = all.add(&piece);
     }
-    let projection = std::fs::read(path.with_extension("prj")).unwrap_or_default();
-    all = all.add(&projection);
-    let how = format!(
-        "{options:?} {} {:?}",
-        settings.smooth,
-        settings.hole.map(f32::to_bits)
-    );
-    Ok(all.add(how.as_bytes()).done())
+    Ok(all)
 }
 
 /// The user's folder for caches.
@@ -297,6 +313,7 @@ fn streamed<'p>(
                 None => Ok(()),
             }
         })),
+        ..Feed::default()
     };
     let read = Elevation::fed(path, options, feed)?;
     let part = part
@@ -352,8 +369,13 @@ fn raw_about(
         holes: looks.nan,
         range: looks.range().or(range),
         nodata: nodata.collect(),
+        notes: Vec::new(),
     };
     let mut map = Elevation::new(name, settled, (FileKind::Raw, size, number));
     map.about.packing = raw::packing(told.order);
+    let sidecars = Sidecars::of(Path::new(name))?;
+    let numbers = sidecars.numbers(1, Numbers::default());
+    numbers.tell(&mut map.about);
+    sidecars.place(&mut map, (name, options), &Nowhere)?;
     Ok(map.about)
 }

@@ -1,12 +1,12 @@
 //! Maps that are larger than memory, read by tiles.
 //!
 //! [`TiledMap::open`] makes a file of tiles beside the map, once, and reads from it what is asked for: each tile of [`TILE`] × [`TILE`]
-//! samples of each level by itself, the coarsest of which is a single one. A raw file is its own level 0 and is read in place; other
+//! samples of each level by itself, the coarsest of which is a single one. A raw file is its own level 0 and is read in place, unless a mask or a scale stands beside it; other
 //! kinds stream through once, a few rows at a time. Coarser levels hold samples of the map, the same bits, with slopes and with a bound of what lies
 //! between them (`derive.rs`).
 //!
-//! The file of tiles carries sums over everything, and a key of what it was made of: the map's length, time and some of its content, and how it is
-//! read. Where the key differs it is made anew: written under another name and renamed when it is whole. Two programs may do so at once.
+//! The file of tiles carries sums over everything, and a key of what it was made of: the map's length, time and some of its content, what counts of
+//! the files beside it, and how it is read. Where the key differs it is made anew: written under another name and renamed when it is whole. Two programs may do so at once.
 //!
 //! What is here blocks until the disk has answered; nothing but [`TiledMap::bounds`], which looks into memory, belongs into a frame.
 

@@ -3,7 +3,11 @@
 mod damage;
 mod kinds;
 mod made;
+mod masks;
 mod places;
+mod sidecars;
+mod sidecars_damaged;
+mod sidecars_numbers;
 mod tiled;
 mod written;
 

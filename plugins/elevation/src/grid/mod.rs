@@ -1,15 +1,16 @@
 //! Where readers put their numbers, row by row or block by block; then what holds for all kinds: no data,
 //! the file's own scale, range, and numbers that cannot be heights.
 
+mod put;
+mod settle;
+
 use crate::about::Text64;
 use crate::error::ElevationError;
-use crate::extremes::Extremes;
+use crate::gaps::{Gaps, MaskBeside};
 use crate::looks::Looks;
-use crate::nodata::{Marks, is_nodata, named};
+use crate::nodata::{Marks, named};
 use crate::options::Options;
-use crate::parts::in_parts;
 use crate::progress::ElevationProgress;
-use crate::refuse::refuse;
 
 /// Takes whole rows as they become complete, from north to south: columns and rows of the map, the first row's number, samples.
 pub(crate) type RowSink<'a> = dyn FnMut([u32; 2], usize, &[f32]) -> Result<(), ElevationError> + 'a;
@@ -21,7 +22,12 @@ pub(crate) struct Feed<'a> {
     pub sink: Option<Box<RowSink<'a>>>,
     /// Most bytes of rows that are held until they are complete.
     pub most: u64,
+    /// A mask beside the map, if one counts.
+    pub mask: Option<MaskBeside>,
 }
+
+/// Bytes of a mask that are held at most where the samples are all kept.
+const MOST_OF_MASK: u64 = 1 << 30;
 
 /// Rows that are held until they are complete, and handed on then.
 struct Band<'a> {
@@ -52,6 +58,8 @@ pub(crate) struct Grid<'a> {
     told: usize,
     band: Option<Band<'a>>,
     wide: Option<Wide>,
+    /// What a mask beside the map takes away.
+    gaps: Option<Gaps>,
 }
 
 /// What becomes of numbers that f32 does not hold: before they are rounded it is looked whether they stand for no data, and the
@@ -70,6 +78,8 @@ pub(crate) struct Settled {
     pub holes: u64,
     pub range: Option<[f32; 2]>,
     pub nodata: Vec<Text64>,
+    /// What one should know, a sentence each.
+    pub notes: Vec<String>,
 }
 
 /// Most samples of any map: 131 072 × 131 072.
@@ -135,14 +145,18 @@ impl<'a> Grid<'a> {
         convert: impl Fn() -> ElevationError,
     ) -> Result<Self, ElevationError> {
         feed.progress.begin("reading", file, u64::from(size[1]));
+        let kept = check_size(file, size, options)?.map(|n| n as usize);
+        let most = feed.sink.as_ref().map_or(MOST_OF_MASK, |_| feed.most);
+        let open = |mask: &MaskBeside| Gaps::open(mask, file, size, complete, most);
+        let gaps = feed.mask.as_ref().map(open).transpose()?;
         let Some(sink) = feed.sink else {
             let grid = Self::new(file, size, options, false)?;
             return Ok(Self {
                 progress: feed.progress,
+                gaps,
                 ..grid
             });
         };
-        let kept = check_size(file, size, options)?.map(|n| n as usize);
         // Some rows more than are complete together cost nothing.
         let complete = (complete.clamp(1, size[1]) as usize).max(1);
         let rows = (64_usize.div_ceil(complete) * complete).min(kept[1].next_multiple_of(complete));
@@ -151,6 +165,7 @@ impl<'a> Grid<'a> {
         }
         let mut grid = Self::with_rows(file, size, options, false, kept, rows)?;
         grid.progress = feed.progress;
+        grid.gaps = gaps;
         let named = named(options, nodata);
         grid.band = Some(Band {
             sink,
@@ -192,6 +207,7 @@ impl<'a> Grid<'a> {
             told: 0,
             band: None,
             wide: None,
+            gaps: None,
         })
     }
 
@@ -233,195 +249,8 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// The row of the map that a row of the file becomes, if it is kept.
-    fn row(&self, row: usize) -> Option<usize> {
-        let row = if self.flip {
-            self.size[1] - 1 - row
-        } else {
-            row
-        };
-        row.is_multiple_of(self.every()).then(|| row / self.every())
-    }
-
-    /// Numbers of the file's row `row` from column `column` on, every `step` columns.
-    #[inline]
-    pub fn put(
-        &mut self,
-        row: usize,
-        column: usize,
-        step: usize,
-        values: impl Iterator<Item = f32>,
-    ) {
-        if row > self.told {
-            self.progress.add((row - self.told) as u64);
-            self.told = row;
-        }
-        let Some(mut row) = self.row(row) else {
-            return;
-        };
-        let held = self.samples.len() / self.kept[0];
-        while let Some(band) = &self.band {
-            if row < band.top {
-                // It was handed on.
-                return;
-            }
-            if row < band.top + held {
-                row -= band.top;
-                break;
-            }
-            self.hand_on();
-        }
-        let (every, width) = (self.every(), self.kept[0]);
-        let line = &mut self.samples[row * width..][..width];
-        if (every, step) == (1, 1) {
-            for (to, value) in line[column.min(width)..].iter_mut().zip(values) {
-                *to = value;
-            }
-            return;
-        }
-        for (k, value) in values.enumerate() {
-            let column = column + k * step;
-            if column.is_multiple_of(every)
-                && let Some(to) = line.get_mut(column / every)
-            {
-                *to = value;
-            }
-        }
-    }
-
-    /// From now on numbers come by [`Self::put_wide`]. `nodata` and `scale` are the file's own.
-    pub fn wide(&mut self, nodata: &[f64], scale: (f64, f64)) {
-        self.wide = Some(Wide {
-            nodata: named(self.options, nodata),
-            scale,
-            looks: Looks::default(),
-        });
-        if let Some(band) = &mut self.band {
-            (band.marks, band.scale) = (Marks::new(&[]), (1.0, 0.0));
-        }
-    }
-
-    /// Numbers of the file's row `row` from column `column` on.
-    pub fn put_row(&mut self, row: usize, column: usize, values: impl Iterator<Item = f32>) {
-        self.put(row, column, 1, values);
-    }
-
-    /// The same of numbers that f32 does not hold, after [`Self::wide`].
-    pub fn put_wide(&mut self, row: usize, column: usize, values: impl Iterator<Item = f64>) {
-        let is_kept = self.row(row).is_some();
-        let (every, columns) = (self.every(), self.size[0]);
-        // The first column from here on that is kept.
-        let first = column.next_multiple_of(every);
-        let values = values.take(columns.saturating_sub(column));
-        let values = values.skip(first - column).step_by(every);
-        let Some(wide) = self.wide.as_mut().filter(|_| is_kept) else {
-            return self.put(row, first, every, std::iter::empty());
-        };
-        let (scale, offset) = wide.scale;
-        let mut numbers = Vec::new();
-        let mut samples = Vec::new();
-        for value in values {
-            let is_nodata = wide.nodata.iter().any(|&nodata| is_nodata(value, nodata));
-            let number = if is_nodata { f32::NAN } else { value as f32 };
-            numbers.push(number);
-            samples.push(match number.is_nan() || wide.scale == (1.0, 0.0) {
-                true => number,
-                false => (value * scale + offset) as f32,
-            });
-        }
-        wide.looks.part([first, row], every, &numbers);
-        self.put(row, first, every, samples.into_iter());
-    }
-
     /// Columns that are kept, and all samples, for a reader that fills them itself.
     pub fn parts(&mut self) -> (usize, &mut [f32]) {
         (self.kept[0], &mut self.samples)
-    }
-
-    /// Marks what is no data as NaN, applies the file's own scale, and refuses what cannot be a height.
-    ///
-    /// `file_nodata`: numbers that the file itself names.
-    pub fn settle(self, file_nodata: &[f64], scale: (f64, f64)) -> Result<Settled, ElevationError> {
-        self.settle_with_gaps(file_nodata, scale, false)
-    }
-
-    /// As [`Self::settle`]; `gaps`: the reader itself left NaN where there is no data.
-    pub fn settle_with_gaps(
-        mut self,
-        file_nodata: &[f64],
-        (scale, offset): (f64, f64),
-        gaps: bool,
-    ) -> Result<Settled, ElevationError> {
-        let nodata = named(self.options, file_nodata);
-        while self
-            .band
-            .as_ref()
-            .is_some_and(|band| band.top < self.kept[1])
-        {
-            self.hand_on();
-        }
-        if let Some(band) = self.band.take() {
-            if let Some(error) = band.failed {
-                return Err(error);
-            }
-            let looks = self.wide.as_ref().map_or(&band.looks, |wide| &wide.looks);
-            looks.check(gaps || !nodata.is_empty(), self.file, self.options)?;
-            let is_scaled = self.wide.is_some();
-            let scaled = |number: f32| match is_scaled {
-                true => number,
-                false => (f64::from(number) * scale + offset) as f32,
-            };
-            return Ok(Settled {
-                size: self.kept.map(|n| n as u32),
-                samples: Vec::new(),
-                holes: band.looks.nan,
-                range: band.looks.range().map(|range| {
-                    let [a, b] = range.map(scaled);
-                    [a.min(b), a.max(b)]
-                }),
-                nodata: nodata.into_iter().map(Text64).collect(),
-            });
-        }
-        let is_scaled = self.wide.is_some();
-        let marks = Marks::new(if is_scaled { &[] } else { &nodata });
-        let parts = in_parts(&mut self.samples, |part| {
-            marks.mark(part);
-            Extremes::of(part)
-        });
-        let mut found = Extremes::NONE;
-        for part in parts {
-            found.join(part);
-        }
-        let holes = found.nan;
-        match &self.wide {
-            Some(wide) => {
-                let marked = gaps || !nodata.is_empty();
-                wide.looks.check(marked, self.file, self.options)?;
-            }
-            None => {
-                let told = (gaps || marks.any(), &found);
-                refuse(self.file, self.options, self.kept[0], &self.samples, told)?;
-            }
-        }
-        let mut range = (found.low <= found.high).then_some([found.low, found.high]);
-        if (scale, offset) != (1.0, 0.0) && !is_scaled {
-            let scaled = |number: f32| (f64::from(number) * scale + offset) as f32;
-            in_parts(&mut self.samples, |part| {
-                for sample in part {
-                    *sample = scaled(*sample);
-                }
-            });
-            range = range.map(|range| {
-                let [a, b] = range.map(scaled);
-                [a.min(b), a.max(b)]
-            });
-        }
-        Ok(Settled {
-            size: self.kept.map(|n| n as u32),
-            samples: self.samples,
-            holes,
-            range,
-            nodata: nodata.into_iter().map(Text64).collect(),
-        })
     }
 }
