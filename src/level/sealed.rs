@@ -3,7 +3,8 @@
 //! A file is `DOLOMITE`, four letters of its kind, its version and the length of its content (little-endian, 32 and
 //! 64 bits), the CRC-32 of all that and of the content (ISO 3309, the polynomial of Ethernet), and the content. It is
 //! written beside the old one, brought to the disk, and renamed; the one before is kept. So whenever the machine stops,
-//! a whole file is there.
+//! a whole file is there. What this program cannot judge is set aside under a name of its own: a file of another
+//! version or kind, and one that cannot be read.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -130,13 +131,15 @@ pub fn open(kind: Kind, bytes: &[u8], path: &Path) -> Result<Vec<u8>, SealedErro
         found: bytes.len() as u64,
         expected,
     };
-    let head: &[u8; HEAD] = bytes.first_chunk().ok_or_else(|| length(HEAD as u64))?;
-    if head[..8] != *MAGIC || head[8..12] != *kind.letters {
+    // Also of a file that is shorter than a head: a cut one of ours begins as ours do.
+    let begins = MAGIC.iter().chain(kind.letters);
+    if bytes.iter().zip(begins).any(|(byte, ours)| byte != ours) {
         return Err(SealedError::Kind {
             path: path(),
             kind: kind.name,
         });
     }
+    let head: &[u8; HEAD] = bytes.first_chunk().ok_or_else(|| length(HEAD as u64))?;
     let word = |at: usize| u32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
     let found = word(12);
     if found != kind.version {
@@ -173,10 +176,32 @@ pub fn unfinished(path: &Path) -> PathBuf {
     beside(path, ".new")
 }
 
-/// Writes a file, and keeps the one before if that is whole.
+/// Gives a file that is not ours to judge a name of its own, so that nothing is written over it.
+fn set_aside(kind: Kind, path: &Path) -> io::Result<()> {
+    let why = match read(kind, path) {
+        Err(SealedError::Version { found, .. }) => format!("version-{found}"),
+        Err(SealedError::Kind { .. }) => "other".to_owned(),
+        Err(SealedError::Length { found, .. }) if found > MOST => "other".to_owned(),
+        // A folder is in the way of every file.
+        Err(SealedError::Read { source, .. })
+            if source.kind() != io::ErrorKind::NotFound && !path.is_dir() =>
+        {
+            "unread".to_owned()
+        }
+        _ => return Ok(()),
+    };
+    let mut names = (0_u32..).map(|n| beside(path, &format!(".{why}.{n}")));
+    match names.find(|name| !name.exists()) {
+        Some(name) => fs::rename(path, name),
+        None => Ok(()),
+    }
+}
+
+/// Writes a file, and keeps the one before if that is whole. One of another version or kind, or that cannot be read, is
+/// set aside, beside it: `game.save.version-9.0`, `game.save.other.0`, `game.save.unread.0`.
 ///
 /// # Errors
-/// [`SealedError::Write`]; what was there is there still.
+/// [`SealedError::Write`]; what was there is there still, under its name or one of these.
 pub fn write(kind: Kind, path: &Path, content: &[u8]) -> Result<(), SealedError> {
     let put = || -> io::Result<()> {
         let folder = path
@@ -190,8 +215,10 @@ pub fn write(kind: Kind, path: &Path, content: &[u8]) -> Result<(), SealedError>
         file.write_all(&seal(kind, content))?;
         file.sync_all()?;
         drop(file);
+        set_aside(kind, path)?;
         // A damaged file never takes the place of the last whole one.
         if read(kind, path).is_ok() {
+            set_aside(kind, &before(path))?;
             fs::rename(path, before(path))?;
         }
         fs::rename(&new, path)?;
@@ -324,6 +351,51 @@ mod tests {
         write(KIND, &path, b"fourth").unwrap();
         assert_eq!(read(KIND, &before(&path)).unwrap(), b"third");
         assert_eq!(read(KIND, &path).unwrap(), b"fourth");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_file_of_another_version_is_set_aside_and_read_whole_by_that() {
+        let folder = folder("version");
+        let path = folder.join("game.save");
+        let later = Kind { version: 9, ..KIND };
+        write(later, &path, b"before").unwrap();
+        write(later, &path, b"newest").unwrap();
+        for content in [b"one", b"two", b"six"] {
+            write(KIND, &path, content).unwrap();
+        }
+        assert_eq!(read(KIND, &path).unwrap(), b"six");
+        assert_eq!(read(KIND, &before(&path)).unwrap(), b"two");
+        let kept = |name: &str| read(later, &folder.join(name)).unwrap();
+        assert_eq!(kept("game.save.version-9.0"), b"newest");
+        assert_eq!(kept("game.save.before.version-9.0"), b"before");
+        write(later, &path, b"again").unwrap();
+        write(KIND, &path, b"ten").unwrap();
+        assert_eq!(kept("game.save.version-9.0"), b"newest");
+        assert_eq!(kept("game.save.version-9.1"), b"again");
+        let old = read(KIND, &folder.join("game.save.version-3.0"));
+        assert_eq!(old.unwrap(), b"six");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn what_is_no_file_of_ours_is_set_aside_however_short() {
+        let folder = folder("kind");
+        let path = folder.join("notes.txt");
+        for (n, text) in ["buy bread", "a letter of more than twenty-eight bytes, and then some"]
+            .into_iter()
+            .enumerate()
+        {
+            fs::write(&path, text).unwrap();
+            write(KIND, &path, b"game").unwrap();
+            let kept = folder.join(format!("notes.txt.other.{n}"));
+            assert_eq!(fs::read_to_string(kept).unwrap(), text);
+            assert_eq!(read(KIND, &path).unwrap(), b"game");
+        }
+        // A folder stays where it is, and nothing is written.
+        let path = folder.join("folder");
+        fs::create_dir(&path).unwrap();
+        assert!(write(KIND, &path, b"game").is_err() && path.is_dir());
         fs::remove_dir_all(&folder).unwrap();
     }
 }
