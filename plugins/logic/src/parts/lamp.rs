@@ -32,7 +32,7 @@ pub struct DayClock {
     /// When the night begins, later than `dawn`.
     pub dusk: f32,
     day: Option<bool>,
-    /// What rounding took off [`Self::hour`].
+    /// What rounding added to [`Self::hour`].
     rest: f32,
 }
 

@@ -1,8 +1,8 @@
 //! Sums of many small numbers.
 
-/// Adds to a sum. `rest` is what rounding took off in the additions before, 0 at first, so that the sum of any number
-/// of steps is off by little more than a rounding of its own (W. Kahan, Further Remarks on Reducing Truncation Errors, 1965).
-/// A sum alone stands still where a step is less than half of its last digit: f32 by 1/64 s after three days.
+/// Adds to a sum. `rest` is what rounding added in the step before, 0 at first, so that the sum of any number of steps is
+/// off by little more than a rounding of its own (W. Kahan, Further Remarks on Reducing Truncation Errors, 1965). A sum
+/// alone stands still where a step is less than half of its last digit: f32 by 1/64 s after three days.
 pub(super) fn add(sum: &mut f32, rest: &mut f32, more: f32) {
     let step = more - *rest;
     let next = *sum + step;

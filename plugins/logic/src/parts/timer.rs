@@ -21,7 +21,7 @@ pub struct LogicTimer {
     pub running: bool,
     /// Seconds that passed.
     pub passed: f32,
-    /// What rounding took off [`Self::passed`].
+    /// What rounding added to [`Self::passed`].
     #[reflect(ignore)]
     rest: f32,
 }
