@@ -14,6 +14,7 @@ pub mod record;
 mod seen;
 pub mod town;
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -54,6 +55,9 @@ pub enum BotError {
         "the level has no wall, and the border of its scene can be walked to: no beacon can be put out of reach"
     )]
     AllReachable,
+    /// A time after which a game would never be lost, or before it begins.
+    #[error("a game is lost after 1 to 86400 seconds, not {0}")]
+    Limit(f32),
     /// A process that plays the recording again.
     #[error("the recording cannot be played again by {threads} threads: {reason}")]
     Replay {
@@ -63,6 +67,9 @@ pub enum BotError {
         reason: String,
     },
 }
+
+/// Seconds after which a game may be lost.
+const LIMITS: RangeInclusive<f32> = 1.0..=86_400.0;
 
 /// One game.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -111,7 +118,7 @@ pub struct Report {
 pub struct Job<'a> {
     /// The level.
     pub level: &'a str,
-    /// The first seed; others follow.
+    /// The first seed; others follow, and 0 follows the last.
     pub seed: u64,
     /// How many games.
     pub runs: u32,
@@ -119,7 +126,7 @@ pub struct Job<'a> {
     pub threads: Option<usize>,
     /// Whether the last beacon is where nobody comes to.
     pub unreachable: bool,
-    /// Seconds until it is lost, in place of the level's own.
+    /// Seconds until it is lost, 1 to 86 400, in place of the level's own.
     pub limit: Option<f32>,
 }
 
@@ -134,8 +141,14 @@ impl Table {
     /// Loads what is to be played.
     ///
     /// # Errors
-    /// [`BotError::Level`], [`BotError::AllReachable`].
+    /// [`BotError::Level`], [`BotError::AllReachable`], [`BotError::Limit`].
     pub fn new(job: &Job, assets: &Path) -> Result<Self, BotError> {
+        // Where no beacon can be lit and no time is over, nothing ends the game.
+        if let Some(limit) = job.limit
+            && !LIMITS.contains(&limit)
+        {
+            return Err(BotError::Limit(limit));
+        }
         let (mut level, scene) = load::load(job.level, job.seed, assets)?;
         if job.unreachable || job.limit.is_some() {
             let mut file = (*level.file).clone();
@@ -243,7 +256,7 @@ pub fn play(
     let mut first = None;
     let mut games = Vec::new();
     for run in 0..u64::from(job.runs) {
-        let (game, record) = table.play(job.seed + run);
+        let (game, record) = table.play(job.seed.wrapping_add(run));
         done(&game);
         first.get_or_insert(record);
         games.push(game);

@@ -31,7 +31,7 @@ pub struct Bot {
     /// Put the last beacon out of reach: no game can be won.
     #[arg(long)]
     unreachable: bool,
-    /// Seconds of the game until it is lost [default: those of the level].
+    /// Seconds of the game until it is lost, 1 to 86400 [default: those of the level].
     #[arg(long, value_name = "SECONDS")]
     limit: Option<f32>,
     /// Record the first game.

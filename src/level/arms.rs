@@ -117,9 +117,9 @@ pub(super) fn suffer(
     }
 }
 
-/// A soldier falls: nothing of it is worked on any more.
+/// A soldier falls: nothing of it is worked on any more. One that a new game ended in the same moment does not fall.
 pub fn fall(soldier: &mut EntityCommands) {
     soldier
-        .insert(Fallen)
-        .remove::<(Mind, Sight, Ear, Memory, Weapon, Hitbox)>();
+        .try_insert(Fallen)
+        .try_remove::<(Mind, Sight, Ear, Memory, Weapon, Hitbox)>();
 }

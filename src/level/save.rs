@@ -1,5 +1,8 @@
 //! Saved games: what of a level cannot be made anew from its file.
 
+mod check;
+
+use std::f32::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use bevy::math::DVec2;
@@ -20,6 +23,7 @@ use super::sealed::{self, Kind, SealedError};
 use super::town::PLATE;
 use super::walk::yaw_of;
 use crate::play::figure::Figure;
+use check::check;
 
 /// Saved games.
 pub const SAVE: Kind = Kind {
@@ -107,10 +111,11 @@ pub struct SavedSoldier {
     pub health: f32,
 }
 
-/// What is worth saving; nothing of a level that has ended.
+/// What is worth saving; nothing of a level that has ended, nor of one whose player has fallen, which ends a step later.
 pub fn take(world: &mut World) -> Option<Saved> {
     let cast = *world.get_resource::<Cast>()?;
-    if world.resource::<LevelState>().verdict.is_some() {
+    let alive = world.get::<Health>(cast.player)?.is_alive();
+    if !alive || world.resource::<LevelState>().verdict.is_some() {
         return None;
     }
     let level = world.resource::<Level>().clone();
@@ -140,7 +145,12 @@ pub fn take(world: &mut World) -> Option<Saved> {
         seed: level.seed,
         passed: world.get::<LogicTimer>(cast.timer)?.passed,
         hour: world.get::<DayClock>(cast.clock)?.hour,
-        figure: (figure.place.x, figure.place.y, figure.yaw),
+        // Who turns about often enough has turned farther than a saved game may say.
+        figure: (
+            figure.place.x,
+            figure.place.y,
+            figure.yaw.rem_euclid(TAU),
+        ),
         above,
         health: world.get::<Health>(cast.player)?.now,
         rounds: world
@@ -181,73 +191,6 @@ fn in_order<A: Component, B: Component + Clone>(world: &mut World) -> Vec<(Entit
     all.into_iter().map(|(_, e, b)| (e, b)).collect()
 }
 
-fn check(saved: &Saved, level: &Level) -> Result<(), SaveError> {
-    let file = &level.file;
-    let counts = |a: usize, b: usize, c: usize, d: usize| {
-        format!("{a} beacons, {b} bandages, {c} patrols, {d} lifts")
-    };
-    let has = counts(
-        saved.beacons.len(),
-        saved.bandages.len(),
-        saved.soldiers.len(),
-        saved.lifts.len(),
-    );
-    let needs = counts(
-        file.beacons.len(),
-        file.bandages.at.len(),
-        file.patrols.len(),
-        level.built.roofs.iter().flatten().count(),
-    );
-    if saved.level != level.name || has != needs {
-        return Err(SaveError::Other {
-            saved: saved.level.clone(),
-            has,
-            level: level.name.to_owned(),
-            needs,
-        });
-    }
-    let range = |name: &str, value: f64, low: f64, high: f64| match (low..=high).contains(&value) {
-        true => Ok(()),
-        false => Err(SaveError::Value(format!("`{name}` is {value}"))),
-    };
-    range("passed", saved.passed.into(), 0.0, file.seconds.into())?;
-    range("hour", saved.hour.into(), 0.0, 24.0)?;
-    range("health", saved.health.into(), 0.0, file.health.into())?;
-    let far = 1e7;
-    range(
-        "figure",
-        saved.figure.0.abs().max(saved.figure.1.abs()),
-        0.0,
-        far,
-    )?;
-    range("figure", saved.figure.2.into(), -1e4, 1e4)?;
-    range("above", saved.above, 0.0, 1000.0)?;
-    if let Some(rounds) = saved.rounds {
-        let most = file.weapon.map_or(0, |weapon| weapon.rounds);
-        range("rounds", rounds.into(), 0.0, most.into())?;
-    }
-    for floor in &saved.lifts {
-        range("lift", *floor as f64, 0.0, 1.0)?;
-    }
-    for (soldier, patrol) in saved.soldiers.iter().zip(&file.patrols) {
-        let (x, z, yaw) = soldier.place;
-        range(
-            "next",
-            soldier.next as f64,
-            0.0,
-            patrol.way.len() as f64 - 1.0,
-        )?;
-        range("notice", soldier.notice.into(), 0.0, 1.0)?;
-        range("yaw", yaw.into(), -1e4, 1e4)?;
-        range("soldier's health", soldier.health.into(), 0.0, 1.0)?;
-        if level.grid.nearest_open(Vec2::new(x, z), 4).is_none() {
-            let reason = format!("a soldier stands at {x}, {z}, where nobody can");
-            return Err(SaveError::Value(reason));
-        }
-    }
-    Ok(())
-}
-
 /// Goes on with a saved game.
 ///
 /// # Errors
@@ -274,15 +217,15 @@ pub fn put(world: &mut World, saved: &Saved) -> Result<(), SaveError> {
     if let Some(mut health) = world.get_mut::<Health>(cast.player) {
         health.now = saved.health;
     }
-    let mut lit = 0;
+    let mut lit = 0_u32;
     for ((beacon, _), &burns) in in_order::<Beacon, Lamp>(world).iter().zip(&saved.beacons) {
         if let Some(mut lamp) = world.get_mut::<Lamp>(*beacon) {
             lamp.lit = burns;
-            lit += i32::from(burns);
+            lit += u32::from(burns);
         }
     }
     if let Some(mut objective) = world.get_mut::<Objective>(cast.objective) {
-        objective.have = lit;
+        objective.have = lit as i32;
         // What is done is said once more: the gate opens.
         let done = objective.have >= objective.need;
         if done {
@@ -356,7 +299,8 @@ pub fn put(world: &mut World, saved: &Saved) -> Result<(), SaveError> {
         }
     }
     world.flush();
-    world.resource_mut::<LevelState>().fallen = fallen;
+    let mut state = world.resource_mut::<LevelState>();
+    (state.fallen, state.lit) = (fallen, lit);
     if let Some(mut player) = world.get_mut::<Player>(cast.player) {
         *player = Player::default();
     }

@@ -3,7 +3,8 @@
 //! A file is `DOLOMITE`, four letters of its kind, its version and the length of its content (little-endian, 32 and
 //! 64 bits), the CRC-32 of all that and of the content (ISO 3309, the polynomial of Ethernet), and the content. It is
 //! written beside the old one, brought to the disk, and renamed; the one before is kept. So whenever the machine stops,
-//! a whole file is there.
+//! a whole file is there. What this program cannot judge is set aside under a name of its own: a file of another
+//! version or kind, and one that cannot be read.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -130,13 +131,15 @@ pub fn open(kind: Kind, bytes: &[u8], path: &Path) -> Result<Vec<u8>, SealedErro
         found: bytes.len() as u64,
         expected,
     };
-    let head: &[u8; HEAD] = bytes.first_chunk().ok_or_else(|| length(HEAD as u64))?;
-    if head[..8] != *MAGIC || head[8..12] != *kind.letters {
+    // Also of a file that is shorter than a head: a cut one of ours begins as ours do.
+    let begins = MAGIC.iter().chain(kind.letters);
+    if bytes.iter().zip(begins).any(|(byte, ours)| byte != ours) {
         return Err(SealedError::Kind {
             path: path(),
             kind: kind.name,
         });
     }
+    let head: &[u8; HEAD] = bytes.first_chunk().ok_or_else(|| length(HEAD as u64))?;
     let word = |at: usize| u32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
     let found = word(12);
     if found != kind.version {
@@ -173,10 +176,32 @@ pub fn unfinished(path: &Path) -> PathBuf {
     beside(path, ".new")
 }
 
-/// Writes a file, and keeps the one before if that is whole.
+/// Gives a file that is not ours to judge a name of its own, so that nothing is written over it.
+fn set_aside(kind: Kind, path: &Path) -> io::Result<()> {
+    let why = match read(kind, path) {
+        Err(SealedError::Version { found, .. }) => format!("version-{found}"),
+        Err(SealedError::Kind { .. }) => "other".to_owned(),
+        Err(SealedError::Length { found, .. }) if found > MOST => "other".to_owned(),
+        // A folder is in the way of every file.
+        Err(SealedError::Read { source, .. })
+            if source.kind() != io::ErrorKind::NotFound && !path.is_dir() =>
+        {
+            "unread".to_owned()
+        }
+        _ => return Ok(()),
+    };
+    let mut names = (0_u32..).map(|n| beside(path, &format!(".{why}.{n}")));
+    match names.find(|name| !name.exists()) {
+        Some(name) => fs::rename(path, name),
+        None => Ok(()),
+    }
+}
+
+/// Writes a file, and keeps the one before if that is whole. One of another version or kind, or that cannot be read, is
+/// set aside, beside it: `game.save.version-9.0`, `game.save.other.0`, `game.save.unread.0`.
 ///
 /// # Errors
-/// [`SealedError::Write`]; what was there is there still.
+/// [`SealedError::Write`]; what was there is there still, under its name or one of these.
 pub fn write(kind: Kind, path: &Path, content: &[u8]) -> Result<(), SealedError> {
     let put = || -> io::Result<()> {
         let folder = path
@@ -190,8 +215,10 @@ pub fn write(kind: Kind, path: &Path, content: &[u8]) -> Result<(), SealedError>
         file.write_all(&seal(kind, content))?;
         file.sync_all()?;
         drop(file);
+        set_aside(kind, path)?;
         // A damaged file never takes the place of the last whole one.
         if read(kind, path).is_ok() {
+            set_aside(kind, &before(path))?;
             fs::rename(path, before(path))?;
         }
         fs::rename(&new, path)?;
@@ -244,86 +271,4 @@ pub fn read_last(kind: Kind, path: &Path) -> Result<(Vec<u8>, Option<SealedError
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const KIND: Kind = Kind {
-        letters: b"TEST",
-        name: "test",
-        version: 3,
-    };
-
-    fn folder(name: &str) -> PathBuf {
-        let name = format!("dolomite-sealed-{name}-{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        fs::create_dir_all(&folder).unwrap();
-        folder
-    }
-
-    #[test]
-    fn the_checksum_is_the_one_of_the_standard() {
-        assert_eq!(crc32(&[b"1234", b"56789"]), 0xcbf4_3926);
-    }
-
-    #[test]
-    fn cut_at_any_byte_and_changed_in_any_byte_it_is_refused() {
-        let content: Vec<u8> = (0..700_u32).map(|i| (i * 31 % 251) as u8).collect();
-        let whole = seal(KIND, &content);
-        let path = Path::new("a.save");
-        assert_eq!(open(KIND, &whole, path).unwrap(), content);
-        for cut in 0..whole.len() {
-            let error = open(KIND, &whole[..cut], path).unwrap_err();
-            assert!(
-                matches!(error, SealedError::Length { .. }),
-                "{cut}: {error}"
-            );
-        }
-        let mut longer = whole.clone();
-        longer.push(0);
-        assert!(open(KIND, &longer, path).is_err());
-        for at in 0..whole.len() {
-            for bit in 0..8 {
-                let mut changed = whole.clone();
-                changed[at] ^= 1 << bit;
-                assert!(open(KIND, &changed, path).is_err(), "byte {at}, bit {bit}");
-            }
-        }
-        let other = Kind { version: 4, ..KIND };
-        let error = open(other, &whole, path).unwrap_err().to_string();
-        assert!(
-            error.contains("version 3") && error.contains("a.save"),
-            "{error}"
-        );
-    }
-
-    #[test]
-    fn whenever_the_machine_stops_the_last_whole_file_is_read() {
-        let folder = folder("stop");
-        let path = folder.join("game.save");
-        write(KIND, &path, b"first").unwrap();
-        let second = seal(KIND, b"second, and longer");
-        for cut in 0..=second.len() {
-            // It stopped while the next was written beside.
-            fs::write(unfinished(&path), &second[..cut]).unwrap();
-            let (content, error) = read_last(KIND, &path).unwrap();
-            assert!(content == b"first" && error.is_none(), "{cut}");
-        }
-        // It stopped between the two names.
-        fs::rename(&path, before(&path)).unwrap();
-        let (content, error) = read_last(KIND, &path).unwrap();
-        assert!(content == b"first" && error.is_some());
-        // The disk lost the end of what had its name: the one before stands, and is not lost by the next write.
-        for cut in 0..second.len() {
-            fs::write(&path, &second[..cut]).unwrap();
-            let (content, error) = read_last(KIND, &path).unwrap();
-            assert_eq!(content, b"first", "{cut}");
-            assert!(matches!(error, Some(SealedError::Length { .. })), "{cut}");
-        }
-        write(KIND, &path, b"third").unwrap();
-        assert_eq!(read(KIND, &before(&path)).unwrap(), b"first");
-        write(KIND, &path, b"fourth").unwrap();
-        assert_eq!(read(KIND, &before(&path)).unwrap(), b"third");
-        assert_eq!(read(KIND, &path).unwrap(), b"fourth");
-        fs::remove_dir_all(&folder).unwrap();
-    }
-}
+mod tests;

@@ -9,6 +9,7 @@ use super::GameSoundSystems;
 use crate::level::arms::SHOULDER;
 use crate::level::gate::Bars;
 use crate::level::lifts::RoofLift;
+use crate::level::menu::MenuSystems;
 use crate::level::parts::{Beacon, Cast, Level, Soldier};
 
 /// Seconds until a soldier may be heard to call again: as its own.
@@ -35,6 +36,7 @@ impl Plugin for LevelSoundPlugin {
                     .run_if(any_with_component::<Beacon>),
             )
                 .run_if(resource_exists::<Cast>)
+                .after(MenuSystems)
                 .in_set(GameSoundSystems),
         );
     }

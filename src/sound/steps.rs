@@ -67,7 +67,8 @@ struct Stride {
 
 fn mark(mut commands: Commands, new: Query<Entity, (With<CharacterState>, Without<Stride>)>) {
     for entity in &new {
-        commands.entity(entity).insert(Stride::default());
+        // A soldier's figure may be gone by then.
+        commands.entity(entity).try_insert(Stride::default());
     }
 }
 

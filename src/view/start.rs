@@ -202,7 +202,8 @@ fn show_window(
     }
     for (entity, mut window) in &mut windows {
         window.visible = true;
-        commands.entity(entity).remove::<Hidden>();
+        // It may be closed in the same frame.
+        commands.entity(entity).try_remove::<Hidden>();
     }
 }
 

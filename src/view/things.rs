@@ -43,7 +43,8 @@ fn dress(
         };
         let Some(mesh) = mesh else { continue };
         let mut entity = commands.entity(entity);
-        entity.insert((
+        // The next scene may have taken its place by then.
+        entity.try_insert((
             Mesh3d(meshes.add(mesh)),
             MeshMaterial3d(materials.add(StandardMaterial {
                 base_color,

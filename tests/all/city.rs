@@ -28,6 +28,7 @@ use dolomite_game::level::parts::{
 use dolomite_game::level::town::Roof;
 use dolomite_game::level::{Verdict, begin, load, menu};
 use dolomite_game::play::figure::Figure;
+use dolomite_game::scene::{CurrentScene, SceneRequest};
 use dolomite_game::settings::paths::AssetsDir;
 
 const TEXT: &str = include_str!("../../assets/levels/city.ron");
@@ -338,4 +339,41 @@ fn the_menu_leads_from_one_level_to_the_other_and_back() {
         let lifts = world.query::<&RoofLift>().iter(world).count();
         assert_eq!(lifts, if name == "city" { 3 } else { 0 });
     }
+}
+
+#[test]
+fn a_level_that_cannot_begin_leaves_this_one_as_it_is() {
+    let folder = folder("city-other");
+    let levels = folder.join("levels");
+    std::fs::create_dir_all(&levels).expect("a folder for temporary files");
+    let mut game = table("city", Job::default()).game(6);
+    game.app.insert_resource(AssetsDir(folder.clone()));
+    menu::add(&mut game.app);
+    // What soldiers do was broken meanwhile.
+    let broken = "(root: \"nothing\", trees: {})";
+    std::fs::write(levels.join("soldier.ron"), broken).expect("the folder is there");
+    let down = PlayerInput {
+        navigate: IVec2::Y,
+        ..default()
+    };
+    let confirm = PlayerInput {
+        confirm: true,
+        ..default()
+    };
+    let request = |game: &Game| game.app.world().resource::<SceneRequest>().scene.clone();
+    let asked = request(&game);
+    for _ in 0..2 {
+        press(&mut game, down);
+    }
+    press(&mut game, confirm);
+    let world = game.app.world();
+    let note = &world.resource::<Menu>().note;
+    assert!(
+        note.contains("soldier.ron") && note.contains("nothing"),
+        "{note}"
+    );
+    assert_eq!(world.resource::<Level>().name, "city");
+    assert!(world.resource::<CurrentScene>().city.is_some());
+    assert_eq!(request(&game), asked);
+    std::fs::remove_dir_all(&folder).expect("it was made");
 }

@@ -2,16 +2,17 @@
 //! minutes of wild input break nothing.
 
 mod saves;
+mod settings;
 
 use std::path::Path;
 use std::process::Command;
 
-use crate::support::game::{folder, press, table, wild_input};
+use crate::support::game::{assets, folder, press, table, wild_input};
 use bevy::prelude::*;
 use dolomite::logic::parts::LogicTimer;
 use dolomite::logic::random::Random;
 use dolomite::logic::{Action, Health, Key};
-use dolomite_game::bot::Job;
+use dolomite_game::bot::{self, BotError, Job, Table};
 use dolomite_game::bot::game::Game;
 use dolomite_game::bot::pilot::Pilot;
 use dolomite_game::bot::record::Record;
@@ -37,6 +38,33 @@ fn the_bot_wins_and_its_input_replays_to_the_same_hash() {
         input.walk = -input.walk;
     }
     assert_ne!(table.replay(&other).hash, game.hash);
+}
+
+#[test]
+fn a_game_that_would_never_end_is_refused_and_the_last_seed_is_followed_by_the_first() {
+    for limit in [f32::NAN, 0.0, -5.0, f32::INFINITY, 1e6] {
+        let job = Job {
+            level: "mountain",
+            unreachable: true,
+            limit: Some(limit),
+            ..Job::default()
+        };
+        let refused = Table::new(&job, &assets()).err();
+        assert!(
+            matches!(refused, Some(BotError::Limit(_))),
+            "{limit}: {refused:?}"
+        );
+    }
+    let job = Job {
+        level: "mountain",
+        seed: u64::MAX,
+        runs: 2,
+        limit: Some(1.0),
+        ..Job::default()
+    };
+    let (report, _) = bot::play(&job, &assets(), |_| ()).expect("the level is good");
+    let seeds: Vec<u64> = report.games.iter().map(|game| game.seed).collect();
+    assert_eq!(seeds, [u64::MAX, 0]);
 }
 
 #[test]

@@ -8,6 +8,7 @@ use crate::names::Key;
 use crate::value::Value;
 use crate::values::Logic;
 use bevy::ecs::prelude::*;
+use bevy::log::warn_once;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -71,7 +72,7 @@ pub struct Wire {
     pub verb: Key,
     /// With what; [`Value::None`] hands on what came with the output.
     pub parameter: Value,
-    /// Seconds between both; what is not above 0 is at once.
+    /// Seconds between both; what is not above 0 is at once, see [`LogicClock::steps`].
     pub delay: f32,
 }
 
@@ -104,9 +105,15 @@ impl Wire {
 }
 
 /// What outputs of an entity ask of others, in this order.
+///
+/// All wires together send at most 2^20 actions in a step: what is over is left out, with a warning. So wires that lead
+/// back to where they begin, and become more in every step, do not fill the memory.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 #[require(Logic)]
 pub struct Wires(pub Vec<Wire>);
+
+/// Most actions that wires send in a step.
+const MOST_SENT: usize = 1 << 20;
 
 /// An action that waits.
 #[derive(Clone, Copy, Debug)]
@@ -155,6 +162,13 @@ impl DelayedActions {
         }));
     }
 
+    /// All that wait, in the order in which they are sent: the step and the action.
+    pub(crate) fn sorted(&self) -> Vec<(u64, Action)> {
+        let mut all: Vec<Later> = self.heap.iter().map(|later| later.0).collect();
+        all.sort_unstable();
+        all.into_iter().map(|later| (later.step, later.action)).collect()
+    }
+
     /// How many wait.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -195,11 +209,20 @@ pub(crate) fn follow_wires(
     mut delayed: ResMut<DelayedActions>,
     mut actions: MessageWriter<Action>,
 ) {
-    for output in outputs.read() {
+    let mut sent = 0;
+    'outputs: for output in outputs.read() {
         let Ok(wires) = wires.get(output.source) else {
             continue;
         };
         for wire in wires.0.iter().filter(|wire| wire.on == output.name) {
+            if sent == MOST_SENT {
+                warn_once!(
+                    "wires send more than {MOST_SENT} actions in a step, as if they led back to where they begin; \
+                     the rest is left out"
+                );
+                break 'outputs;
+            }
+            sent += 1;
             let action = Action {
                 target: wire.target,
                 source: output.source,
@@ -217,4 +240,6 @@ pub(crate) fn follow_wires(
             }
         }
     }
+    // Nothing is caught up on in the next step.
+    outputs.clear();
 }

@@ -195,7 +195,8 @@ pub(crate) fn gather(
         if body.before != Some(now) {
             body.before = Some(now);
         }
-        let whole = body.radius > 0.0 && body.radius.is_finite() && body.height.is_finite();
+        let above = |size: f32| size > 0.0 && size.is_finite();
+        let whole = above(body.radius) && above(body.height);
         if !(whole && now.is_finite() && before.is_finite()) {
             continue;
         }

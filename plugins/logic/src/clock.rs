@@ -30,12 +30,13 @@ impl Default for LogicClock {
 }
 
 impl LogicClock {
-    /// Steps in some seconds, rounded, at least 1; none of a time that is not above 0 or not finite.
+    /// Steps in some seconds, rounded, at least 1; none of a time that is not above 0, or NaN. An endless time has
+    /// [`u32::MAX`] steps, at 64 a second more than two years.
     #[must_use]
     pub fn steps(&self, seconds: f32) -> Option<u32> {
         let steps = seconds / self.delta;
-        // Also refuses NaN.
-        (steps.is_finite() && steps > 0.0).then(|| (steps.round() as u32).max(1))
+        // Also refuses NaN; a conversion stops at the greatest number.
+        (steps > 0.0).then(|| (steps.round() as u32).max(1))
     }
 }
 
@@ -49,21 +50,25 @@ pub(crate) fn advance(mut clock: ResMut<LogicClock>, time: Option<Res<Time>>) {
     }
 }
 
-/// A run condition: in every n-th step, so that it is true `hertz` times a second, or in every step where that is
-/// more than there are. Never for a rate that is not above 0.
+/// A run condition: in every n-th step, where n is the whole number next to the steps of a `hertz`-th second, or in
+/// every step where there are fewer. So the rate is one that divides that of steps: of 64 a second 20 become 21.3, 40
+/// become 32, and 50 become 64. Never for a rate that is not above 0.
 pub fn at_rate(hertz: f32) -> impl Fn(Res<LogicClock>, Query<(), With<Logic>>) -> bool + Clone {
     move |clock: Res<LogicClock>, logic: Query<(), With<Logic>>| {
         hertz > 0.0
             && !logic.is_empty()
-            && clock
-                .steps(1.0 / hertz)
-                .is_some_and(|every| clock.step.is_multiple_of(u64::from(every)))
+            // Of an endless rate a period is 0.
+            && (hertz.is_infinite()
+                || clock
+                    .steps(1.0 / hertz)
+                    .is_some_and(|every| clock.step.is_multiple_of(u64::from(every))))
     }
 }
 
 /// Adds systems of logic to an app.
 pub trait LogicAppExt {
-    /// Runs systems `hertz` times a second in [`LogicSystems::Update`], in steps of `FixedUpdate`; see [`at_rate`].
+    /// Runs systems about `hertz` times a second in [`LogicSystems::Update`], in steps of `FixedUpdate`; [`at_rate`]
+    /// says how often exactly.
     fn add_update<M>(
         &mut self,
         hertz: f32,

@@ -1,11 +1,12 @@
-//! A number of everything that logic knows: two runs that have the same one did the same.
+//! A number of what logic has come to: two runs that went apart have another one.
 
+use crate::action::DelayedActions;
 use crate::behaviour::Mind;
 use crate::clock::LogicClock;
 use crate::movement::Walker;
 use crate::parts::{
-    Button, DayClock, Door, Health, Lamp, Lift, LogicTimer, Mission, Objective, PickUp, Shots,
-    Weapon,
+    Button, DayClock, Door, Health, Inside, Lamp, Lift, LogicTimer, Mission, Objective, PickUp,
+    Shots, Weapon,
 };
 use crate::senses::Memory;
 use crate::values::{Logic, Values};
@@ -64,7 +65,12 @@ fn by_text<C: Component + Debug>(world: &mut World, mixer: &mut Mixer) {
     });
 }
 
-/// The hash of a world's logic: the clock, values, places, agents and every ready-made part, by entity.
+/// The hash of a world's logic: the clock, values, places, agents, memories and ready-made parts, by entity; shots that
+/// fly, actions that wait, and who is in which zone.
+///
+/// Left out are whom a [`Sight`](crate::senses::Sight) sees, where who moves was a step ago, sizes of zones,
+/// [`Attention`](crate::Attention), and messages of the step. Where two runs differ in these alone, their hashes differ
+/// as soon as something follows from it.
 #[must_use]
 pub fn state_hash(world: &mut World) -> u64 {
     let mut mixer = Mixer::new();
@@ -105,6 +111,12 @@ pub fn state_hash(world: &mut World) -> u64 {
     by_text::<Weapon>(world, &mut mixer);
     if let Some(shots) = world.get_resource::<Shots>() {
         write!(mixer, "{:?}", shots.0).expect("a mixer takes every text");
+    }
+    if let Some(delayed) = world.get_resource::<DelayedActions>() {
+        write!(mixer, "{:?}", delayed.sorted()).expect("a mixer takes every text");
+    }
+    if let Some(inside) = world.get_resource::<Inside>() {
+        write!(mixer, "{inside:?}").expect("a mixer takes every text");
     }
     // The finalizer of MurmurHash3 (A. Appleby, 2011).
     let mut x = mixer.0;

@@ -13,7 +13,7 @@
 //! | [`senses`] | sight, hearing, memory |
 //! | [`movement`] | grids of ground, flow fields, paths, avoidance, patrols |
 //! | [`rays`], [`bodies`], [`grid`] | what hides and is hit, and which of many points are near |
-//! | [`hash`] | a number of the whole state |
+//! | [`hash`] | a number of the state |
 //!
 //! Metres, seconds and radians; +Y is up, −Z is forward.
 

@@ -1,7 +1,9 @@
 //! Who is worked on how often: near a focus every step, far from it rarely, asleep never.
 //!
-//! Who sleeps is in another table of the world, which no system of this crate goes over, so that it costs nothing in
-//! a step. Any action on it wakes it, as does a noise that it could hear.
+//! Who sleeps is in another table of the world, which behaviours, sight, memories, walkers, patrols and attention do not
+//! go over, so that these cost nothing of it in a step. What it has of ready-made parts goes on: timers, doors, lifts,
+//! zones and hitboxes work, it can be seen, and its ears hear. Any action on it wakes it, as does a noise that it could
+//! hear.
 
 use crate::action::Action;
 use crate::clock::LogicClock;
@@ -70,7 +72,7 @@ impl Attention {
     }
 }
 
-/// Works on nothing until an action or a noise wakes it.
+/// Thinks, sees and walks no more until an action or a noise wakes it.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 #[require(Logic)]
@@ -82,7 +84,7 @@ pub struct Asleep;
 pub struct AttentionSettings {
     /// Metres to a focus up to which every step counts; twice as far every second one does, and so on.
     pub near: f32,
-    /// At most this many steps; a power of two.
+    /// At most this many steps.
     pub most: u32,
 }
 
@@ -123,7 +125,7 @@ pub(crate) fn pay(
         let mut every = 1;
         // Who has no place is as far away as can be.
         while least > near * every as f32 && every < settings.most {
-            every *= 2;
+            every = every.saturating_mul(2).min(settings.most);
         }
         let phase = entity.index_u32();
         if attention.every != every || attention.phase != phase {
@@ -144,7 +146,8 @@ pub(crate) fn wake(
     for action in actions.read() {
         let sleeps = action.verb == Key::SLEEP;
         if sleeps && logic.contains(action.target) {
-            commands.entity(action.target).insert(Asleep);
+            // Somebody else may have asked for its end in the same step.
+            commands.entity(action.target).try_insert(Asleep);
         } else if !sleeps
             && (asleep.contains(action.target) || action.verb == Key::WAKE)
             && let Ok(mut entity) = commands.get_entity(action.target)

@@ -4,8 +4,9 @@ use bevy::ecs::prelude::*;
 
 /// Systems of logic, in `FixedUpdate`, in this order.
 ///
-/// What an action asks for is done in the step after the one in which it was sent, except where it was sent before
-/// [`LogicSystems::Act`]. Outputs become actions at the end of the step.
+/// What an action asks for is done in the set that answers it, which is [`LogicSystems::Act`], and for objectives and
+/// missions [`LogicSystems::Rules`]: in the same step where it was sent before that set, else in the next one. Outputs
+/// become actions at the end of the step.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LogicSystems {
     /// The clock counts the step, actions whose time has come are sent, and who has to be is woken.
@@ -22,7 +23,7 @@ pub enum LogicSystems {
     Move,
     /// Zones and shots: after all that moves.
     Touch,
-    /// Objectives and missions.
+    /// Objectives and missions, and what actions ask of them.
     Rules,
     /// Outputs become actions.
     Wire,

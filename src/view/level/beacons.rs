@@ -10,6 +10,7 @@ use dolomite::terrain::Ground;
 
 use super::circuits::in_town;
 use crate::level::day::sun;
+use crate::level::menu::MenuSystems;
 use crate::level::parts::{Bandage, Beacon, Cast, Level};
 use crate::scene::CurrentScene;
 
@@ -42,7 +43,8 @@ impl Plugin for BeaconsPlugin {
                 show_bandages,
                 fly,
                 turn_sun,
-            ),
+            )
+                .after(MenuSystems),
         );
     }
 }

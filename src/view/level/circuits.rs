@@ -4,6 +4,7 @@ use bevy::light::NotShadowCaster;
 use bevy::prelude::*;
 use dolomite::logic::Lamp;
 
+use crate::level::menu::MenuSystems;
 use crate::level::parts::{Beacon, Level};
 
 /// Height of the globe above what the cabinet stands on, metres, and its radius.
@@ -29,6 +30,7 @@ impl Plugin for CircuitsPlugin {
             Update,
             (dress, burn)
                 .chain()
+                .after(MenuSystems)
                 .run_if(any_with_component::<Beacon>)
                 .run_if(in_town),
         );

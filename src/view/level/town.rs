@@ -5,6 +5,7 @@ use dolomite::collision::Blocker;
 
 use crate::level::gate::Bars;
 use crate::level::lifts::{Panel, RoofLift, Wall};
+use crate::level::menu::MenuSystems;
 use crate::level::parts::{Level, LevelPart, Numbered};
 use crate::level::town::PLATE;
 use crate::scene::CurrentScene;
@@ -27,7 +28,8 @@ impl Plugin for TownPlugin {
                 dress_boxes.run_if(any_with_component::<Blocker>),
                 dress_lifts.run_if(any_with_component::<RoofLift>),
                 dress_panels.run_if(any_with_component::<Panel>),
-            ),
+            )
+                .after(MenuSystems),
         );
     }
 }

@@ -1,18 +1,23 @@
 //! Saved games are whole or refused.
 
+use std::f32::consts::TAU;
+
 use super::played;
-use crate::support::game::folder;
+use crate::support::game::{folder, press, table};
 use bevy::prelude::*;
-use dolomite::logic::Lamp;
+use dolomite::logic::{Health, Lamp};
+use dolomite_game::bot::Job;
+use dolomite_game::bot::game::Game;
 use dolomite_game::input::PlayerInput;
-use dolomite_game::level::parts::Beacon;
+use dolomite_game::level::menu::{Menu, SaveTo, Screen};
+use dolomite_game::level::parts::{Beacon, Cast};
 use dolomite_game::level::save::{SAVE, SaveError};
 use dolomite_game::level::sealed::SealedError;
-use dolomite_game::level::{save, sealed};
+use dolomite_game::level::{menu, save, sealed};
+use dolomite_game::play::figure::Figure;
 
-#[test]
-fn a_saved_game_goes_on_where_it_was_and_is_whole_or_refused() {
-    let mut game = played(20);
+/// Lights one beacon.
+fn light(game: &mut Game) {
     let world = game.app.world_mut();
     let lamp = world
         .query::<(Entity, &Beacon)>()
@@ -21,7 +26,13 @@ fn a_saved_game_goes_on_where_it_was_and_is_whole_or_refused() {
         .expect("it is in the file")
         .0;
     world.get_mut::<Lamp>(lamp).expect("beacons have lamps").lit = true;
-    let saved = save::take(world).expect("a level is played");
+}
+
+#[test]
+fn a_saved_game_goes_on_where_it_was_and_is_whole_or_refused() {
+    let mut game = played(20);
+    light(&mut game);
+    let saved = save::take(game.app.world_mut()).expect("a level is played");
     assert_eq!(saved.beacons, [true, false, false, false]);
     assert!((saved.passed - 20.0).abs() < 0.1, "{}", saved.passed);
     let folder = folder("mountain-save");
@@ -60,6 +71,7 @@ fn a_saved_game_goes_on_where_it_was_and_is_whole_or_refused() {
         ),
         (Box::new(|s| s.soldiers.truncate(6)), "6 patrols"),
         (Box::new(|s| s.health = -3.0), "health"),
+        (Box::new(|s| s.health = 0.0), "health"),
         (Box::new(|s| s.soldiers[0].place.0 = f32::NAN), "soldier"),
         (Box::new(|s| s.figure.0 = f64::INFINITY), "figure"),
         (Box::new(|s| s.soldiers[2].next = 99), "next"),
@@ -97,4 +109,60 @@ fn a_saved_game_goes_on_where_it_was_and_is_whole_or_refused() {
         Err(SaveError::File(SealedError::Length { .. }))
     ));
     std::fs::remove_dir_all(&folder).expect("it was made");
+}
+
+#[test]
+fn what_is_loaded_is_not_saved_again_and_damage_is_said() {
+    let mut game = played(20);
+    light(&mut game);
+    let saved = save::take(game.app.world_mut()).expect("a level is played");
+    let folder = folder("mountain-damage");
+    let path = folder.join("mountain.save");
+    for _ in 0..2 {
+        save::write(&path, &saved).expect("the folder is there");
+    }
+    let whole = std::fs::read(&path).expect("it was written");
+    std::fs::write(&path, &whole[..whole.len() - 9]).expect("the folder is there");
+    let mut game = table("mountain", Job::default()).game(1);
+    game.app.insert_resource(SaveTo(path.clone()));
+    menu::add(&mut game.app);
+    let (down, confirm) = (
+        PlayerInput {
+            navigate: IVec2::Y,
+            ..default()
+        },
+        PlayerInput {
+            confirm: true,
+            ..default()
+        },
+    );
+    press(&mut game, down);
+    press(&mut game, confirm);
+    for _ in 0..10 {
+        press(&mut game, PlayerInput::default());
+    }
+    let menu = game.app.world().resource::<Menu>();
+    assert_eq!(menu.screen, Screen::Play);
+    assert!(menu.note.contains("damaged"), "{}", menu.note);
+    assert!(game.state().lit == 1 && game.state().steps > 0);
+    let kept = std::fs::read(sealed::before(&path)).expect("it is kept");
+    assert_eq!(kept, whole, "the last whole one is as it was");
+    std::fs::remove_dir_all(&folder).expect("it was made");
+}
+
+#[test]
+fn who_turned_about_for_hours_is_saved_and_the_dead_are_not() {
+    let mut game = played(1);
+    let world = game.app.world_mut();
+    for mut figure in world.query::<&mut Figure>().iter_mut(world) {
+        figure.now.yaw = -2e4;
+    }
+    let saved = save::take(world).expect("a level is played");
+    let yaw = saved.figure.2;
+    assert!((0.0..=TAU).contains(&yaw), "{yaw}");
+    save::put(world, &saved).expect("it is our own");
+    let player = world.resource::<Cast>().player;
+    let mut health = world.get_mut::<Health>(player);
+    health.as_mut().expect("players have it").now = 0.0;
+    assert_eq!(save::take(world), None);
 }

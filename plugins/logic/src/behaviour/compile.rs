@@ -102,7 +102,12 @@ impl<'a> Compiler<'a, '_> {
         // Trees that nobody uses are held to the same rules; a loop among them is one as well.
         let used = self.program.clone();
         for (name, _) in &parsed.trees.0 {
+            // Each is a program of its own: what there is room for is counted anew. Slots are bounded by nodes, which
+            // have one each at most.
             self.program.nodes.clear();
+            self.program.factors.clear();
+            self.program.parameters.clear();
+            self.program.slots = 0;
             self.tree(name, NONE)?;
         }
         self.program = used;

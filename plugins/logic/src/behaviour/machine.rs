@@ -187,8 +187,10 @@ impl Machine<'_> {
         })
     }
 
+    /// At least 1. Differences of half of 2^32 steps are told apart: at 64 a second a time of more than a year is one of
+    /// a year.
     fn steps(&self, seconds: f32) -> u32 {
-        ((seconds / self.delta).round() as u32).max(1)
+        ((seconds / self.delta).round() as u32).clamp(1, i32::MAX as u32 - 1)
     }
 
     fn asks(&self, op: Op) -> bool {

@@ -87,7 +87,10 @@ impl Behaviours {
             (Ok(program), _) => Arc::new(program),
             (Err(error), Some(known)) => {
                 let entry = &mut self.entries[usize::from(known.0)];
-                entry.stamp = stamp;
+                // A text that was refused says nothing about the file that is watched.
+                if entry.path.as_deref() == path {
+                    entry.stamp = stamp;
+                }
                 entry.error = Some(error.clone());
                 return Err(error);
             }
@@ -97,7 +100,7 @@ impl Behaviours {
         if number == self.entries.len() {
             self.entries.push(Entry {
                 name: name.to_owned(),
-                path: path.map(Path::to_owned),
+                path: None,
                 stamp: None,
                 program: Arc::default(),
                 edition: 0,
@@ -107,6 +110,8 @@ impl Behaviours {
         let entry = &mut self.entries[number];
         entry.program = program;
         entry.edition += 1;
+        // Where it came from last is what is watched: a text that took a file's place is not undone by it.
+        entry.path = path.map(Path::to_owned);
         entry.stamp = stamp;
         entry.error = None;
         Ok(BehaviourId(number as u16))
@@ -143,7 +148,7 @@ pub fn add_behaviour(
     name: &str,
     text: &str,
 ) -> Result<BehaviourId, BehaviourError> {
-    put(world, name, None, Ok(text.to_owned()))
+    put(world, name, None, None, Ok(text.to_owned()))
 }
 
 /// Reads a behaviour from a file, which is looked at again where [`Behaviours::watch`] says so.
@@ -151,19 +156,22 @@ pub fn add_behaviour(
 /// # Errors
 /// [`BehaviourError`]; what was read from this file before stays.
 pub fn load_behaviour(world: &mut World, path: &Path) -> Result<BehaviourId, BehaviourError> {
-    put(world, &path.display().to_string(), Some(path), read(path))
+    // Before the text: what is written between the two is then read again, and not missed.
+    let stamp = stamp_of(path);
+    let name = path.display().to_string();
+    put(world, &name, Some(path), stamp, read(path))
 }
 
 fn put(
     world: &mut World,
     name: &str,
     path: Option<&Path>,
+    stamp: Option<Stamp>,
     text: Result<String, BehaviourError>,
 ) -> Result<BehaviourId, BehaviourError> {
     world.init_resource::<Names>();
     world.init_resource::<Leaves>();
     world.init_resource::<Behaviours>();
-    let stamp = path.and_then(stamp_of);
     world.resource_scope(|world, leaves: Mut<Leaves>| {
         let result = text.and_then(|text| {
             let mut names = world.resource_mut::<Names>();

@@ -152,13 +152,12 @@ pub(super) fn run(
         }
     }
     for (entity, mut door, slide) in &mut doors {
-        if door.state == DoorState::Closed || (door.state == DoorState::Open && door.hold.is_none())
-        {
-            continue;
-        }
-        if let Some(name) = door.advance(clock.delta) {
+        let rests = door.state == DoorState::Closed
+            || (door.state == DoorState::Open && door.hold.is_none());
+        if !rests && let Some(name) = door.advance(clock.delta) {
             outputs.write(Output::new(entity, name, ()));
         }
+        // One that rests is where it says too: one that is new, or that was put there.
         if let Some((slide, mut transform)) = slide {
             let place = slide.closed.lerp(slide.open, door.open);
             if place.is_finite() && transform.translation != place {

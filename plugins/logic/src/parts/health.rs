@@ -14,7 +14,8 @@ use bevy::reflect::prelude::*;
 pub struct Team(pub u8);
 
 /// Health. Actions: [`Key::DAMAGE`] and [`Key::HEAL`] with a number. Outputs: [`Key::HURT`] with the number,
-/// [`Key::DIED`] once, with who did it. An entity with [`Values`] gets the part that is left as [`Key::HEALTH`].
+/// [`Key::DIED`] once, with who did it. An entity with [`Values`] has the part that is left as [`Key::HEALTH`], from its
+/// first step on.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[require(Logic)]
@@ -56,10 +57,10 @@ impl Health {
         (taken, !self.is_alive())
     }
 
-    /// Gives some, up to the most. The dead are not healed.
+    /// Gives some, up to the most; who has more keeps it. The dead are not healed.
     pub fn heal(&mut self, amount: f32) {
         if amount > 0.0 && amount.is_finite() && self.is_alive() {
-            self.now = (self.now + amount).min(self.most);
+            self.now = (self.now + amount).min(self.most).max(self.now);
         }
     }
 
@@ -76,14 +77,14 @@ impl Health {
 
 pub(super) fn run(
     mut actions: MessageReader<Action>,
-    mut all: Query<(&mut Health, Option<&mut Values>)>,
+    mut all: Query<&mut Health>,
     mut outputs: MessageWriter<Output>,
 ) {
     for action in actions.read() {
         if !matches!(action.verb, Key::DAMAGE | Key::HEAL) {
             continue;
         }
-        let Ok((mut health, values)) = all.get_mut(action.target) else {
+        let Ok(mut health) = all.get_mut(action.target) else {
             continue;
         };
         let amount = action.parameter.number();
@@ -98,9 +99,16 @@ pub(super) fn run(
                 outputs.write(Output::new(action.target, Key::DIED, action.source));
             }
         }
-        if let Some(mut values) = values {
-            // Refused only where somebody else made it another kind.
-            let _ = values.set(Key::HEALTH, Value::Float(health.part()));
-        }
+    }
+}
+
+/// Writes what is left where it changed, whoever changed it, and where nobody knows it yet: who was never hurt is in full
+/// health, which behaviours would take for none.
+pub(super) fn tell(
+    mut all: Query<(&Health, &mut Values), Or<(Changed<Health>, Added<Values>)>>,
+) {
+    for (health, mut values) in &mut all {
+        // Refused only where somebody else made it another kind, or where it is no number.
+        let _ = values.set(Key::HEALTH, Value::Float(health.part()));
     }
 }

@@ -1,5 +1,6 @@
 //! Lamps, and the hour of the day that switches them.
 
+use super::sum;
 use crate::action::{Action, Output};
 use crate::clock::LogicClock;
 use crate::names::Key;
@@ -31,6 +32,8 @@ pub struct DayClock {
     /// When the night begins, later than `dawn`.
     pub dusk: f32,
     day: Option<bool>,
+    /// What rounding added to [`Self::hour`].
+    rest: f32,
 }
 
 impl DayClock {
@@ -43,6 +46,7 @@ impl DayClock {
             dawn: 6.0,
             dusk: 20.0,
             day: None,
+            rest: 0.0,
         }
     }
 
@@ -54,9 +58,10 @@ impl DayClock {
 
     /// One step on; the output if day or night began, also in the first step.
     pub fn advance(&mut self, seconds: f32) -> Option<Key> {
-        let hour = (self.hour + self.pace * seconds).rem_euclid(24.0);
+        let (mut hour, mut rest) = (self.hour, self.rest);
+        sum::add(&mut hour, &mut rest, self.pace * seconds);
         if hour.is_finite() {
-            self.hour = hour;
+            (self.hour, self.rest) = (hour.rem_euclid(24.0), rest);
         }
         let day = self.is_day();
         if self.day == Some(day) {

@@ -317,6 +317,7 @@ pub(super) fn run(
     }
     for (entity, mut lift, mut transform) in &mut lifts {
         if lift.state == LiftState::Idle && lift.calls == 0 {
+            place(&lift, &mut transform);
             continue;
         }
         let door = lift.doors.get(lift.floor).copied().flatten();
@@ -334,8 +335,13 @@ pub(super) fn run(
                 _ => (),
             }
         }
-        if transform.translation.y != lift.height {
-            transform.translation.y = lift.height;
-        }
+        place(&lift, &mut transform);
+    }
+}
+
+/// A lift that rests is where its height says too: one that is new, or that was put at a floor.
+fn place(lift: &Lift, transform: &mut Mut<Transform>) {
+    if transform.translation.y != lift.height {
+        transform.translation.y = lift.height;
     }
 }

@@ -20,6 +20,7 @@ mod lamp;
 mod lift;
 mod pickup;
 mod rules;
+mod sum;
 mod timer;
 mod weapon;
 mod zone;
@@ -33,6 +34,7 @@ pub use pickup::{Collector, PickUp};
 pub use rules::{Mission, Objective, Outcome};
 pub use timer::LogicTimer;
 pub use weapon::{Shot, ShotMessage, Shots, Weapon};
+pub(crate) use zone::Inside;
 pub use zone::{Visitor, Zone, ZoneKind, ZoneMessage, crossing, inside_times};
 
 use crate::bodies::{BodyIndex, Hitbox, any_body, gather};
@@ -41,7 +43,7 @@ use bevy::app::{App, FixedUpdate};
 use bevy::ecs::prelude::*;
 
 pub(crate) fn build(app: &mut App) {
-    app.init_resource::<zone::Inside>()
+    app.init_resource::<Inside>()
         .init_resource::<Shots>()
         .init_resource::<BodyIndex>()
         .register_type::<Collector>()
@@ -67,6 +69,7 @@ pub(crate) fn build(app: &mut App) {
                 lift::run.run_if(any_with_component::<Lift>),
                 door::run.run_if(any_with_component::<Door>),
                 health::run.run_if(any_with_component::<Health>),
+                health::tell.run_if(any_with_component::<Health>),
                 weapon::fire.run_if(any_with_component::<Weapon>),
             )
                 .chain()

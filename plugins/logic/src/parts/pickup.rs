@@ -18,7 +18,7 @@ pub struct PickUp {
     pub name: Key,
     /// Added to a number; any other value takes its place.
     pub amount: Value,
-    /// Seconds after which it is there again; `None`: never.
+    /// Seconds after which it is there again, in the next step at the earliest; `None`, or what is no time: never.
     pub again: Option<f32>,
     /// Whether it is there.
     pub there: bool,
@@ -87,8 +87,10 @@ pub(super) fn run(
             continue;
         }
         pick_up.there = false;
-        let again = pick_up.again.and_then(|seconds| clock.steps(seconds));
-        pick_up.back = again.map_or(0, |steps| clock.step + u64::from(steps));
+        let again = pick_up.again.filter(|seconds| *seconds >= 0.0);
+        pick_up.back = again.map_or(0, |seconds| {
+            clock.step + u64::from(clock.steps(seconds).unwrap_or(1))
+        });
         outputs.write(Output::new(message.zone, Key::TAKEN, message.visitor));
     }
 }

@@ -1,5 +1,6 @@
 //! Timers.
 
+use super::sum;
 use crate::action::{Action, Output};
 use crate::clock::LogicClock;
 use crate::names::Key;
@@ -20,6 +21,9 @@ pub struct LogicTimer {
     pub running: bool,
     /// Seconds that passed.
     pub passed: f32,
+    /// What rounding added to [`Self::passed`].
+    #[reflect(ignore)]
+    rest: f32,
 }
 
 impl LogicTimer {
@@ -31,6 +35,7 @@ impl LogicTimer {
             repeat: true,
             running: true,
             passed: 0.0,
+            rest: 0.0,
         }
     }
 
@@ -49,17 +54,22 @@ impl LogicTimer {
         if !(self.running && elapses) {
             return false;
         }
-        self.passed += seconds;
+        sum::add(&mut self.passed, &mut self.rest, seconds);
         if self.passed < self.period {
             return false;
         }
         if self.repeat {
             self.passed = (self.passed - self.period).min(self.period);
         } else {
-            self.passed = self.period;
+            self.set(self.period);
             self.running = false;
         }
         true
+    }
+
+    fn set(&mut self, passed: f32) {
+        self.passed = passed;
+        self.rest = 0.0;
     }
 }
 
@@ -76,12 +86,12 @@ pub(super) fn run(
         match action.verb {
             Key::START => {
                 if !timer.running && timer.passed >= timer.period {
-                    timer.passed = 0.0;
+                    timer.set(0.0);
                 }
                 timer.running = true;
             }
             Key::STOP => timer.running = false,
-            Key::RESET => timer.passed = 0.0,
+            Key::RESET => timer.set(0.0),
             _ => (),
         }
     }

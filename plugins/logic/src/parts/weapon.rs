@@ -77,6 +77,8 @@ impl Weapon {
             && self.gravity.is_finite()
             && self.damage.is_finite()
             && self.muzzle.is_finite()
+            && self.interval.is_finite()
+            && self.reload.is_finite()
     }
 }
 
@@ -214,8 +216,13 @@ pub(super) fn fly(
         // The last step ends where the range does.
         let part = (shot.left / length).min(1.0);
         let way = way * part;
-        if !(way.is_finite() && shot.place.is_finite()) || length == 0.0 {
+        if !(way.is_finite() && shot.place.is_finite()) {
             return false;
+        }
+        if length == 0.0 {
+            // At the top of its way it stands for a step; what nothing moves is no shot.
+            shot.velocity.y -= shot.gravity * seconds;
+            return shot.gravity != 0.0 && !shot.at_once;
         }
         let end = shot.place + way;
         let stop = world

@@ -14,13 +14,15 @@ use bevy::math::{DVec3, Vec3};
 use bevy::transform::components::Transform;
 
 /// An upright box around its entity. Outputs: [`Key::ENTERED`] and [`Key::LEFT`] with the visitor; [`ZoneMessage`] says
-/// more. A size that is not finite, or below 0 along an axis, holds nobody.
+/// more. A size that is not finite, or below 0 along an axis, holds nobody. Who is where a zone is new or grows has
+/// entered, who is where it shrinks or is taken away has left. In a place that is not finite it is where it was.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[require(Logic, Transform)]
 pub struct Zone {
     /// Half of its size, metres.
     pub half_size: Vec3,
-    before: Option<Vec3>,
+    /// Where it was a step ago, and its half size; none of one that is new.
+    before: Option<(Vec3, Vec3)>,
 }
 
 impl Zone {
@@ -119,8 +121,8 @@ pub fn crossing(before: DVec3, now: DVec3, half: DVec3, new: bool) -> [Option<(Z
 }
 
 /// Who is where, so that who or what is gone has left.
-#[derive(Resource, Default)]
-pub(super) struct Inside(Vec<(Entity, Entity)>);
+#[derive(Resource, Debug, Default)]
+pub(crate) struct Inside(Vec<(Entity, Entity)>);
 
 /// Whether somebody is in a zone: who is gone has still to leave.
 pub(super) fn any_inside(inside: Res<Inside>) -> bool {
@@ -135,7 +137,12 @@ struct Seen {
     before: DVec3,
     now: DVec3,
     half: DVec3,
+    /// It held others a step ago: the way of a visitor does not say alone who came and went.
+    changed: bool,
 }
+
+/// The half size of what holds nobody.
+const NOBODY: Vec3 = Vec3::NEG_ONE;
 
 pub(super) fn run(
     mut zones: Query<(Entity, &mut Zone, &Transform)>,
@@ -146,24 +153,30 @@ pub(super) fn run(
 ) {
     let mut seen = Vec::new();
     for (entity, mut zone, transform) in &mut zones {
-        let now = transform.translation;
-        let before = zone.before.unwrap_or(now);
-        if zone.before != Some(now) {
-            zone.before = Some(now);
+        let whole = zone.half_size.is_finite() && zone.half_size.min_element() >= 0.0;
+        let half = if whole { zone.half_size } else { NOBODY };
+        let known = zone.before;
+        let now = match known {
+            _ if transform.translation.is_finite() => transform.translation,
+            Some((place, _)) => place,
+            None => continue,
+        };
+        let (before, was) = known.unwrap_or((now, NOBODY));
+        if known != Some((now, half)) {
+            zone.before = Some((now, half));
         }
-        let half = zone.half_size;
-        if !(half.is_finite() && half.min_element() >= 0.0 && now.is_finite() && before.is_finite())
-        {
+        if half == NOBODY && was == NOBODY {
             continue;
         }
-        let (x, half) = ((before.x, now.x), half.as_dvec3());
+        let wide = f64::from(half.x.max(was.x));
         seen.push(Seen {
-            low: f64::from(x.0.min(x.1)) - half.x,
-            high: f64::from(x.0.max(x.1)) + half.x,
+            low: f64::from(before.x.min(now.x)) - wide,
+            high: f64::from(before.x.max(now.x)) + wide,
             zone: entity,
             before: before.as_dvec3(),
             now: now.as_dvec3(),
-            half,
+            half: half.as_dvec3(),
+            changed: half != was,
         });
     }
     seen.sort_by(|a, b| a.low.total_cmp(&b.low).then(a.zone.cmp(&b.zone)));
@@ -191,10 +204,18 @@ pub(super) fn run(
             if zone.high < low {
                 continue;
             }
-            for (kind, time) in crossing(before - zone.before, now - zone.now, zone.half, new)
-                .into_iter()
-                .flatten()
-            {
+            let (from, to) = (before - zone.before, now - zone.now);
+            let events = if zone.changed {
+                let was = inside.0.binary_search(&(zone.zone, entity)).is_ok();
+                match (was, to.abs().cmple(zone.half).all()) {
+                    (false, true) => [Some((ZoneKind::Enter, 1.0)), None],
+                    (true, false) => [Some((ZoneKind::Leave, 1.0)), None],
+                    _ => [None, None],
+                }
+            } else {
+                crossing(from, to, zone.half, new)
+            };
+            for (kind, time) in events.into_iter().flatten() {
                 found.push(ZoneMessage {
                     zone: zone.zone,
                     visitor: entity,

@@ -22,8 +22,8 @@ pub struct Trace {
     pub certainty: f32,
 }
 
-/// What an agent remembers. The most certain trace is also in its [`Values`]: [`Key::ALERT`], [`Key::PLACE`] and, of
-/// somebody, [`Key::TARGET`].
+/// What an agent remembers. The most certain trace is also in its [`Values`]: [`Key::ALERT`], which is 0 of who remembers
+/// nothing, [`Key::PLACE`] and, of somebody, [`Key::TARGET`].
 #[derive(Component, Clone, Debug, PartialEq)]
 #[require(Logic, Values)]
 pub struct Memory {
@@ -107,7 +107,9 @@ pub(super) fn remember(
 ) {
     for (mut memory, mut values) in &mut agents {
         let best = memory.traces.first().copied();
-        if best.is_none() && values.number(Key::ALERT) == 0.0 {
+        // Who never heard anything is calm, and is told so once.
+        let calm = values.get(Key::ALERT).is_some_and(|alert| alert.number() == 0.0);
+        if best.is_none() && calm {
             continue;
         }
         // Values of another kind are somebody's own, and stay.

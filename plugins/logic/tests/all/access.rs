@@ -66,8 +66,29 @@ fn wires_hand_on_at_once_and_later_in_order() {
     assert_eq!(said(&mut app), [(last, Key::PRESSED)]);
 }
 
+#[test]
+fn wires_that_lead_back_do_not_fill_the_memory() {
+    let mut app = app();
+    let button = app.world_mut().spawn(Button::default()).id();
+    // Twice as many presses in each step.
+    let wire = Wire::new(Key::PRESSED, button, Key::PRESS);
+    let wires = Wires(vec![wire; 2]);
+    app.world_mut().entity_mut(button).insert(wires);
+    act(&mut app, button, Key::PRESS, ());
+    let mut sent = Vec::new();
+    for _ in 0..24 {
+        app.update();
+        said(&mut app);
+        // Those of this step and of the one before.
+        sent.push(app.world().resource::<Messages<Action>>().len());
+    }
+    assert!(sent[18] > 500_000, "{sent:?}");
+    assert!(sent.iter().all(|sent| *sent <= 2 << 20), "{sent:?}");
+    assert!(sent[23] >= 1_000_000, "{sent:?}");
+}
+
 #[derive(Resource, Default)]
-struct Ran([u32; 4]);
+struct Ran([u32; 5]);
 
 #[test]
 fn updates_run_at_their_rates_and_never_at_none() {
@@ -79,12 +100,13 @@ fn updates_run_at_their_rates_and_never_at_none() {
     app.add_update(1000.0, count::<0>)
         .add_update(16.0, count::<1>)
         .add_update(0.0, count::<2>)
-        .add_update(f32::NAN, count::<3>);
+        .add_update(f32::NAN, count::<3>)
+        .add_update(f32::INFINITY, count::<4>);
     steps(&mut app, 64);
-    assert_eq!(app.world().resource::<Ran>().0, [0; 4], "nobody has logic");
+    assert_eq!(app.world().resource::<Ran>().0, [0; 5], "nobody has logic");
     app.world_mut().spawn(LogicTimer::every(1.0));
     steps(&mut app, 128);
-    assert_eq!(app.world().resource::<Ran>().0, [128, 32, 0, 0]);
+    assert_eq!(app.world().resource::<Ran>().0, [128, 32, 0, 0, 128]);
     assert_eq!(app.world().resource::<LogicClock>().step, 128);
 }
 

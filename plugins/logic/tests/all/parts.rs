@@ -3,18 +3,14 @@
 use crate::support::{SECONDS, Said, act, app, said, steps};
 use bevy::app::App;
 use bevy::ecs::prelude::*;
-use bevy::math::{DVec3, Vec3};
+use bevy::math::Vec3;
 use bevy::transform::components::Transform;
-use dolomite_logic::parts::{
-    DoorState, LiftError, LiftState, Outcome, Shots, ZoneKind, ZoneMessage, crossing,
-};
-use dolomite_logic::random::Random;
-use dolomite_logic::rays::BoxRays;
+use dolomite_logic::parts::{DoorState, LiftError, LiftState, Outcome};
+use dolomite_logic::senses::Memory;
 use dolomite_logic::{
-    Button, Collector, DayClock, Door, Health, Hitbox, Key, Lamp, Lift, LogicTimer, Mission,
-    Objective, PickUp, RayWorld, Slide, Team, Value, Values, Visitor, Weapon, Wire, Wires, Zone,
+    Button, Collector, DayClock, Door, Health, Key, Lamp, Lift, LogicTimer, Mission, Objective,
+    PickUp, Slide, Value, Values, Wire, Wires,
 };
-use std::sync::Arc;
 
 fn get<C: Component + Clone>(app: &App, entity: Entity) -> C {
     app.world().get::<C>(entity).expect("it has one").clone()
@@ -157,6 +153,35 @@ fn a_lift_follows_its_buttons_up_before_down_and_opens_doors() {
 }
 
 #[test]
+fn what_is_new_and_rests_is_where_it_says() {
+    let mut app = app();
+    let lift = Lift::new(vec![2.0, 6.0]).expect("the test made it so");
+    let lift = app.world_mut().spawn(lift).id();
+    let slide = Slide {
+        closed: Vec3::X * 5.0,
+        open: Vec3::X * 9.0,
+    };
+    let open = Door {
+        state: DoorState::Open,
+        open: 1.0,
+        ..Door::default()
+    };
+    let closed = app.world_mut().spawn(slide).id();
+    let open = app.world_mut().spawn((slide, open)).id();
+    steps(&mut app, 1);
+    let place = |entity| get::<Transform>(&app, entity).translation;
+    assert_eq!(place(lift), Vec3::Y * 2.0);
+    assert_eq!((place(closed), place(open)), (Vec3::X * 5.0, Vec3::X * 9.0));
+    let written = |app: &App| {
+        let at = |entity| app.world().entity(entity).get_ref::<Transform>();
+        [lift, closed, open].map(|entity| at(entity).expect("it is somewhere").last_changed())
+    };
+    let once = written(&app);
+    steps(&mut app, 3);
+    assert_eq!(written(&app), once, "nothing is written where nothing moves");
+}
+
+#[test]
 fn lifts_that_cannot_be_are_refused() {
     assert_eq!(Lift::new(vec![]), Err(LiftError::Floors(0)));
     assert_eq!(Lift::new(vec![0.0; 65]), Err(LiftError::Floors(65)));
@@ -195,6 +220,41 @@ fn health_is_taken_and_given_and_ends_once() {
     assert_eq!(get::<Health>(&app, one).now, 0.0);
     let names: Vec<Key> = said(&mut app).iter().map(|said| said.1).collect();
     assert_eq!(names, [Key::HURT, Key::HURT, Key::DIED]);
+}
+
+#[test]
+fn who_was_never_hurt_is_in_full_health_and_who_heard_nothing_is_calm() {
+    let mut app = app();
+    let parts = (Health::new(50.0), Values::default(), Memory::default());
+    let one = app.world_mut().spawn(parts).id();
+    steps(&mut app, 1);
+    let read = |app: &App, key| get::<Values>(app, one).read::<f32>(key);
+    assert_eq!(read(&app, Key::HEALTH), Some(1.0));
+    assert_eq!(read(&app, Key::ALERT), Some(0.0));
+    // Whoever changes it.
+    let mut health = app.world_mut().get_mut::<Health>(one);
+    health.as_mut().expect("the test made it so").now = 20.0;
+    steps(&mut app, 1);
+    assert_eq!(read(&app, Key::HEALTH), Some(0.4));
+    let changes = get::<Values>(&app, one).changes();
+    steps(&mut app, 9);
+    assert_eq!(get::<Values>(&app, one).changes(), changes);
+}
+
+#[test]
+fn who_has_more_than_the_most_is_not_hurt_by_healing() {
+    let mut rich = Health {
+        now: 150.0,
+        most: 100.0,
+    };
+    rich.heal(5.0);
+    assert_eq!(rich.now, 150.0);
+    let mut poor = Health {
+        now: 98.0,
+        most: 100.0,
+    };
+    poor.heal(5.0);
+    assert_eq!(poor.now, 100.0);
 }
 
 #[test]
@@ -238,163 +298,6 @@ fn a_visitor_takes_what_lies_in_its_way_however_fast() {
         .count();
     assert_eq!(takes, 3);
     assert!(!get::<PickUp>(&app, once).there && !get::<PickUp>(&app, again).there);
-}
-
-#[test]
-fn who_or_what_is_gone_has_left() {
-    let mut app = app();
-    let zone = app.world_mut().spawn(Zone::new(Vec3::ONE)).id();
-    let who = app.world_mut().spawn(Visitor::default()).id();
-    app.world_mut()
-        .spawn((Zone::new(Vec3::NAN), Transform::default()));
-    app.world_mut()
-        .spawn((Visitor::default(), Transform::from_translation(Vec3::NAN)));
-    app.update();
-    assert_eq!(said(&mut app), [(zone, Key::ENTERED)]);
-    app.world_mut().despawn(who);
-    steps(&mut app, 2);
-    assert_eq!(said(&mut app), [(zone, Key::LEFT)]);
-    // A zone that moves over somebody is entered as well.
-    let who = app
-        .world_mut()
-        .spawn((Visitor::default(), Transform::from_xyz(5.0, 0.0, 0.0)))
-        .id();
-    app.update();
-    app.world_mut()
-        .get_mut::<Transform>(zone)
-        .expect("the test made it so")
-        .translation
-        .x = 10.0;
-    app.update();
-    assert_eq!(said(&mut app), [(zone, Key::ENTERED), (zone, Key::LEFT)]);
-    app.world_mut().despawn(who);
-}
-
-/// A million steps of 0.1 to 1000 m/s through boxes: entries and exits take turns, and come in the order that f64 has.
-#[test]
-fn zones_miss_nobody_and_count_nobody_twice() {
-    let mut random = Random::new(11);
-    let (mut events, mut passed) = (0_u32, 0_u32);
-    for _ in 0..20_000 {
-        let place = |random: &mut Random| {
-            DVec3::new(
-                f64::from(random.signed(4.0)),
-                f64::from(random.signed(4.0)),
-                f64::from(random.signed(4.0)),
-            )
-        };
-        let half = place(&mut random).abs();
-        let mut at = place(&mut random);
-        let mut inside = at.abs().cmple(half).all();
-        for _ in 0..50 {
-            // Metres a step, from 0.1 m/s to 1000 m/s, mostly towards the box.
-            let speed = 0.1 * f64::from(bevy::math::ops::powf(10_000.0, random.unit())) / 64.0;
-            let aim = (place(&mut random) - at).normalize_or(DVec3::X);
-            let next = at + aim * speed;
-            let found = crossing(at, next, half, false);
-            let mut time = 0.0;
-            for (kind, when) in found.into_iter().flatten() {
-                events += 1;
-                assert!((time..=1.0).contains(&when), "{when} after {time}");
-                time = when;
-                assert_eq!(
-                    kind == ZoneKind::Enter,
-                    !inside,
-                    "entries and exits take turns"
-                );
-                inside = !inside;
-                // The reference: there the way is on the box's side, in f64.
-                let over = (at.lerp(next, when).abs() - half).max_element();
-                assert!(over.abs() < 1e-9, "{over}");
-            }
-            passed += u32::from(found[1].is_some());
-            assert_eq!(inside, next.abs().cmple(half).all());
-            // A thousand places on the way are outside, or there was an event.
-            if found[0].is_none() && !inside {
-                for part in 0..8 {
-                    let middle = at.lerp(next, f64::from(part) / 8.0);
-                    assert!(!middle.abs().cmplt(half - 1e-9).all(), "missed");
-                }
-            }
-            at = next;
-        }
-    }
-    println!("{events} events, {passed} of them passages within a step");
-    assert!(events > 40_000 && passed > 1000, "{events} {passed}");
-}
-
-fn duel(app: &mut App, weapon: Weapon, wall: bool) -> (Entity, Entity) {
-    if wall {
-        let low = Vec3::new(45.0, -9.0, -9.0);
-        let rays = BoxRays::new([[low, Vec3::new(45.1, 9.0, 9.0)]], 8.0);
-        app.insert_resource(RayWorld(Arc::new(rays)));
-    }
-    let shooter = (weapon, Team(1), Hitbox::default());
-    let shooter = app.world_mut().spawn(shooter).id();
-    let place = Transform::from_xyz(90.0, 0.0, 0.0);
-    let target = (Health::default(), Team(2), Hitbox::default(), place);
-    let target = app.world_mut().spawn(target).id();
-    app.update();
-    act(app, shooter, Key::FIRE, target);
-    (shooter, target)
-}
-
-#[test]
-fn shots_sweep_and_walls_stop_them() {
-    for speed in [30.0, 400.0, 1e5, f32::INFINITY] {
-        for wall in [false, true] {
-            let mut app = app();
-            let weapon = Weapon {
-                speed,
-                gravity: 0.0,
-                ..Weapon::default()
-            };
-            let (_, target) = duel(&mut app, weapon, wall);
-            steps(&mut app, 64 * 4);
-            let left = get::<Health>(&app, target).now;
-            assert_eq!(left, if wall { 100.0 } else { 75.0 }, "{speed} {wall}");
-            assert!(app.world().resource::<Shots>().0.is_empty());
-        }
-    }
-}
-
-#[test]
-fn shots_spare_the_own_team_fall_and_run_out() {
-    let mut app = app();
-    let weapon = Weapon {
-        rounds: Some(2),
-        interval: 0.0,
-        ..Weapon::default()
-    };
-    let (shooter, target) = duel(&mut app, weapon, false);
-    let place = Transform::from_xyz(30.0, 0.0, 0.0);
-    let friend = (Health::default(), Team(1), Hitbox::default(), place);
-    let friend = app.world_mut().spawn(friend).id();
-    // 90 m at 400 m/s are 0.225 s, in which a shot falls 0.25 m: it hits the capsule of 0.9 m.
-    steps(&mut app, 64);
-    assert_eq!(get::<Health>(&app, friend).now, 100.0);
-    assert_eq!(get::<Health>(&app, target).now, 75.0);
-    for toward in [Vec3::ZERO, Vec3::NAN] {
-        act(&mut app, shooter, Key::FIRE, toward);
-    }
-    act(&mut app, shooter, Key::FIRE, Vec3::NEG_X);
-    steps(&mut app, 2);
-    act(&mut app, shooter, Key::FIRE, Vec3::NEG_X);
-    steps(&mut app, 1);
-    let names: Vec<Key> = said(&mut app).iter().map(|said| said.1).collect();
-    assert!(names.ends_with(&[Key::EMPTY]), "{names:?}");
-    act(&mut app, shooter, Key::RELOAD, ());
-    steps(&mut app, 1);
-    assert_eq!(get::<Weapon>(&app, shooter).rounds, Some(30));
-    // Bad numbers: no shot.
-    steps(&mut app, 64 * 3);
-    app.world_mut()
-        .get_mut::<Weapon>(shooter)
-        .expect("the test made it so")
-        .range = f32::NAN;
-    act(&mut app, shooter, Key::FIRE, Vec3::X);
-    steps(&mut app, 1);
-    assert!(app.world().resource::<Shots>().0.is_empty());
 }
 
 #[test]
@@ -458,42 +361,4 @@ fn lamps_follow_the_hour_and_their_switches() {
         .pace = f32::NAN;
     steps(&mut app, 2);
     assert!(get::<Lamp>(&app, lamp).lit && get::<DayClock>(&app, day).hour.is_finite());
-}
-
-#[test]
-fn zone_messages_of_a_step_come_in_order() {
-    let mut app = app();
-    let zone = |app: &mut App, x: f32| {
-        app.world_mut()
-            .spawn((Zone::new(Vec3::ONE), Transform::from_xyz(x, 0.0, 0.0)))
-            .id()
-    };
-    let (far, near) = (zone(&mut app, 9.0), zone(&mut app, 5.0));
-    let who = app.world_mut().spawn(Visitor::default()).id();
-    app.update();
-    app.world_mut()
-        .get_mut::<Transform>(who)
-        .expect("the test made it so")
-        .translation
-        .x = 16.0;
-    app.update();
-    let messages = app
-        .world_mut()
-        .resource_mut::<Messages<ZoneMessage>>()
-        .drain()
-        .collect::<Vec<_>>();
-    let all: Vec<_> = messages
-        .iter()
-        .map(|m| (m.zone, m.kind, m.time * 16.0))
-        .collect();
-    let (enter, leave) = (ZoneKind::Enter, ZoneKind::Leave);
-    assert_eq!(
-        all,
-        [
-            (near, enter, 4.0),
-            (near, leave, 6.0),
-            (far, enter, 8.0),
-            (far, leave, 10.0)
-        ]
-    );
 }

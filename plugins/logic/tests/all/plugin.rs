@@ -8,14 +8,15 @@ use bevy::ecs::schedule::Schedules;
 use bevy::math::{Quat, UVec2, Vec2, Vec3};
 use bevy::time::TimeUpdateStrategy;
 use bevy::transform::components::Transform;
+use dolomite_logic::action::DelayedActions;
 use dolomite_logic::movement::{FlowField, FlowFields, WalkGrid, WalkGround, Walker};
 use dolomite_logic::random::Random;
 use dolomite_logic::rays::BoxRays;
 use dolomite_logic::senses::{Ear, Memory, Noise, Sight, SightSettings, Visible};
 use dolomite_logic::{
     Action, Asleep, Attention, AttentionSettings, BehaviourAppExt, Door, Focus, Health, Hitbox,
-    Key, LeafBatch, Lift, LogicCounters, LogicPlugin, LogicTimer, Mind, RayWorld, Status, Team,
-    Values, Visitor, Weapon, Wire, Wires, Zone, state_hash,
+    Key, LeafBatch, Lift, LogicCounters, LogicPlugin, LogicSystems, LogicTimer, Mind, RayWorld,
+    Status, Team, Values, Visitor, Weapon, Wire, Wires, Zone, state_hash,
 };
 use std::process::Command;
 use std::sync::Arc;
@@ -92,6 +93,25 @@ fn who_is_far_is_worked_on_rarely_and_who_sleeps_until_an_action() {
     act(&mut app, agents[1], Key::WAKE, ());
     steps(&mut app, 1);
     assert!(app.world().get::<Asleep>(agents[0]).is_none());
+    // As rarely as one likes: doubling ends.
+    app.world_mut().resource_mut::<AttentionSettings>().most = u32::MAX;
+    steps(&mut app, 16);
+    let nowhere = app.world().get::<Attention>(agents[5]);
+    assert_eq!(nowhere.expect("the test made it so").steps(), u32::MAX);
+}
+
+#[test]
+fn who_ends_in_the_step_in_which_it_is_put_to_sleep_harms_nobody() {
+    let mut app = app();
+    let who = app.world_mut().spawn(LogicTimer::every(1.0)).id();
+    let end = move |mut commands: Commands| commands.entity(who).try_despawn();
+    app.add_systems(
+        FixedUpdate,
+        end.before_ignore_deferred(LogicSystems::Begin),
+    );
+    act(&mut app, who, Key::SLEEP, ());
+    steps(&mut app, 2);
+    assert!(app.world().get_entity(who).is_err());
 }
 
 #[test]
@@ -315,4 +335,28 @@ fn another_state_has_another_hash() {
         .translation
         .x = 1e-30;
     assert_ne!(second, state_hash(app.world_mut()));
+}
+
+#[test]
+fn an_action_that_waits_and_who_is_in_a_zone_are_of_the_state() {
+    // Two apps with the same entities in the same places, in which other things came before.
+    let state = |waits: bool, far: bool| {
+        let mut app = app();
+        let who = app.world_mut().spawn(Visitor::default()).id();
+        let zone = app.world_mut().spawn(Zone::new(Vec3::ONE)).id();
+        if waits {
+            let action = Action::new(who, Key::WAKE, ());
+            let mut delayed = app.world_mut().resource_mut::<DelayedActions>();
+            delayed.send(1000, action);
+        }
+        if far {
+            app.world_mut().entity_mut(zone).insert(Zone::new(Vec3::NEG_ONE));
+        }
+        steps(&mut app, 3);
+        state_hash(app.world_mut())
+    };
+    let plain = state(false, false);
+    assert_eq!(plain, state(false, false));
+    assert_ne!(plain, state(true, false), "an action waits");
+    assert_ne!(plain, state(false, true), "nobody is in the zone");
 }
