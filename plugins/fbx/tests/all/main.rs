@@ -21,3 +21,4 @@ mod smoothing;
 mod support;
 mod takes;
 mod validator;
+mod visibility;
