@@ -3,6 +3,7 @@
 pub(crate) mod convert;
 pub(crate) mod devices;
 mod finder;
+mod frame;
 pub(crate) mod keyed;
 mod lost;
 mod materials;

@@ -4,7 +4,7 @@ mod together;
 
 use super::finder::{Finder, last_part};
 use super::pictures::{Picture, has_alpha, picture, saved_again};
-use super::uv_sets::UvNames;
+use super::uv_sets::{UvNames, is_same_set};
 use super::uv_transform::placed;
 use crate::model::{Image, Material, TextureUse};
 use crate::options::{Budget, Origin};
@@ -299,6 +299,15 @@ fn given<'o>(origin: &'o Origin, name: &str) -> Option<&'o [u8]> {
         files.find_map(|(name, bytes)| (name.to_lowercase() == lower).then_some(bytes))
     };
     exact.or_else(any_case).map(Vec::as_slice)
+}
+
+/// Whether both textures show a picture at the same places of a surface.
+pub(crate) fn is_laid_alike(a: &Texture, b: &Texture) -> bool {
+    let way = |texture: &Texture| {
+        let repeats = [texture.wrap_u, texture.wrap_v].map(|wrap| wrap == WrapMode::Repeat);
+        (repeats, placed(&texture.element.props))
+    };
+    is_same_set(&a.uv_set, &b.uv_set) && way(a) == way(b)
 }
 
 /// Where the file says that the picture is, the likeliest first.
