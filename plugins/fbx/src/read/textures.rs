@@ -10,7 +10,7 @@ use crate::model::{Image, Material, TextureUse};
 use crate::options::{Budget, Origin};
 use crate::report::Report;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use together::Parts;
 use ufbx::{MaterialMap, Texture, TextureType, WrapMode};
 
@@ -37,6 +37,8 @@ pub(crate) struct Textures<'a> {
     /// Lines that were said.
     told: BTreeSet<(&'static str, String)>,
     images: Vec<Image>,
+    /// The last file that was read, where others may be meant as well, and how many.
+    unsure: Option<(PathBuf, usize)>,
 }
 
 /// Why there is no picture.
@@ -61,6 +63,7 @@ impl<'a> Textures<'a> {
             packed: BTreeMap::new(),
             told: BTreeSet::new(),
             images: Vec::new(),
+            unsure: None,
         }
     }
 
@@ -164,7 +167,16 @@ impl<'a> Textures<'a> {
         if let Some(&known) = self.known.get(&id) {
             return known;
         }
-        let made = match self.read(texture) {
+        self.unsure = None;
+        let read = self.read(texture);
+        if let (Ok(_), Some((path, others))) = (&read, self.unsure.take()) {
+            let detail = format!(
+                "{others} more of this name lie below the folders that are given, in folders that the file does not name; that of {} is taken",
+                path.display()
+            );
+            self.lose("texture-name", name_of(texture), detail, report);
+        }
+        let made = match read {
             Ok(image) => {
                 let same = |other: &Image| other.bytes == image.bytes;
                 let same = self.images.iter().position(same);
@@ -263,14 +275,16 @@ impl<'a> Textures<'a> {
 
     /// The first of `names` that is given or found.
     fn load(&mut self, names: &[&str]) -> Result<Option<Vec<u8>>, Missing> {
+        self.unsure = None;
         let given = names.iter().find_map(|name| given(self.origin, name));
         if let Some(bytes) = given {
             return self.take(bytes).map(Some);
         }
-        let found = self.finder.find(names);
-        let Some(path) = found else {
+        let Some(found) = self.finder.find(names) else {
             return Ok(None);
         };
+        let path = found.path;
+        self.unsure = (found.others > 0).then(|| (path.clone(), found.others));
         let length = size(&path)?;
         self.pay(length)?;
         std::fs::read(&path)
