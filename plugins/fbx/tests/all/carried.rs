@@ -182,6 +182,60 @@ fn every_kind_of_value_has_its_json() {
     assert_eq!(document["meshes"][0]["extras"], watts);
 }
 
+/// What comes to nothing in glTF leaves its properties to its node, and what hangs at no node is said.
+#[test]
+fn properties_of_what_is_not_converted_are_kept_or_said() {
+    let watts = user("watts", "\"int\", \"Integer\"", "U", "60");
+    let block = format!("\t\tProperties70:  {{\n{watts}\t\t}}\n");
+    let area = format!(
+        "\t\tProperties70:  {{\n{watts}\t\t\tP: \"LightType\", \"enum\", \"\", \"\",3\n\t\t}}\n"
+    );
+    let light = |id: u32, inner: &str| {
+        format!("\tNodeAttribute: {id}, \"NodeAttribute::x\", \"Light\" {{\n{inner}\t}}\n")
+    };
+    let objects = model(1, "panel", "Light", "")
+        + &light(2, &area)
+        + &model(3, "cloud", "Mesh", "")
+        + &format!(
+            "\tGeometry: 4, \"Geometry::cloud\", \"Mesh\" {{\n{}{}\t\tGeometryVersion: 124\n{block}\t}}\n",
+            array("Vertices", &corners(DVec3::ZERO, DVec3::ONE)),
+            // A line.
+            array("PolygonVertexIndex", &[0, -2])
+        )
+        + &light(5, &block);
+    let links = link(1, 0) + &link(2, 1) + &link(3, 0) + &link(4, 3);
+    let made = converted(scene(1.0, &objects, &links).as_bytes());
+    let document = json(&made);
+    for name in ["panel", "cloud"] {
+        let mut nodes = document["nodes"].as_array().unwrap().iter();
+        let node = nodes.find(|node| node["name"] == name).unwrap();
+        assert_eq!(node["extras"], json!({ "watts": 60 }), "{name}");
+    }
+    // The light that hangs nowhere.
+    assert_eq!(lost(&made, "user-property"), ["1"]);
+}
+
+#[test]
+fn names_of_properties_in_code_pages_are_said() {
+    let own = user("@@", "\"int\", \"Integer\"", "U", "1")
+        + &user("@#", "\"int\", \"Integer\"", "U", "2")
+        + &user("plain", "\"int\", \"Integer\"", "U", "3");
+    let text = scene(1.0, &model(1, "a", "Null", &own), &link(1, 0));
+    let bytes: Vec<u8> = text
+        .bytes()
+        .map(|byte| match byte {
+            b'@' => 0x95,
+            b'#' => 0xe0,
+            other => other,
+        })
+        .collect();
+    let made = converted(&bytes);
+    let said = lost(&made, "name-encoding");
+    assert_eq!(said.len(), 1);
+    assert!(["1", "2"].contains(&&*said[0]), "{said:?}");
+    assert_eq!(json(&made)["nodes"][0]["extras"]["plain"], json!(3));
+}
+
 #[test]
 fn keyed_properties_of_users_are_said() {
     let text = String::from_utf8(field("a08_visibility_curve.fbx")).unwrap();
