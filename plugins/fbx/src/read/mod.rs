@@ -19,6 +19,7 @@ pub(crate) mod shapes;
 mod skin;
 mod tangents;
 pub(crate) mod textures;
+mod tga;
 mod unsaid;
 pub(crate) mod user;
 mod uv_sets;
