@@ -69,35 +69,63 @@ impl Finder {
         if let Some(found) = names.iter().find_map(|name| self.stated(name)) {
             return Some(found.into());
         }
+        let own = usize::from(self.has_own);
+        // What lies in a given folder by its name alone: one below may lie as the file says.
+        let mut by_name = None;
         for name in names {
             let parts = parts(name);
             let after = parts.iter().rposition(|part| *part == "..");
             let tail = &parts[after.map_or(0, |at| at + 1)..];
             let tail = &tail[tail.len().saturating_sub(PARTS)..];
-            for root in self.roots.clone() {
-                let ends = (0..tail.len()).map(|from| &tail[from..]);
-                if let Some(found) = ends.into_iter().find_map(|end| self.walk(&root, end)) {
-                    return Some(found.into());
+            for (number, root) in self.roots.clone().iter().enumerate() {
+                let mut ends = (0..tail.len()).map(|from| &tail[from..]);
+                let found = ends.find_map(|end| Some((self.walk(root, end)?, end.len())));
+                match found {
+                    Some((path, 1)) if number >= own => by_name = by_name.or(Some(path)),
+                    Some((path, _)) => return Some(path.into()),
+                    None => {}
                 }
             }
         }
-        let folders = [format!("{}.fbm", self.stem)];
-        let folders = folders.iter().map(String::as_str).chain(FOLDERS);
-        let folders: Vec<&str> = folders.collect();
-        for name in names {
-            let last = last_part(name);
-            for root in self.roots.clone() {
-                let found = folders.iter().find_map(|f| self.walk(&root, &[f, last]));
-                if let Some(found) = found {
-                    return Some(found.into());
-                }
+        if by_name.is_none() {
+            let (path, number) = self.in_folders(names).unzip();
+            if number.is_some_and(|number| number < own) {
+                return path.map(Found::from);
             }
+            by_name = path;
         }
         let lower: Vec<String> = names.iter().map(|name| name.to_lowercase()).collect();
         let stated: Vec<Vec<&str>> = lower.iter().map(|name| parts(name)).collect();
+        // Nothing lies more like a name of one part than what was found by it.
+        if by_name.is_some() && stated.iter().all(|parts| parts.len() < 2) {
+            return by_name.map(Found::from);
+        }
         let below = self.below();
         let of = |said: &Vec<&str>| below.get(*said.last()?);
-        likeliest(stated.iter().find_map(of)?, &stated)
+        let files = stated.iter().find_map(of);
+        let likeliest = files.and_then(|files| likeliest(files, &stated));
+        match (by_name, likeliest) {
+            (Some(path), Some((_, like))) if like < 2 => Some(path.into()),
+            (_, Some((found, _))) => Some(found),
+            (path, None) => path.map(Found::from),
+        }
+    }
+
+    /// In folders that pictures are put into, and in which root these are.
+    fn in_folders(&mut self, names: &[&str]) -> Option<(PathBuf, usize)> {
+        let media = format!("{}.fbm", self.stem);
+        let folders = [&*media].into_iter().chain(FOLDERS);
+        let folders: Vec<&str> = folders.collect();
+        for name in names {
+            let last = last_part(name);
+            for (number, root) in self.roots.clone().iter().enumerate() {
+                let found = folders.iter().find_map(|f| self.walk(root, &[f, last]));
+                if let Some(found) = found {
+                    return Some((found, number));
+                }
+            }
+        }
+        None
     }
 
     /// Says where was looked.
@@ -231,9 +259,9 @@ impl Finder {
     }
 }
 
-/// Of files of one name that whose path ends most like one of those that are stated, in lower case; the first
-/// of several.
-fn likeliest(files: &[PathBuf], stated: &[Vec<&str>]) -> Option<Found> {
+/// Of files of one name that whose path ends most like one of those that are stated, in lower case, and how
+/// many parts of it do; the first of several.
+fn likeliest(files: &[PathBuf], stated: &[Vec<&str>]) -> Option<(Found, usize)> {
     let like = |path: &PathBuf| {
         let own = path.iter().rev().map(|part| part.to_string_lossy());
         let own: Vec<String> = own.map(|part| part.to_lowercase()).collect();
@@ -249,10 +277,11 @@ fn likeliest(files: &[PathBuf], stated: &[Vec<&str>]) -> Option<Found> {
     let (first, _) = likely.next()?;
     // Two links may lead to one file, and one folder may be given twice.
     let others: BTreeSet<&PathBuf> = likely.map(|(path, _)| path).collect();
-    Some(Found {
+    let found = Found {
         path: first.clone(),
         others: others.len() - usize::from(others.contains(first)),
-    })
+    };
+    Some((found, most))
 }
 
 /// The part after the last separator of either kind.

@@ -343,7 +343,7 @@ fn what_has_no_place_is_counted() {
         .map(|set| {
             format!(
                 "\t\tLayerElementColor: {set} {{\n\t\t\tName: \"c{set}\"\n\t\t\tMappingInformationType: \"AllSame\"\n\t\t\tReferenceInformationType: \"Direct\"\n{}\t\t}}\n",
-                array("Colors", &[1, 0, 0, 1])
+                array("Colors", &[2 * set, 0, 0, 1])
             )
         })
         .collect();
@@ -355,7 +355,7 @@ fn what_has_no_place_is_counted() {
     let links = [(2, 0), (1, 2), (2, 3)];
     let links: String = links.iter().map(|&(from, to)| link(from, to)).collect();
     let made = converted(scene(1.0, &objects, &links).as_bytes());
-    for what in ["crease", "colour-sets"] {
+    for what in ["crease", "colour-sets", "colour-range"] {
         assert_eq!(lost(&made, what), ["box"], "{what}");
     }
     for what in ["display-layer", "selection-set", "constraint"] {

@@ -159,6 +159,13 @@ fn files_of_one_name_are_told_apart_by_their_folders() {
     let body = |others| Some(("lib/p/body/a.png".to_owned(), others));
     assert_eq!(of(&["C:\\art\\body\\a.png"]), body(0));
     assert_eq!(of(&["C:\\art\\a.png"]), body(1));
+    // One that lies as the file says comes before one that has its name alone.
+    let above = Place::new("above", &["own/x", "lib/a.png", "lib/p/head/a.png"]);
+    let of_above = |name: &str| above.found(&["lib"], &[name]);
+    assert_eq!(of_above("C:\\art\\head\\a.png"), head);
+    let top = Some(("lib/a.png".to_owned(), 0));
+    assert_eq!(of_above("C:\\art\\a.png"), top);
+    assert_eq!(of_above("a.png"), top);
     // The first name that is there counts.
     assert_eq!(of(&["a.png", "x/y/b.png"]), body(1));
     // A folder that is given twice has its files once.
