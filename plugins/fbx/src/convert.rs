@@ -86,11 +86,12 @@ pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conve
         &mut report,
     )?;
     names.give(&scene, &mut model, &jobs);
-    Hidden::of(&scene).mark(&scene, &mut model, &mut report);
+    let hidden = Hidden::of(&scene);
+    hidden.mark(&scene, &mut model, &mut report);
     model.extras = read_extras(&scene, &model, &mut report);
     let shapes = shapes_of(&scene, &model);
     report_lost(&scene, &mut report);
-    report_keyed(&scene, &names, &mut report);
+    report_keyed(&scene, &names, &hidden, &mut report);
     let count = scene.anim_stacks.len();
     let mut takes = Vec::with_capacity(count);
     let mut clips: Vec<Samples> = Vec::with_capacity(count);

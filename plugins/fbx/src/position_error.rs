@@ -1,5 +1,5 @@
-//! What rounding to f32 does to vertices at rest, measured: the numbers that are written, played in
-//! f64, against the file's.
+//! What rounding to f32 does to vertices, lights and cameras at rest, measured: the numbers that are
+//! written, played in f64, against the file's.
 
 use crate::clips::order;
 use crate::model::{Mesh, Model, Node, Part, Trs};
@@ -14,7 +14,7 @@ pub(crate) fn report_position_error(scene: &Scene, model: &Model, report: &mut R
     if report.position_error > report.bound {
         report.lost.push(Lost {
             what: "far-place",
-            name: "vertices at rest".into(),
+            name: "vertices, lights and cameras at rest".into(),
             metres: Some(report.position_error),
             detail: "lie so far from the origin that f32, which glTF's nodes are in, rounds their places"
                 .into(),
@@ -22,14 +22,20 @@ pub(crate) fn report_position_error(scene: &Scene, model: &Model, report: &mut R
     }
 }
 
-/// The largest distance of a vertex at rest from where it is without rounding, metres. What is beyond f32
-/// or no number is left out: it is no place.
+/// The largest distance of a vertex, a light or a camera at rest from where it is without rounding, metres.
+/// What is beyond f32 or no number is left out: it is no place.
 fn position_error(scene: &Scene, model: &Model) -> f64 {
     let order = order(&model.nodes.iter().map(|n| n.parent).collect::<Vec<_>>());
     let exact = worlds(model, &order, |rest| *rest);
     let rounded = worlds(model, &order, written);
     let mut farthest = 0.0_f64;
     for (number, node) in model.nodes.iter().enumerate() {
+        if node.light.is_some() || node.camera.is_some() {
+            let off = (exact[number].translation - rounded[number].translation).length();
+            if off.is_finite() {
+                farthest = farthest.max(off);
+            }
+        }
         let Some(mesh) = node.mesh.map(|mesh| &model.meshes[mesh]) else {
             continue;
         };

@@ -73,8 +73,8 @@ pub struct Report {
     pub weight_error: f64,
     /// The same for the largest weights, renormalised, over the poses that weights were fitted to, metres.
     pub largest_weights_error: f64,
-    /// How far vertices at rest are from the file's at most because f32 rounds their positions, their
-    /// nodes and their bind matrices, metres.
+    /// How far vertices, lights and cameras at rest are from the file's at most because f32 rounds their
+    /// positions, their nodes and their bind matrices, metres.
     pub position_error: f64,
     /// How far vertices are moved by rounding them for [`Compression::Meshopt`] at most, metres; 0 without it.
     pub rounding_error: f64,

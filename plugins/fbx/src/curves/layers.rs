@@ -89,20 +89,13 @@ impl<'a> Layers<'a> {
         }
     }
 
-    /// Muted layers do not play; where some play solo, the others do not.
+    /// Those of a stack.
     pub(crate) fn of(scene: &'a Scene, stack: &'a AnimStack, reading: Reading) -> Self {
-        let all: Vec<&AnimLayer> = (&stack.layers).into_iter().collect();
-        let is = |layer: &AnimLayer, name| number(&layer.element.props, name) != 0;
-        let solo = all.iter().any(|layer| is(layer, "Solo"));
-        let plays = |layer: &AnimLayer| !is(layer, "Mute") && (!solo || is(layer, "Solo"));
-        let playing: Vec<Layer> = all
-            .iter()
-            .enumerate()
-            .filter(|(_, layer)| plays(layer))
+        let playing: Vec<Layer> = playing(stack)
             .map(|(index, layer)| of(scene, layer, index == 0, reading))
             .collect();
         Self {
-            is_plain: playing.len() == all.len()
+            is_plain: playing.len() == stack.layers.len()
                 && playing.iter().all(|layer| layer.weight_value.is_none()),
             playing,
             is_rest: false,
@@ -132,6 +125,16 @@ impl<'a> Layers<'a> {
             .iter()
             .filter_map(|layer| Some((layer.doubt?, layer.source)))
     }
+}
+
+/// Layers of a stack that play, lowest first, each with its number among all. Muted ones do not; where some
+/// play solo, the others do not.
+pub(crate) fn playing(stack: &AnimStack) -> impl Iterator<Item = (usize, &AnimLayer)> {
+    let is = |layer: &AnimLayer, name| number(&layer.element.props, name) != 0;
+    let solo = (&stack.layers).into_iter().any(|layer| is(layer, "Solo"));
+    let plays = move |layer: &AnimLayer| !is(layer, "Mute") && (!solo || is(layer, "Solo"));
+    let all = (&stack.layers).into_iter().enumerate();
+    all.filter(move |(_, layer)| plays(layer))
 }
 
 fn of<'a>(scene: &'a Scene, layer: &'a AnimLayer, is_base: bool, reading: Reading) -> Layer<'a> {

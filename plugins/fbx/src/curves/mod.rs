@@ -12,7 +12,7 @@ mod rates;
 mod value;
 
 pub(crate) use curve::repeats;
-pub(crate) use layers::{Layers, Reading};
+pub(crate) use layers::{Layers, Reading, playing};
 pub(crate) use majorant::{Majorant, Number, ORDERS, Over, cubic, part};
 pub(crate) use pose::{BlendWeight, NodeCurves, aside, order_of};
 pub(crate) use rates::Rates;

@@ -1,6 +1,7 @@
 //! Lights and cameras.
 
 use super::convert::finite;
+use super::frame::Frame;
 use crate::model::{Camera, Light, LightKind, Projection};
 use crate::report::Report;
 use ufbx::{ApertureMode, LightDecay, LightType, ProjectionMode};
@@ -25,12 +26,31 @@ pub(crate) fn read_light(light: &ufbx::Light, report: &mut Report) -> Option<Lig
         let detail = "glTF's lights fade with the square of the distance; this one does not";
         report.lose("light-decay", &name, detail);
     }
+    let (colour, intensity) = shine(light);
+    if light.cast_light && colour.iter().any(|c| *c < 0.0) {
+        let detail = "takes light away, which glTF's lights cannot; there it gives none";
+        report.lose("light-negative", &name, detail);
+    }
+    let colour = colour.map(|c| c.max(0.0));
+    // glTF's colours end at 1; what is above is in the intensity.
+    let most = colour.into_iter().fold(1.0, f64::max);
     Some(Light {
         name,
-        colour: [light.color.x, light.color.y, light.color.z].map(|c| finite(c).clamp(0.0, 1.0)),
-        intensity: finite(light.intensity).max(0.0),
+        colour: colour.map(|c| finite(c / most)),
+        intensity: match light.cast_light {
+            true => finite(intensity * most),
+            false => 0.0,
+        },
         kind,
     })
+}
+
+/// Colour and intensity of a light, the second not below 0.
+fn shine(light: &ufbx::Light) -> ([f64; 3], f64) {
+    let intensity = f64::from(finite(light.intensity));
+    let sign = if intensity < 0.0 { -1.0 } else { 1.0 };
+    let colour = [light.color.x, light.color.y, light.color.z];
+    (colour.map(|c| sign * f64::from(finite(c))), intensity.abs())
 }
 
 /// The extension wants 0 <= inner < outer <= a quarter turn; FBX says whole angles in degrees.
@@ -58,10 +78,12 @@ const FAR_ENOUGH: f64 = 1e9;
 /// file does not say.
 pub(crate) fn read_camera(camera: &ufbx::Camera, unit: f64, report: &mut Report) -> Camera {
     let name = camera.element.name.to_string();
+    let frame = Frame::of(camera);
     let mut projection = match camera.projection_mode {
-        ProjectionMode::Perspective => perspective(camera),
+        ProjectionMode::Perspective => perspective(camera, &frame),
         ProjectionMode::Orthographic => {
-            let [x, y] = [camera.orthographic_size.x, camera.orthographic_size.y]
+            let [x, y] = frame
+                .orthographic
                 .map(|size| finite(sound(size / 2.0, 15.0 * unit).clamp(1e-30, FARTHEST)));
             Projection::Orthographic(x, y)
         }
@@ -72,16 +94,26 @@ pub(crate) fn read_camera(camera: &ufbx::Camera, unit: f64, report: &mut Report)
         let detail = "says no width over height; 16 : 9 is taken";
         report.lose("camera-aspect", &name, detail);
     }
-    let shift = ["FilmOffsetX", "FilmOffsetY"].map(|prop| {
-        let offset = ufbx::find_prop(&camera.element.props, prop);
-        offset.map_or(0.0, |prop| prop.value_vec4.x)
-    });
+    let number = |name| {
+        let prop = ufbx::find_prop(&camera.element.props, name);
+        prop.map_or(0.0, |prop| prop.value_vec4.x)
+    };
+    let shift = ["FilmOffsetX", "FilmOffsetY"].map(number);
     if shift != [0.0, 0.0] {
         let detail = format!(
             "its film is shifted by {} and {} inches, which glTF's cameras are not",
             shift[0], shift[1]
         );
         report.lose("camera-shift", &name, detail);
+    }
+    for property in ["Roll", "TurnTable", "FilmRollValue"] {
+        let degrees = number(property);
+        if degrees != 0.0 {
+            let detail = format!(
+                "its {property} is {degrees} degrees, which glTF's cameras do not have; it is not turned by it"
+            );
+            report.lose("camera-roll", &name, detail);
+        }
     }
     Camera {
         name,
@@ -102,13 +134,13 @@ fn aspect_is_lost(camera: &ufbx::Camera) -> bool {
 
 /// Vertical angle and width over height. Where a file gives both angles they say the ratio too; else it
 /// is that of the picture.
-fn perspective(camera: &ufbx::Camera) -> Projection {
-    let field = sound(camera.field_of_view_deg.y, FIELD).clamp(0.1, 179.0);
+fn perspective(camera: &ufbx::Camera, frame: &Frame) -> Projection {
+    let field = sound(frame.vertical_degrees, FIELD).clamp(0.1, 179.0);
     let both = matches!(camera.aperture_mode, ApertureMode::HorizontalAndVertical);
     let tangents = camera.field_of_view_tan;
     let aspect = match both {
         true => sound(tangents.x / tangents.y, 1.0),
-        false => sound(camera.aspect_ratio, 1.0),
+        false => sound(frame.aspect, 1.0),
     };
     Projection::Perspective(finite(field.to_radians()), finite(aspect.clamp(1e-6, 1e6)))
 }

@@ -1,7 +1,7 @@
 //! Where pictures that are not embedded lie. Nothing outside of the folders that were given is opened
 //! or listed: every path is resolved, links and all, before it is looked into.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
 /// Folders beside the file that exporters put pictures into, in any case; `NAME.fbm` is looked into
@@ -26,8 +26,22 @@ pub(crate) struct Finder {
     listed: BTreeMap<PathBuf, BTreeMap<String, String>>,
     entries: usize,
     /// What lies anywhere below the folders that were given beside the file's own, by name in lower
-    /// case.
-    below: Option<BTreeMap<String, PathBuf>>,
+    /// case, the uppermost first.
+    below: Option<BTreeMap<String, Vec<PathBuf>>>,
+}
+
+/// A file that was found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Found {
+    pub(crate) path: PathBuf,
+    /// How many others may be meant as well.
+    pub(crate) others: usize,
+}
+
+impl From<PathBuf> for Found {
+    fn from(path: PathBuf) -> Self {
+        Self { path, others: 0 }
+    }
 }
 
 impl Finder {
@@ -51,38 +65,67 @@ impl Finder {
 
     /// The first file that lies where one of `names` says, or where such files are put. It is inside of
     /// the folders, with all links followed.
-    pub(crate) fn find(&mut self, names: &[&str]) -> Option<PathBuf> {
+    pub(crate) fn find(&mut self, names: &[&str]) -> Option<Found> {
         if let Some(found) = names.iter().find_map(|name| self.stated(name)) {
-            return Some(found);
+            return Some(found.into());
         }
+        let own = usize::from(self.has_own);
+        // What lies in a given folder by its name alone: one below may lie as the file says.
+        let mut by_name = None;
         for name in names {
             let parts = parts(name);
             let after = parts.iter().rposition(|part| *part == "..");
             let tail = &parts[after.map_or(0, |at| at + 1)..];
             let tail = &tail[tail.len().saturating_sub(PARTS)..];
-            for root in self.roots.clone() {
-                let ends = (0..tail.len()).map(|from| &tail[from..]);
-                if let Some(found) = ends.into_iter().find_map(|end| self.walk(&root, end)) {
-                    return Some(found);
+            for (number, root) in self.roots.clone().iter().enumerate() {
+                let mut ends = (0..tail.len()).map(|from| &tail[from..]);
+                let found = ends.find_map(|end| Some((self.walk(root, end)?, end.len())));
+                match found {
+                    Some((path, 1)) if number >= own => by_name = by_name.or(Some(path)),
+                    Some((path, _)) => return Some(path.into()),
+                    None => {}
                 }
             }
         }
-        let folders = [format!("{}.fbm", self.stem)];
-        let folders = folders.iter().map(String::as_str).chain(FOLDERS);
+        if by_name.is_none() {
+            let (path, number) = self.in_folders(names).unzip();
+            if number.is_some_and(|number| number < own) {
+                return path.map(Found::from);
+            }
+            by_name = path;
+        }
+        let lower: Vec<String> = names.iter().map(|name| name.to_lowercase()).collect();
+        let stated: Vec<Vec<&str>> = lower.iter().map(|name| parts(name)).collect();
+        // Nothing lies more like a name of one part than what was found by it.
+        if by_name.is_some() && stated.iter().all(|parts| parts.len() < 2) {
+            return by_name.map(Found::from);
+        }
+        let below = self.below();
+        let of = |said: &Vec<&str>| below.get(*said.last()?);
+        let files = stated.iter().find_map(of);
+        let likeliest = files.and_then(|files| likeliest(files, &stated));
+        match (by_name, likeliest) {
+            (Some(path), Some((_, like))) if like < 2 => Some(path.into()),
+            (_, Some((found, _))) => Some(found),
+            (path, None) => path.map(Found::from),
+        }
+    }
+
+    /// In folders that pictures are put into, and in which root these are.
+    fn in_folders(&mut self, names: &[&str]) -> Option<(PathBuf, usize)> {
+        let media = format!("{}.fbm", self.stem);
+        let folders = [&*media].into_iter().chain(FOLDERS);
         let folders: Vec<&str> = folders.collect();
         for name in names {
             let last = last_part(name);
-            for root in self.roots.clone() {
-                let found = folders.iter().find_map(|f| self.walk(&root, &[f, last]));
-                if found.is_some() {
-                    return found;
+            for (number, root) in self.roots.clone().iter().enumerate() {
+                let found = folders.iter().find_map(|f| self.walk(root, &[f, last]));
+                if let Some(found) = found {
+                    return Some((found, number));
                 }
             }
         }
-        let lower = names.iter().map(|name| last_part(name).to_lowercase());
-        let lower: Vec<String> = lower.collect();
-        let below = self.below();
-        lower.iter().find_map(|name| below.get(name).cloned())
+        None
     }
 
     /// Says where was looked.
@@ -172,7 +215,7 @@ impl Finder {
         self.listed.entry(folder.to_owned()).or_default()
     }
 
-    fn below(&mut self) -> &BTreeMap<String, PathBuf> {
+    fn below(&mut self) -> &BTreeMap<String, Vec<PathBuf>> {
         if self.below.is_none() {
             let mut found = BTreeMap::new();
             let given = self.roots[usize::from(self.has_own)..].to_vec();
@@ -190,9 +233,9 @@ impl Finder {
         self.below.get_or_insert_default()
     }
 
-    /// Puts the files of a folder into `found`, where they are not yet, and gives the folders below it;
-    /// not those behind links, which may lead in circles.
-    fn files(&mut self, folder: &Path, found: &mut BTreeMap<String, PathBuf>) -> Vec<PathBuf> {
+    /// Puts the files of a folder into `found` and gives the folders below it; not those behind links, which
+    /// may lead in circles.
+    fn files(&mut self, folder: &Path, found: &mut BTreeMap<String, Vec<PathBuf>>) -> Vec<PathBuf> {
         let mut folders = Vec::new();
         for (lower, name) in self.list(folder).clone() {
             let path = folder.join(name);
@@ -209,11 +252,36 @@ impl Finder {
                 true => self.inside(&path).filter(|real| real.is_file()),
             };
             if let Some(file) = file {
-                found.entry(lower).or_insert(file);
+                found.entry(lower).or_default().push(file);
             }
         }
         folders
     }
+}
+
+/// Of files of one name that whose path ends most like one of those that are stated, in lower case, and how
+/// many parts of it do; the first of several.
+fn likeliest(files: &[PathBuf], stated: &[Vec<&str>]) -> Option<(Found, usize)> {
+    let like = |path: &PathBuf| {
+        let own = path.iter().rev().map(|part| part.to_string_lossy());
+        let own: Vec<String> = own.map(|part| part.to_lowercase()).collect();
+        let of = |said: &Vec<&str>| {
+            let pairs = own.iter().zip(said.iter().rev());
+            pairs.take_while(|(own, said)| own == *said).count()
+        };
+        stated.iter().map(of).max().unwrap_or(0)
+    };
+    let likes: Vec<usize> = files.iter().map(like).collect();
+    let most = likes.iter().copied().max()?;
+    let mut likely = files.iter().zip(&likes).filter(|(_, like)| **like == most);
+    let (first, _) = likely.next()?;
+    // Two links may lead to one file, and one folder may be given twice.
+    let others: BTreeSet<&PathBuf> = likely.map(|(path, _)| path).collect();
+    let found = Found {
+        path: first.clone(),
+        others: others.len() - usize::from(others.contains(first)),
+    };
+    Some((found, most))
 }
 
 /// The part after the last separator of either kind.

@@ -3,23 +3,28 @@
 //! do not know it, Bevy's among them, refuse a file that has it.)
 
 use super::names::Names;
-use super::visibility::{SHOW, VISIBILITY};
+use super::visibility::{Hidden, SHOW, VISIBILITY};
 use crate::clips::{BLENDS, MOVES};
-use crate::curves::{Layers, Meaning, Reading, Value};
+use crate::curves::{Layers, Meaning, Reading, Value, playing};
 use crate::report::Report;
 use glam::DVec3;
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
-use ufbx::{AnimProp, Element, ElementType, Scene};
+use std::collections::{BTreeMap, BTreeSet};
+use ufbx::{AnimCurve, AnimProp, Element, ElementType, Interpolation, Scene};
 
 /// More than so many lines of a kind are put into one.
 const LINES: usize = 64;
 
-/// One line for each property of each object whose keys change it.
-pub(crate) fn report_keyed(scene: &Scene, names: &Names, report: &mut Report) {
-    // By object and property: keys, and in how many layers.
+/// One line for each property of each object whose keys change it in a clip that plays them. What is hidden
+/// whatever keys say has its line already.
+pub(crate) fn report_keyed(scene: &Scene, names: &Names, hidden: &Hidden, report: &mut Report) {
+    // By object and property: keys, in all layers.
     let mut found: BTreeMap<(u32, &str), usize> = BTreeMap::new();
-    for layer in &scene.anim_layers {
+    let mut seen = BTreeSet::new();
+    for (_, layer) in (&scene.anim_stacks).into_iter().flat_map(playing) {
+        if !seen.insert(layer.element.element_id) {
+            continue;
+        }
         for prop in layer.anim_props.iter() {
             let name: &str = &prop.prop_name;
             let element: &Element = &prop.element;
@@ -37,6 +42,9 @@ pub(crate) fn report_keyed(scene: &Scene, names: &Names, report: &mut Report) {
             continue;
         };
         let shows = element.type_ == ElementType::Node && [VISIBILITY, SHOW].contains(&property);
+        if shows && hidden.node(element.typed_id as usize) {
+            continue;
+        }
         counts[usize::from(shows)] += 1;
         if counts[usize::from(shows)] > LINES {
             continue;
@@ -116,8 +124,9 @@ fn is_carried(element: ElementType, property: &str) -> bool {
     match element {
         ElementType::Node => MOVES.contains(&property),
         ElementType::BlendChannel => property == BLENDS,
-        // Weights of layers are in what the layers do.
-        ElementType::AnimLayer | ElementType::AnimStack => true,
+        // Weights of layers are in what the layers do; whether they play is as it is at rest.
+        ElementType::AnimLayer => property == "Weight",
+        ElementType::AnimStack => true,
         _ => false,
     }
 }
@@ -143,7 +152,7 @@ fn is_shape(scene: &Scene, element: &Element, property: &str) -> bool {
     channels.any(|c| *c.element.name == *property && keyed(c.element.element_id))
 }
 
-/// Whether any key is other than what the property is without.
+/// Whether any key, or what lies between two, is other than what the property is without.
 fn changes(prop: &AnimProp) -> bool {
     let Some(rest) = ufbx::find_prop(&prop.element.props, &prop.prop_name) else {
         return prop.anim_value.curves.iter().flatten().next().is_some();
@@ -152,10 +161,18 @@ fn changes(prop: &AnimProp) -> bool {
     let curves = prop.anim_value.curves.iter().zip(rest);
     curves
         .filter_map(|(curve, rest)| Some((curve.as_ref()?, rest)))
-        .any(|(curve, rest)| {
-            let differs = |x: f64| (x - rest).abs() > 1e-6 * rest.abs().max(1e-3);
-            curve.keyframes.iter().any(|key| differs(key.value))
-        })
+        .any(|(curve, rest)| leaves(curve, rest))
+}
+
+fn leaves(curve: &AnimCurve, rest: f64) -> bool {
+    let counts = |by: f64| by.abs() > 1e-6 * rest.abs().max(1e-3);
+    let keys = &curve.keyframes;
+    // Between equal keys a curve bulges as far as its tangents lead away from them.
+    let bent = keys.windows(2).any(|two| {
+        let by = [two[0].right.dy, two[1].left.dy];
+        two[0].interpolation == Interpolation::Cubic && by.iter().any(|&dy| counts(f64::from(dy)))
+    });
+    bent || keys.iter().any(|key| counts(key.value - rest))
 }
 
 fn kind(element: ElementType) -> &'static str {

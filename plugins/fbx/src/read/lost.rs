@@ -83,6 +83,11 @@ pub(crate) fn report_lost(scene: &Scene, report: &mut Report) {
         }
     }
     for node in &scene.nodes {
+        let mut aims = node.element.connections_dst.iter();
+        if aims.any(|aim| ["LookAtProperty", "UpVectorProperty"].contains(&&*aim.dst_prop)) {
+            let detail = "turns towards another node in the file; its rotation there is taken";
+            report.lose("look-at", &node.element.name, detail);
+        }
         let others = node.all_attribs.len().saturating_sub(1);
         if others > 0 {
             let detail = format!(
@@ -119,6 +124,14 @@ pub(crate) fn report_lost(scene: &Scene, report: &mut Report) {
                 mesh.color_sets.len()
             );
             report.lose("colour-sets", &name, detail);
+        }
+        let mut colours = (&mesh.color_sets)
+            .into_iter()
+            .flat_map(|set| set.vertex_color.values.iter());
+        let ends = 0.0..=1.0 + 1e-6;
+        if colours.any(|c| [c.x, c.y, c.z, c.w].iter().any(|x| !ends.contains(x))) {
+            let detail = "has colours outside of 0 to 1, where glTF's end; they are cut there";
+            report.lose("colour-range", &name, detail);
         }
         if mesh.num_point_faces + mesh.num_line_faces + mesh.num_empty_faces > 0 {
             report.lose("thin-faces", &name, "has faces of fewer than three corners");

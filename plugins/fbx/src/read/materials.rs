@@ -2,13 +2,16 @@
 
 use super::convert::finite;
 use super::opacity::opacity;
-use super::textures::Textures;
+use super::textures::{Textures, is_laid_alike};
 use super::unsaid::{Unsaid, is_physical};
 use super::uv_sets::{UvNames, UvOrder, settle, wearers};
 use crate::model::{Material, TextureUse};
 use crate::report::Report;
 use std::collections::BTreeMap;
 use ufbx::{MaterialMap, Scene, ShaderType, TextureType};
+
+/// A colour that is this much above 1 is 1.
+const RANGE: f64 = 1e-6;
 
 /// Reads every material, and in which order the meshes that wear it have to write their UV sets.
 /// `textures` finds their pictures.
@@ -61,6 +64,10 @@ impl Reader<'_, '_> {
             Some(_) => [factor; 3],
             None => rgb(&pbr.base_color, 0.8).map(|c| c * factor),
         };
+        if colour.iter().any(|c| !(0.0..=1.0 + RANGE).contains(c)) {
+            let detail = "its colour lies outside of 0 to 1, where glTF's end; it is cut there";
+            self.unsaid.add("colour-range", &self.name, detail);
+        }
         let (alpha, own_alpha) = self.alpha(&mut base_texture);
         let (emissive, emissive_strength, emissive_texture) = self.emission();
         let normal_texture = self.normals();
@@ -101,9 +108,12 @@ impl Reader<'_, '_> {
 
     /// Opacity, and whether the colour's picture has it. Where another picture has it, the two are put
     /// together, as far as it is known what that one means.
+    ///
+    /// A picture stands for the number that it hangs at, which files leave at whatever it was, often at what
+    /// would be invisible: where the picture is not there or is not carried, the material is opaque.
     fn alpha(&mut self, base: &mut Option<TextureUse>) -> (f64, bool) {
+        const OPAQUE: (f64, bool) = (1.0, false);
         let (pbr, fbx) = (&self.source.pbr, &self.source.fbx);
-        let opacity = opacity(self.source);
         let classic = !is_physical(self.source.shader_type);
         let maps = [
             &pbr.opacity,
@@ -114,28 +124,30 @@ impl Reader<'_, '_> {
         let maps = maps.filter(|map| map.texture_enabled && map.texture.is_some());
         let Some((map, texture)) = maps.filter_map(|m| Some((m, m.texture.as_deref()?))).next()
         else {
-            return (opacity, false);
+            return (opacity(self.source), false);
         };
-        let same = pbr.base_color.texture.as_deref();
-        let same = same.is_some_and(|base| is_same_picture(base, texture));
-        match base {
-            Some(base) if same && self.textures.has_alpha(base) => return (1.0, true),
-            // That it was not found is said already.
-            None if same => return (opacity, false),
-            _ => {}
-        }
-        // Some programs write opacity as the colour of transparency, some the inverse, and none says
-        // which. A picture of an opacity is white where it is opaque.
-        let is_opacity = std::ptr::eq(map, &pbr.opacity);
-        let detail = match (same, is_opacity) {
-            (true, _) => "opacity lies in the picture of the colour, which has no alpha channel",
-            (_, false) => {
-                "opacity lies in a picture of its own, of which is not known whether white is opaque; put it into the alpha channel of the colour's"
+        let of_colour = pbr.base_color.texture.as_deref();
+        let same = of_colour.filter(|colour| is_same_picture(colour, texture));
+        let detail = match (base.as_ref(), same) {
+            (Some(base), Some(colour)) if self.textures.has_alpha(base) => {
+                if is_laid_alike(colour, texture) {
+                    return (1.0, true);
+                }
+                "colour and opacity are laid on in two ways, and lie in one picture; it is opaque"
             }
-            (_, true) => {
-                let found = self.picture(map);
-                let Some(found) = found else {
-                    return (opacity, false);
+            // That it was not found is said already.
+            (None, Some(_)) => return OPAQUE,
+            (Some(_), Some(_)) => {
+                "opacity lies in the picture of the colour, which has no alpha channel; it is opaque"
+            }
+            // Some programs write opacity as the colour of transparency, some the inverse, and none says
+            // which. A picture of an opacity is white where it is opaque.
+            (_, None) if !std::ptr::eq(map, &pbr.opacity) => {
+                "opacity lies in a picture of its own, of which is not known whether white is opaque; it is opaque until that lies in the alpha channel of the colour's"
+            }
+            (_, None) => {
+                let Some(found) = self.picture(map) else {
+                    return OPAQUE;
                 };
                 match self.textures.with_opacity(base.as_ref(), &found) {
                     Ok(made) => {
@@ -147,7 +159,7 @@ impl Reader<'_, '_> {
             }
         };
         self.unsaid.add("opacity-map", &self.name, detail);
-        (opacity, false)
+        OPAQUE
     }
 
     /// Emission with its hue, what it is multiplied by (1 or more), and its picture.

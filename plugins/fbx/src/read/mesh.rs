@@ -10,9 +10,10 @@ use crate::error::FbxError;
 use crate::model::{Material, Mesh, Part};
 use crate::options::Budget;
 use crate::report::Report;
-use crate::syntax::smoothing_groups;
+use crate::syntax::{Smoothing, smoothing_groups};
 use glam::DVec3;
 use std::collections::BTreeMap;
+use ufbx::WarningType;
 
 /// No vertex.
 const NONE: u32 = u32::MAX;
@@ -85,27 +86,40 @@ impl Meshes {
 }
 
 /// Smoothing groups of the meshes that have them and no normals, from the file itself: ufbx says of each
-/// face only whether it has one.
+/// face only whether it has one, of binary files whether it has one of the first eight, and nothing where one
+/// number is of all faces.
 fn groups(scene: &ufbx::Scene, file: &[u8], report: &mut Report) -> Vec<Vec<u32>> {
+    let left_out = scene.metadata.has_warning[WarningType::MissingPolygonMapping as usize];
     let wanted = |mesh: &ufbx::Mesh| {
-        mesh.generated_normals && mesh.face_smoothing.iter().any(|&smooth| smooth)
+        let by_face = !mesh.face_smoothing.is_empty();
+        mesh.generated_normals && (by_face || left_out && mesh.edge_smoothing.is_empty())
     };
     if !(&scene.meshes).into_iter().any(wanted) {
         return Vec::new();
     }
-    let mut groups = smoothing_groups(file);
-    let known = groups.len() == scene.meshes.len();
-    groups.resize(scene.meshes.len(), Vec::new());
-    for (mesh, groups) in (&scene.meshes).into_iter().zip(&mut groups) {
-        if !wanted(mesh) || !known || groups.len() != mesh.num_faces {
-            groups.clear();
-        }
-        if wanted(mesh) && groups.is_empty() {
-            let detail = "smoothing groups do not fit its faces; all that have one are smooth";
-            report.lose("smoothing-groups", &mesh.element.name, detail);
-        }
+    let mut found = smoothing_groups(file);
+    if found.len() != scene.meshes.len() {
+        found = vec![Smoothing::Unknown; scene.meshes.len()];
     }
-    groups
+    let mut lose = |mesh: &ufbx::Mesh, detail: &str| {
+        report.lose("smoothing-groups", &mesh.element.name, detail);
+        Vec::new()
+    };
+    let of = |(mesh, found): (&ufbx::Mesh, Smoothing)| match found {
+        _ if !wanted(mesh) => Vec::new(),
+        Smoothing::Faces(groups) if groups.len() == mesh.num_faces => groups,
+        Smoothing::All(groups) => vec![groups; mesh.num_faces],
+        Smoothing::Unsaid if mesh.face_smoothing.is_empty() => Vec::new(),
+        Smoothing::Unknown if mesh.face_smoothing.is_empty() => lose(
+            mesh,
+            "its smoothing may be said otherwise than by face or edge, which is not read; all is flat",
+        ),
+        _ => lose(
+            mesh,
+            "smoothing groups do not fit its faces; all that have one are smooth",
+        ),
+    };
+    (&scene.meshes).into_iter().zip(found).map(of).collect()
 }
 
 fn read_mesh(
@@ -117,18 +131,17 @@ fn read_mesh(
     budget: &Budget,
 ) -> Result<Mesh, FbxError> {
     let shapes = Shapes::of(mesh);
-    // What all corners need at most: 12 floats and each UV and colour set, twice over, and targets.
-    let corner =
-        4 * (12 + 2 * mesh.uv_sets.len() + 4 * mesh.color_sets.len() + 6 * shapes.targets.len());
-    budget.afford(
-        mesh.num_triangles * 3 * corner * 2,
-        "the triangles of a mesh",
-    )?;
-
-    budget.must(
-        mesh.num_triangles * 3 * (1 + shapes.targets.len()),
-        "the triangles of a mesh",
-    )?;
+    // What all corners need at most: 12 floats and each UV and colour set, twice over.
+    let what = "the triangles of a mesh";
+    let corner = 4 * (12 + 2 * mesh.uv_sets.len() + 4 * mesh.color_sets.len());
+    let corners = mesh.num_triangles * 3 * corner * 2;
+    // Targets are of vertices: two vectors in f64 for each of the file's, and in f32, twice over, for each
+    // of those that they come to.
+    let targets = shapes.targets.len();
+    let for_targets = |vertices: usize| vertices.saturating_mul(48 * targets);
+    let spread = corners.saturating_add(for_targets(mesh.num_vertices));
+    budget.afford(spread, what)?;
+    budget.must(mesh.num_triangles * 3 * (1 + targets), what)?;
 
     let mut soups: BTreeMap<usize, Soup> = BTreeMap::new();
     let mut triangles = vec![0; mesh.max_face_triangles * 3];
@@ -154,6 +167,7 @@ fn read_mesh(
     };
     let uv_sets: Vec<&str> = mesh.uv_sets.iter().map(|set| &*set.name).collect();
     let mut parts = Vec::new();
+    let mut vertices = 0;
     for (slot, mut soup) in soups {
         let material = of_node
             .get(slot)
@@ -180,6 +194,8 @@ fn read_mesh(
         }
         let mut part = join(&soup, mesh);
         part.material = material;
+        vertices += part.positions.len();
+        budget.afford(spread.saturating_add(for_targets(vertices)), what)?;
         for (positions, normals) in &offsets {
             let pick = |all: &[DVec3]| -> Vec<[f32; 3]> {
                 part.sources

@@ -3,6 +3,7 @@
 pub(crate) mod convert;
 pub(crate) mod devices;
 mod finder;
+mod frame;
 pub(crate) mod keyed;
 mod lost;
 mod materials;
@@ -18,6 +19,7 @@ pub(crate) mod shapes;
 mod skin;
 mod tangents;
 pub(crate) mod textures;
+mod tga;
 mod unsaid;
 pub(crate) mod user;
 mod uv_sets;

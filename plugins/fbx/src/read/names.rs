@@ -5,6 +5,7 @@ use crate::load::load_names;
 use crate::model::Model;
 use crate::options::{Budget, Options};
 use crate::read::Shapes;
+use crate::read::user::own_properties;
 use crate::report::Report;
 use crate::skinning::SkinJob;
 use std::collections::{BTreeMap, BTreeSet};
@@ -29,6 +30,7 @@ impl Names {
         if !scene.metadata.has_warning[WarningType::BadUnicode as usize] {
             return names;
         }
+        report_properties(scene, report);
         let bad: Vec<u32> = (&scene.elements)
             .into_iter()
             .filter(|element| element.name.contains(char::REPLACEMENT_CHARACTER))
@@ -131,6 +133,19 @@ impl Names {
                 model.cameras[number].name = self.name(&camera.element);
             }
         }
+    }
+}
+
+/// Properties of users whose names are not UTF-8: what ufbx made of these is all that there is, and of two that
+/// look alike then it keeps one.
+fn report_properties(scene: &Scene, report: &mut Report) {
+    let all = (&scene.elements).into_iter().flat_map(own_properties);
+    let count = all
+        .filter(|prop| prop.name.contains(char::REPLACEMENT_CHARACTER))
+        .count();
+    if count > 0 {
+        let detail = "names of users' properties are not UTF-8; what cannot be read of them is replaced, and of those of one object that look alike then one is left";
+        report.lose("name-encoding", &count.to_string(), detail);
     }
 }
 

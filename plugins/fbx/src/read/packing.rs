@@ -159,19 +159,32 @@ mod tests {
     fn grey(size: u32, value: impl Fn(u32, u32) -> u8, format: ImageFormat) -> Vec<u8> {
         let picture = GrayImage::from_fn(size, size, |x, y| image::Luma([value(x, y)]));
         let mut out = Cursor::new(Vec::new());
-        let old = match format {
-            ImageFormat::Tga => Some(image_of_old::ImageFormat::Tga),
-            ImageFormat::Bmp => Some(image_of_old::ImageFormat::Bmp),
-            _ => None,
-        };
-        if let Some(old) = old {
-            let grey = image_of_old::ColorType::L8;
-            image_of_old::write_buffer_with_format(&mut out, &picture, size, size, grey, old)
-                .expect("it is written");
-            return out.into_inner();
+        match format {
+            ImageFormat::Bmp => {
+                let grey = image_of_old::ColorType::L8;
+                image_of_old::codecs::bmp::BmpEncoder::new(&mut out)
+                    .encode(&picture, size, size, grey)
+                    .expect("it is written");
+                return out.into_inner();
+            }
+            ImageFormat::Tga => return packed_tga(size, &picture),
+            _ => {}
         }
         picture.write_to(&mut out, format).expect("it is written");
         out.into_inner()
+    }
+
+    /// Grey, a packet for each row of at most 128 pixels.
+    fn packed_tga(size: u32, pixels: &[u8]) -> Vec<u8> {
+        let side = size as u8;
+        let mut out = vec![
+            0, 0, 11, 0, 0, 0, 0, 0, 0, 0, 0, 0, side, 0, side, 0, 8, 0x20,
+        ];
+        for row in pixels.chunks_exact(usize::from(side)) {
+            out.push(side - 1);
+            out.extend(row);
+        }
+        out
     }
 
     fn read(png: Result<Vec<u8>, Refusal>) -> DynamicImage {

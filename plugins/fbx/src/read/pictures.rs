@@ -1,10 +1,10 @@
 //! Kinds of pictures: PNG and JPEG are kept as they are, TGA and BMP are turned into PNG, others are
 //! named.
 
+use super::tga::Tga;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use image_of_old::codecs::bmp::BmpDecoder;
-use image_of_old::codecs::tga::TgaDecoder;
 use image_of_old::{ColorType, ImageDecoder};
 use std::io::{Cursor, Write};
 
@@ -30,19 +30,8 @@ pub(crate) fn picture(name: &str, bytes: &[u8], memory: u64) -> Result<Picture, 
     }
     let kind = kind(name, bytes);
     let turned = match kind {
-        "BMP" => BmpDecoder::new(Cursor::new(bytes))
-            .map_err(|error| Refusal::Broken(error.to_string()))
-            .and_then(|decoder| turned(decoder, bytes.len(), memory, Alpha::MayBeUnused)),
-        "TGA" => TgaDecoder::new(Cursor::new(bytes))
-            .map_err(|error| Refusal::Broken(error.to_string()))
-            .and_then(|decoder| {
-                // The low four bits of the descriptor count the bits of alpha.
-                let alpha = match bytes.get(17).is_some_and(|bits| bits & 15 == 0) {
-                    true => Alpha::Unused,
-                    false => Alpha::MayBeUnused,
-                };
-                turned(decoder, bytes.len(), memory, alpha)
-            }),
+        "BMP" => of_bmp(bytes, memory),
+        "TGA" => of_tga(bytes, memory),
         "PNG" | "JPEG" => Err(Refusal::Broken("it is not whole".to_owned())),
         "unknown" if !can_be_saved_again(name) => {
             return Err("is no picture by its first bytes; save it again".to_owned());
@@ -164,41 +153,83 @@ enum Alpha {
     MayBeUnused,
 }
 
-/// As PNG. `source` is the size of the file, which is in memory too.
-fn turned<'a>(
-    decoder: impl ImageDecoder<'a>,
+fn of_bmp(bytes: &[u8], memory: u64) -> Result<Vec<u8>, Refusal> {
+    let broken = |error: image_of_old::ImageError| Refusal::Broken(error.to_string());
+    let decoder = BmpDecoder::new(Cursor::new(bytes)).map_err(broken)?;
+    let shape = Shape {
+        size: decoder.dimensions(),
+        colour: match decoder.color_type() {
+            ColorType::L8 => ExtendedColorType::L8,
+            ColorType::Rgb8 => ExtendedColorType::Rgb8,
+            ColorType::Rgba8 => ExtendedColorType::Rgba8,
+            other => return Err(Refusal::Broken(format!("its pixels are {other:?}"))),
+        },
+        alpha: Alpha::MayBeUnused,
+    };
+    let read = |pixels: &mut [u8]| decoder.read_image(pixels).map_err(broken);
+    turned(shape, read, bytes.len(), memory)
+}
+
+fn of_tga(bytes: &[u8], memory: u64) -> Result<Vec<u8>, Refusal> {
+    let broken = |why: &str| Refusal::Broken(why.to_owned());
+    let tga = Tga::of(bytes).map_err(broken)?;
+    let shape = Shape {
+        size: (tga.size.0.into(), tga.size.1.into()),
+        colour: match tga.channels {
+            1 => ExtendedColorType::L8,
+            2 => ExtendedColorType::La8,
+            3 => ExtendedColorType::Rgb8,
+            _ => ExtendedColorType::Rgba8,
+        },
+        alpha: match tga.alpha_is_unused {
+            true => Alpha::Unused,
+            false => Alpha::MayBeUnused,
+        },
+    };
+    let read = |pixels: &mut [u8]| tga.read(pixels).map_err(broken);
+    turned(shape, read, bytes.len(), memory)
+}
+
+/// What is known of a picture before its pixels are.
+struct Shape {
+    /// Width and height, pixels.
+    size: (u32, u32),
+    colour: ExtendedColorType,
+    alpha: Alpha,
+}
+
+/// As PNG. `read` fills in the pixels; `source` is the size of the file, which is in memory too.
+fn turned(
+    shape: Shape,
+    read: impl FnOnce(&mut [u8]) -> Result<(), Refusal>,
     source: usize,
     memory: u64,
-    alpha: Alpha,
 ) -> Result<Vec<u8>, Refusal> {
-    let (width, height) = decoder.dimensions();
+    let Shape {
+        size: (width, height),
+        mut colour,
+        alpha,
+    } = shape;
     if width == 0 || height == 0 {
         return Err(Refusal::Broken("it has no pixel".to_owned()));
     }
-    let raw = decoder.total_bytes();
+    let (channels, without) = match colour {
+        ExtendedColorType::Rgba8 => (4, ExtendedColorType::Rgb8),
+        ExtendedColorType::La8 => (2, ExtendedColorType::L8),
+        ExtendedColorType::Rgb8 => (3, colour),
+        _ => (1, colour),
+    };
+    let raw = (u64::from(width) * u64::from(height)).saturating_mul(channels as u64);
     // Rarely is a PNG larger than the same picture in one of these formats.
     let room = raw.min(2 * source as u64) + (1 << 16);
     let needed = raw.saturating_add(source as u64).saturating_add(room);
     let Some(size) = usize::try_from(raw).ok().filter(|_| needed <= memory) else {
         return Err(Refusal::TooLarge(needed));
     };
-    let mut colour = match decoder.color_type() {
-        ColorType::L8 => ExtendedColorType::L8,
-        ColorType::La8 => ExtendedColorType::La8,
-        ColorType::Rgb8 => ExtendedColorType::Rgb8,
-        ColorType::Rgba8 => ExtendedColorType::Rgba8,
-        other => return Err(Refusal::Broken(format!("its pixels are {other:?}"))),
-    };
     let mut pixels = vec![0; size];
-    decoder
-        .read_image(&mut pixels)
-        .map_err(|error| Refusal::Broken(error.to_string()))?;
-    let (channels, without) = match colour {
-        ExtendedColorType::Rgba8 => (4, ExtendedColorType::Rgb8),
-        ExtendedColorType::La8 => (2, ExtendedColorType::L8),
-        other => (1, other),
-    };
-    if channels > 1 && (alpha == Alpha::Unused || is_even(&pixels, channels)) {
+    read(&mut pixels)?;
+    let has_alpha = channels == 2 || channels == 4;
+    if has_alpha && (alpha == Alpha::Unused || is_even(&pixels, channels)) {
         take_last(&mut pixels, channels);
         colour = without;
     }
@@ -260,129 +291,4 @@ impl Write for Capped {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two by two pixels of a true-colour TGA: a row from the lower left, then one above.
-    fn tga(bits: u8, alpha_bits: u8, pixels: &[u8]) -> Vec<u8> {
-        let mut out = vec![
-            0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, bits, alpha_bits,
-        ];
-        out.extend(pixels);
-        out
-    }
-
-    fn decoded(picture: Result<Picture, String>) -> image::DynamicImage {
-        match picture {
-            Ok(Picture::Turned(png)) => {
-                assert_eq!(mime(&png), Some("image/png"));
-                image::load_from_memory(&png).expect("a PNG is read")
-            }
-            other => panic!("not turned: {other:?}"),
-        }
-    }
-
-    #[test]
-    fn a_tga_is_turned_with_its_rows_and_colours() {
-        // Blue, green, red.
-        let pixels = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12];
-        let made = decoded(picture("a.TGA", &tga(24, 0, &pixels), 1 << 20));
-        assert_eq!(made.color(), image::ColorType::Rgb8);
-        let made = made.to_rgb8();
-        assert_eq!(made.get_pixel(0, 1).0, [3, 2, 1]);
-        assert_eq!(made.get_pixel(1, 0).0, [12, 11, 10]);
-        // By its footer, whatever it is called.
-        let mut named = tga(24, 0, &pixels);
-        named.extend([0; 8]);
-        named.extend(b"TRUEVISION-XFILE.\0");
-        decoded(picture("a", &named, 1 << 20));
-    }
-
-    #[test]
-    fn alpha_is_kept_where_it_is_one() {
-        let pixels: Vec<u8> = (0..4).flat_map(|i| [i, i, i, 60 * i]).collect();
-        let with = decoded(picture("a.tga", &tga(32, 8, &pixels), 1 << 20));
-        assert_eq!(with.to_rgba8().get_pixel(1, 1).0, [1, 1, 1, 60]);
-        assert!(with.color().has_alpha());
-        // The descriptor says that there is none, or nobody has set it.
-        let unused = decoded(picture("a.tga", &tga(32, 0, &pixels), 1 << 20));
-        assert!(!unused.color().has_alpha());
-        let zero: Vec<u8> = (0..4).flat_map(|i| [i, i, i, 0]).collect();
-        let even = decoded(picture("a.tga", &tga(32, 8, &zero), 1 << 20));
-        assert!(!even.color().has_alpha());
-        assert_eq!(even.to_rgb8().get_pixel(1, 1).0, [1, 1, 1]);
-    }
-
-    #[test]
-    fn a_bmp_is_turned() {
-        let mut bmp = Vec::new();
-        let made = image::RgbImage::from_fn(3, 2, |x, y| image::Rgb([x as u8, y as u8, 7]));
-        image_of_old::codecs::bmp::BmpEncoder::new(&mut bmp)
-            .encode(&made, 3, 2, ColorType::Rgb8)
-            .expect("it is written");
-        assert_eq!(decoded(picture("a", &bmp, 1 << 20)).to_rgb8(), made);
-    }
-
-    #[test]
-    fn bombs_and_broken_ones_are_refused() {
-        // 65535 by 65535 pixels, run-length encoded, in 18 bytes.
-        let mut bomb = tga(32, 8, &[]);
-        bomb[2] = 10;
-        bomb[12..16].fill(0xff);
-        let said = picture("a.tga", &bomb, 1 << 26).unwrap_err();
-        assert!(said.contains("raise the limit on memory"), "{said}");
-        for name in ["a.tga", "a.bmp"] {
-            for bytes in [&b"BM"[..], &[0; 30], &tga(24, 0, &[1]), &[]] {
-                picture(name, bytes, 1 << 20).unwrap_err();
-            }
-        }
-        // Noise, so that the PNG is no smaller than its pixels: what it may take holds for it too.
-        let mut state = 1_u32;
-        let noise: Vec<u8> = (0..3 << 16)
-            .map(|_| {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                (state >> 24) as u8
-            })
-            .collect();
-        let mut large = tga(24, 0, &noise);
-        large[12..16].copy_from_slice(&[0, 1, 0, 1]);
-        let bytes = large.len() as u64;
-        assert!(picture("a.tga", &large, 2 * bytes).is_err());
-        assert!(picture("a.tga", &large, 4 * bytes).is_ok());
-    }
-
-    #[test]
-    fn other_kinds_are_named_with_a_way_out() {
-        let cases: [(&[u8], &str); 5] = [
-            (b"8BPS\0\x01", "PSD"),
-            (b"II*\0\x08", "TIFF"),
-            (b"DDS |", "DDS"),
-            (b"\x76\x2f\x31\x01\x02", "EXR"),
-            (b"what is this", "unknown"),
-        ];
-        for (bytes, kind) in cases {
-            let said = picture("a.xyz", bytes, 1 << 20).unwrap_err();
-            assert!(
-                said.contains(kind) && said.contains("save it as PNG"),
-                "{said}"
-            );
-        }
-        assert_eq!(saved_again("tex/a.psd")[..2], ["tex/a.png", "tex/a.jpg"]);
-        assert!(saved_again("a.PNG").is_empty() && saved_again("").is_empty());
-        assert_eq!(saved_again("a")[0], "a.png");
-    }
-
-    #[test]
-    fn broken_pictures_are_told_apart() {
-        assert_eq!(mime(b"\x89PNG\r\n\x1a\n"), None);
-        assert_eq!(mime(b"BM"), None);
-        assert_eq!(mime(b""), None);
-        assert_eq!(mime(&[0xff, 0xd8, 0xff, 0xe0, 0, 2]), None);
-        let jpeg = [
-            0xff, 0xd8, 0xff, 0xe0, 0, 2, 0xff, 0xc0, 0, 11, 8, 0, 1, 0, 1, 0,
-        ];
-        assert_eq!(mime(&jpeg), Some("image/jpeg"));
-        let said = picture("a.png", b"\x89PNG\r\n\x1a\n", 1 << 20).unwrap_err();
-        assert!(said.contains("broken PNG"), "{said}");
-    }
-}
+mod tests;

@@ -4,13 +4,13 @@ mod together;
 
 use super::finder::{Finder, last_part};
 use super::pictures::{Picture, has_alpha, picture, saved_again};
-use super::uv_sets::UvNames;
+use super::uv_sets::{UvNames, is_same_set};
 use super::uv_transform::placed;
 use crate::model::{Image, Material, TextureUse};
 use crate::options::{Budget, Origin};
 use crate::report::Report;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use together::Parts;
 use ufbx::{MaterialMap, Texture, TextureType, WrapMode};
 
@@ -37,6 +37,8 @@ pub(crate) struct Textures<'a> {
     /// Lines that were said.
     told: BTreeSet<(&'static str, String)>,
     images: Vec<Image>,
+    /// The last file that was read, where others may be meant as well, and how many.
+    unsure: Option<(PathBuf, usize)>,
 }
 
 /// Why there is no picture.
@@ -61,6 +63,7 @@ impl<'a> Textures<'a> {
             packed: BTreeMap::new(),
             told: BTreeSet::new(),
             images: Vec::new(),
+            unsure: None,
         }
     }
 
@@ -164,7 +167,16 @@ impl<'a> Textures<'a> {
         if let Some(&known) = self.known.get(&id) {
             return known;
         }
-        let made = match self.read(texture) {
+        self.unsure = None;
+        let read = self.read(texture);
+        if let (Ok(_), Some((path, others))) = (&read, self.unsure.take()) {
+            let detail = format!(
+                "{others} more of this name lie below the folders that are given, in folders that the file does not name; that of {} is taken",
+                path.display()
+            );
+            self.lose("texture-name", name_of(texture), detail, report);
+        }
+        let made = match read {
             Ok(image) => {
                 let same = |other: &Image| other.bytes == image.bytes;
                 let same = self.images.iter().position(same);
@@ -263,14 +275,16 @@ impl<'a> Textures<'a> {
 
     /// The first of `names` that is given or found.
     fn load(&mut self, names: &[&str]) -> Result<Option<Vec<u8>>, Missing> {
+        self.unsure = None;
         let given = names.iter().find_map(|name| given(self.origin, name));
         if let Some(bytes) = given {
             return self.take(bytes).map(Some);
         }
-        let found = self.finder.find(names);
-        let Some(path) = found else {
+        let Some(found) = self.finder.find(names) else {
             return Ok(None);
         };
+        let path = found.path;
+        self.unsure = (found.others > 0).then(|| (path.clone(), found.others));
         let length = size(&path)?;
         self.pay(length)?;
         std::fs::read(&path)
@@ -299,6 +313,15 @@ fn given<'o>(origin: &'o Origin, name: &str) -> Option<&'o [u8]> {
         files.find_map(|(name, bytes)| (name.to_lowercase() == lower).then_some(bytes))
     };
     exact.or_else(any_case).map(Vec::as_slice)
+}
+
+/// Whether both textures show a picture at the same places of a surface.
+pub(crate) fn is_laid_alike(a: &Texture, b: &Texture) -> bool {
+    let way = |texture: &Texture| {
+        let repeats = [texture.wrap_u, texture.wrap_v].map(|wrap| wrap == WrapMode::Repeat);
+        (repeats, placed(&texture.element.props))
+    };
+    is_same_set(&a.uv_set, &b.uv_set) && way(a) == way(b)
 }
 
 /// Where the file says that the picture is, the likeliest first.

@@ -4,24 +4,30 @@ use super::names::escaped;
 use crate::model::{Extras, Model, Properties};
 use crate::report::Report;
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use ufbx::{ElementType, Prop, PropFlags, PropType, Scene};
 
 /// Those of nodes, meshes, materials, lights and cameras of `scene`, as `model` has them before nodes are
 /// taken out.
 pub(crate) fn read_extras(scene: &Scene, model: &Model, report: &mut Report) -> Extras {
     let mut extras = Extras::default();
-    let put = |map: &mut BTreeMap<usize, Properties>, number, element: &ufbx::Element| {
+    let mut carried: BTreeSet<u32> = BTreeSet::new();
+    let mut put = |map: &mut BTreeMap<usize, Properties>, number, element: &ufbx::Element| {
+        carried.insert(element.element_id);
         let own = properties(element);
         if !own.is_empty() {
             map.entry(number).or_default().extend(own);
         }
     };
+    let meshes: BTreeSet<u32> = model.meshes.iter().map(|mesh| mesh.source).collect();
     for (number, (node, source)) in model.nodes.iter().zip(&scene.nodes).enumerate() {
-        // What hangs at a bone or at nothing that glTF has is the node itself there.
+        // What hangs at a bone or at nothing that glTF has is the node itself there, and so is what comes to
+        // nothing: a mesh without triangles, a light of a kind that glTF has not.
         for attribute in &source.all_attribs {
             let own = match attribute.type_ {
-                ElementType::Mesh | ElementType::Light | ElementType::Camera => false,
+                ElementType::Mesh => !meshes.contains(&attribute.typed_id),
+                ElementType::Light => node.light.is_none(),
+                ElementType::Camera => node.camera.is_none(),
                 _ => source.mesh.is_none(),
             };
             if own {
@@ -46,25 +52,16 @@ pub(crate) fn read_extras(scene: &Scene, model: &Model, report: &mut Report) -> 
             put(&mut extras.materials, number, &material.element);
         }
     }
-    report_others(scene, report);
+    report_others(scene, &carried, report);
     extras
 }
 
 /// Objects that glTF has no place for, or none with extras that loaders read.
-fn report_others(scene: &Scene, report: &mut Report) {
-    let carried = [
-        ElementType::Node,
-        ElementType::Mesh,
-        ElementType::Material,
-        ElementType::Light,
-        ElementType::Camera,
-        ElementType::Bone,
-        ElementType::Empty,
-    ];
+fn report_others(scene: &Scene, carried: &BTreeSet<u32>, report: &mut Report) {
     let mut count = 0;
     let mut example = String::new();
     for element in &scene.elements {
-        let own = match carried.contains(&element.type_) {
+        let own = match carried.contains(&element.element_id) {
             true => 0,
             false => properties(element).len(),
         };
@@ -81,9 +78,14 @@ fn report_others(scene: &Scene, report: &mut Report) {
     }
 }
 
-fn properties(element: &ufbx::Element) -> Properties {
+/// Properties that a user gave to an object.
+pub(super) fn own_properties(element: &ufbx::Element) -> impl Iterator<Item = &Prop> {
     let user = |prop: &&Prop| prop.flags.has_any(PropFlags::USER_DEFINED);
-    let own = element.props.props.iter().filter(user);
+    element.props.props.iter().filter(user)
+}
+
+fn properties(element: &ufbx::Element) -> Properties {
+    let own = own_properties(element);
     own.filter_map(|prop| Some((prop.name.to_string(), value(prop)?)))
         .collect()
 }

@@ -184,6 +184,11 @@ fn is_first(name: &str) -> bool {
     name.is_empty() || name == "default"
 }
 
+/// Whether two textures ask for one set.
+pub(super) fn is_same_set(a: &str, b: &str) -> bool {
+    a == b || (is_first(a) && is_first(b))
+}
+
 fn position(sets: &[&str], name: &str) -> Option<usize> {
     match name.is_empty() {
         true => Some(0),

@@ -9,7 +9,7 @@ mod binary;
 mod smoothing;
 
 pub(crate) use binary::unpacked;
-pub(crate) use smoothing::smoothing_groups;
+pub(crate) use smoothing::{Smoothing, smoothing_groups};
 
 /// What a node holds besides other nodes.
 #[derive(Clone, Copy)]

@@ -110,6 +110,99 @@ fn every_way_of_saying_a_field_of_view() {
     near(aspect, 2.0);
 }
 
+/// Width over height and the vertical angle of a camera, with 200 by 100 pixels where it says no other.
+fn frame(properties: &[(&str, f64)]) -> (f32, f32) {
+    let mut all = Vec::new();
+    for (name, value) in [
+        ("AspectRatioMode", 2.0),
+        ("AspectWidth", 200.0),
+        ("AspectHeight", 100.0),
+    ] {
+        if !properties.iter().any(|(own, _)| *own == name) {
+            all.push((name, value));
+        }
+    }
+    all.extend_from_slice(properties);
+    match camera(1.0, &all).0.projection {
+        Projection::Perspective(field, aspect) => (aspect, field),
+        Projection::Orthographic(x, y) => (x, y),
+    }
+}
+
+/// A lens that squeezes makes what it takes in wider, not higher.
+#[test]
+fn squeezed_film_is_wider() {
+    for fit in [0.0, 1.0, 2.0, 3.0, 4.0] {
+        // The lens of 1 inch sees 1 inch of height, as wide as four.
+        let (aspect, y) = frame(&[
+            ("ApertureMode", 3.0),
+            ("FilmWidth", 2.0),
+            ("FilmHeight", 1.0),
+            ("FilmSqueezeRatio", 2.0),
+            ("FocalLength", 25.4),
+            ("AspectWidth", 400.0),
+            ("GateFit", fit),
+        ]);
+        near(aspect, 4.0);
+        near(y, HALF);
+    }
+    // A picture half as wide: by the film's width it is twice as high.
+    let (aspect, y) = frame(&[
+        ("ApertureMode", 3.0),
+        ("FilmWidth", 2.0),
+        ("FilmHeight", 1.0),
+        ("FilmSqueezeRatio", 2.0),
+        ("FocalLength", 50.8),
+        ("GateFit", 2.0),
+    ]);
+    near(aspect, 2.0);
+    near(y, HALF);
+}
+
+#[test]
+fn pixels_that_are_no_squares_make_the_picture_wider() {
+    let wide = ("PixelAspectRatio", 2.0);
+    let square = ("AspectWidth", 100.0);
+    let (aspect, y) = frame(&[("ApertureMode", 2.0), ("FieldOfView", 40.0), wide, square]);
+    near(aspect, 2.0);
+    near(y, 40_f64.to_radians());
+    let (aspect, y) = frame(&[("ApertureMode", 1.0), ("FieldOfView", 90.0), wide, square]);
+    near(aspect, 2.0);
+    near(y, HALF);
+    // A ratio that is no count of pixels is the picture's.
+    let (aspect, _) = frame(&[("AspectRatioMode", 1.0), wide]);
+    near(aspect, 2.0);
+    // Without a perspective, by the width: 30 units of zoom.
+    let (x, y) = frame(&[
+        ("CameraProjectionType", 1.0),
+        ("GateFit", 2.0),
+        wide,
+        square,
+    ]);
+    near(x, 0.15);
+    near(y, 0.075);
+}
+
+#[test]
+fn what_turns_a_camera_besides_its_node_is_said() {
+    let attribute = |properties: &str| {
+        format!(
+            "\tNodeAttribute: 2, \"NodeAttribute::eye\", \"Camera\" {{\n\t\tProperties70:  {{\n{properties}\t\t}}\n\t}}\n"
+        )
+    };
+    let made = |properties: &str, more: &str| {
+        let objects =
+            model(1, "eye", "Camera", "") + &attribute(properties) + &model(3, "goal", "Null", "");
+        let links = link(1, 0) + &link(2, 1) + &link(3, 0) + more;
+        converted(scene(1.0, &objects, &links).as_bytes())
+    };
+    let rolled = made("\t\t\tP: \"Roll\", \"Roll\", \"\", \"A\",12.5\n", "");
+    assert_eq!(lost(&rolled, "camera-roll"), ["eye"]);
+    let aimed = made("", "\tC: \"OP\",3,1, \"LookAtProperty\"\n");
+    assert_eq!(lost(&aimed, "look-at"), ["eye"]);
+    assert!(made("", "").report.lost.is_empty());
+}
+
 #[test]
 fn broken_planes_become_ones_that_gltf_allows() {
     for kind in [0.0, 1.0] {

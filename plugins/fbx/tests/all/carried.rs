@@ -1,12 +1,12 @@
-//! What else a file says: names in code pages, properties of users, visibility, keyed properties. Each
-//! is carried or has a line in `lost`.
+//! What else a file says: names in code pages, properties of users, keyed properties. Each is carried or
+//! has a line in `lost`.
 
 use crate::support::ascii;
 use crate::support::scene::{
     array, converted, corners, field, geometry, json, link, lost, model, scene,
 };
 use glam::DVec3;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::collections::BTreeSet;
 
 /// A property of the user.
@@ -182,102 +182,58 @@ fn every_kind_of_value_has_its_json() {
     assert_eq!(document["meshes"][0]["extras"], watts);
 }
 
-/// Names of nodes that the document hides.
-fn hidden(document: &serde_json::Value) -> Vec<String> {
-    let nodes = document["nodes"].as_array().expect("a list of nodes");
-    let off = nodes
-        .iter()
-        .filter(|node| node["extensions"]["KHR_node_visibility"]["visible"] == false);
-    off.map(|node| node["name"].as_str().unwrap_or_default().to_owned())
-        .collect()
-}
-
+/// What comes to nothing in glTF leaves its properties to its node, and what hangs at no node is said.
 #[test]
-fn hidden_nodes_are_hidden_and_said() {
-    let off = user("Visibility", "\"Visibility\", \"\"", "A", "0");
-    let no_show = user("Show", "\"bool\", \"\"", "", "0");
-    let alone = user(
-        "Visibility Inheritance",
-        "\"Visibility Inheritance\", \"\"",
-        "",
-        "0",
+fn properties_of_what_is_not_converted_are_kept_or_said() {
+    let watts = user("watts", "\"int\", \"Integer\"", "U", "60");
+    let block = format!("\t\tProperties70:  {{\n{watts}\t\t}}\n");
+    let area = format!(
+        "\t\tProperties70:  {{\n{watts}\t\t\tP: \"LightType\", \"enum\", \"\", \"\",3\n\t\t}}\n"
     );
-    let objects = geometry(1, &corners(DVec3::ZERO, DVec3::ONE), "")
-        + &model(2, "off", "Mesh", &off)
-        + &model(3, "below", "Mesh", "")
-        + &model(4, "shown", "Mesh", "")
-        + &model(5, "half", "Mesh", &off)
-        + &model(6, "alone", "Mesh", &alone)
-        + &model(7, "no_show", "Mesh", &no_show)
-        + &model(8, "layered", "Mesh", "")
-        + "\tCollectionExclusive: 9, \"DisplayLayer::layer\", \"DisplayLayer\" {\n\t\tProperties70:  {\n\t\t\tP: \"Show\", \"bool\", \"\", \"\",0\n\t\t}\n\t}\n";
-    let mut links = String::new();
-    for (node, parent) in [(2, 0), (3, 2), (4, 0), (5, 0), (6, 5), (7, 0), (8, 0)] {
-        links += &(link(node, parent) + &link(1, node));
-    }
-    links += &link(8, 9);
+    let light = |id: u32, inner: &str| {
+        format!("\tNodeAttribute: {id}, \"NodeAttribute::x\", \"Light\" {{\n{inner}\t}}\n")
+    };
+    let objects = model(1, "panel", "Light", "")
+        + &light(2, &area)
+        + &model(3, "cloud", "Mesh", "")
+        + &format!(
+            "\tGeometry: 4, \"Geometry::cloud\", \"Mesh\" {{\n{}{}\t\tGeometryVersion: 124\n{block}\t}}\n",
+            array("Vertices", &corners(DVec3::ZERO, DVec3::ONE)),
+            // A line.
+            array("PolygonVertexIndex", &[0, -2])
+        )
+        + &light(5, &block);
+    let links = link(1, 0) + &link(2, 1) + &link(3, 0) + &link(4, 3);
     let made = converted(scene(1.0, &objects, &links).as_bytes());
     let document = json(&made);
-    // `half` has a child that does not go with it, and glTF's extension would hide that.
-    assert_eq!(hidden(&document), ["off", "no_show", "layered"]);
-    assert_eq!(document["extensionsUsed"], json!(["KHR_node_visibility"]));
-    let said: BTreeSet<String> = lost(&made, "hidden").into_iter().collect();
-    let wanted = ["off", "below", "half", "no_show", "layered"];
-    assert_eq!(said, wanted.map(str::to_owned).into_iter().collect());
+    for name in ["panel", "cloud"] {
+        let mut nodes = document["nodes"].as_array().unwrap().iter();
+        let node = nodes.find(|node| node["name"] == name).unwrap();
+        assert_eq!(node["extras"], json!({ "watts": 60 }), "{name}");
+    }
+    // The light that hangs nowhere.
+    assert_eq!(lost(&made, "user-property"), ["1"]);
 }
 
 #[test]
-fn keyed_visibility_is_said() {
-    let made = converted(&field("a08_visibility_curve.fbx"));
-    assert_eq!(lost(&made, "keyed-visibility"), ["ghost"]);
-    assert!(hidden(&json(&made)).is_empty());
-    let line = made
-        .report
-        .lost
-        .iter()
-        .find(|lost| lost.what == "keyed-visibility");
-    let detail = &line.expect("there is one").detail;
-    assert!(detail.contains("shown for 1.000 s of 2.000 s"), "{detail}");
-    // Keys that say what is so without them are no loss.
-    let text = String::from_utf8(field("a08_visibility_curve.fbx")).unwrap();
-    let still = text.replace("a: 1.0,0.0,1.0", "a: 1.0,1.0,1.0");
-    assert_ne!(still, text);
-    assert!(converted(still.as_bytes()).report.lost.is_empty());
-}
-
-/// Why keys of visibility are not carried by KHR_animation_pointer: a reader that does not know it, Bevy's among them, refuses
-/// the whole file. When this fails they can be.
-#[test]
-fn readers_refuse_files_with_pointers() {
-    let mut document = json(&converted(&field("a08_visibility_curve.fbx")));
-    let read = |document: &Value| gltf::Gltf::from_slice(document.to_string().as_bytes());
-    assert!(read(&document).is_ok());
-    document["extensionsUsed"] = json!(["KHR_animation_pointer", "KHR_node_visibility"]);
-    document["animations"][0]["channels"][0]["target"] = json!({
-        "path": "pointer",
-        "extensions": { "KHR_animation_pointer": {
-            "pointer": "/nodes/0/extensions/KHR_node_visibility/visible",
-        } },
-    });
-    assert!(read(&document).is_err());
-}
-
-/// A mesh with a skin stands beside the tree, where nothing hides it but itself.
-#[test]
-fn skinned_meshes_are_hidden_too() {
-    let shown = ascii::strip(10.0);
-    let node = "Model: 200, \"Model::strip\", \"Mesh\" {\n\t\tVersion: 232\n";
-    let off = format!(
-        "{node}\t\tProperties70:  {{\n{}\t\t}}\n",
-        user("Visibility", "\"Visibility\", \"\"", "A", "0")
-    );
-    assert!(shown.contains(node));
-    let made = converted(shown.replace(node, &off).as_bytes());
-    // The file's node, which the file's axes turn, and the one that shows the mesh.
-    assert_eq!(hidden(&json(&made)), ["strip", "strip"]);
-    let skinned = made.model.nodes.iter().position(|n| n.skin.is_some());
-    assert!(skinned.is_some_and(|node| made.model.hidden.contains(&node)));
-    assert!(hidden(&json(&converted(shown.as_bytes()))).is_empty());
+fn names_of_properties_in_code_pages_are_said() {
+    let own = user("@@", "\"int\", \"Integer\"", "U", "1")
+        + &user("@#", "\"int\", \"Integer\"", "U", "2")
+        + &user("plain", "\"int\", \"Integer\"", "U", "3");
+    let text = scene(1.0, &model(1, "a", "Null", &own), &link(1, 0));
+    let bytes: Vec<u8> = text
+        .bytes()
+        .map(|byte| match byte {
+            b'@' => 0x95,
+            b'#' => 0xe0,
+            other => other,
+        })
+        .collect();
+    let made = converted(&bytes);
+    let said = lost(&made, "name-encoding");
+    assert_eq!(said.len(), 1);
+    assert!(["1", "2"].contains(&&*said[0]), "{said:?}");
+    assert_eq!(json(&made)["nodes"][0]["extras"]["plain"], json!(3));
 }
 
 #[test]
@@ -291,6 +247,63 @@ fn keyed_properties_of_users_are_said() {
     let made = converted(text.as_bytes());
     assert_eq!(lost(&made, "keyed-property"), ["ghost.charge"]);
     assert_eq!(json(&made)["nodes"][0]["extras"], json!({ "charge": 1.0 }));
+}
+
+#[test]
+fn keyed_properties_between_equal_keys_are_said() {
+    let text = String::from_utf8(field("a08_visibility_curve.fbx")).unwrap();
+    let old = "P: \"Visibility\", \"Visibility\", \"\", \"A\",1.0";
+    let own = user("charge", "\"double\", \"Number\"", "AU", "1.0");
+    let text = text
+        .replace(old, own.trim())
+        .replace("1001, \"Visibility\"", "1001, \"charge\"")
+        .replace("a: 1.0,0.0,1.0", "a: 1.0,1.0,1.0");
+    assert!(converted(text.as_bytes()).report.lost.is_empty());
+    // Cubic keys of the user's tangents: each leaves with a slope of 4 a second, or lies flat.
+    let cubic = |slope: u32| {
+        text.replacen("a: 2\n", "a: 1032\n", 1)
+            .replace("a: 0,0,0,0", &format!("a: {slope},{slope},0,0"))
+    };
+    let bent = cubic(4.0_f32.to_bits());
+    assert_ne!(bent, text);
+    assert_eq!(
+        lost(&converted(bent.as_bytes()), "keyed-property"),
+        ["ghost.charge"]
+    );
+    assert!(converted(cubic(0).as_bytes()).report.lost.is_empty());
+}
+
+#[test]
+fn only_layers_that_play_have_lines() {
+    let text = String::from_utf8(field("a09_keyed_light_camera_material.fbx")).unwrap();
+    let muted = |name: &str| {
+        let layer = text.find("\tAnimationLayer: ").expect("it has a layer");
+        let begin = layer + text[layer..].find('\n').expect("a line");
+        format!(
+            "{}\n\t\tProperties70:  {{\n\t\t\tP: \"{name}\", \"bool\", \"\", \"\",1\n\t\t}}{}",
+            &text[..begin],
+            &text[begin..]
+        )
+    };
+    let lines = |text: &str| lost(&converted(text.as_bytes()), "keyed-property").len();
+    assert_eq!(lines(&muted("Mute")), 0);
+    assert_eq!(lines(&muted("Solo")), 4);
+}
+
+/// A layer that is muted and not by turns plays as it does at rest.
+#[test]
+fn keyed_layers_are_said() {
+    let text = String::from_utf8(field("a08_visibility_curve.fbx")).unwrap();
+    let keyed = |name: &str| {
+        text.replace(
+            "\"OP\",1005,1001, \"Visibility\"",
+            &format!("\"OP\",1005,1004, \"{name}\""),
+        )
+    };
+    let lines = |name: &str| lost(&converted(keyed(name).as_bytes()), "keyed-property");
+    assert_ne!(keyed("Mute"), text);
+    assert_eq!(lines("Mute"), ["Base.Mute"]);
+    assert!(lines("Weight").is_empty());
 }
 
 #[test]
@@ -330,7 +343,7 @@ fn what_has_no_place_is_counted() {
         .map(|set| {
             format!(
                 "\t\tLayerElementColor: {set} {{\n\t\t\tName: \"c{set}\"\n\t\t\tMappingInformationType: \"AllSame\"\n\t\t\tReferenceInformationType: \"Direct\"\n{}\t\t}}\n",
-                array("Colors", &[1, 0, 0, 1])
+                array("Colors", &[2 * set, 0, 0, 1])
             )
         })
         .collect();
@@ -342,7 +355,7 @@ fn what_has_no_place_is_counted() {
     let links = [(2, 0), (1, 2), (2, 3)];
     let links: String = links.iter().map(|&(from, to)| link(from, to)).collect();
     let made = converted(scene(1.0, &objects, &links).as_bytes());
-    for what in ["crease", "colour-sets"] {
+    for what in ["crease", "colour-sets", "colour-range"] {
         assert_eq!(lost(&made, what), ["box"], "{what}");
     }
     for what in ["display-layer", "selection-set", "constraint"] {

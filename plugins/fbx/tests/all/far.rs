@@ -167,3 +167,24 @@ fn a_geometric_transform_that_takes_it_back_cancels_it() {
     assert!(measured(file.as_bytes(), &made) < 1e-6);
     assert!(made.report.error() < 1e-6);
 }
+
+/// A camera and a light beside a house that is exact: where they are is rounded as well.
+#[test]
+fn cameras_and_lights_far_out_are_off_by_what_is_stated() {
+    for kind in ["Camera", "Light"] {
+        let place = "\t\t\tP: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\",453210.123,0,5212345.678\n";
+        let objects = geometry(1, &corners(UTM, UTM + 0.1), "")
+            + &model(2, "house", "Mesh", "")
+            + &model(3, "eye", kind, place)
+            + &format!("\tNodeAttribute: 4, \"NodeAttribute::eye\", \"{kind}\" {{\n\t}}\n");
+        let links = link(2, 0) + &link(1, 2) + &link(3, 0) + &link(4, 3);
+        let file = scene(100.0, &objects, &links);
+        let made = converted(file.as_bytes());
+        let rounded = DVec3::new(453_210.123, 0.0, 5_212_345.678);
+        let off = (rounded.as_vec3().as_dvec3() - rounded).length();
+        assert!(off > 0.05, "{off}");
+        assert!((made.report.position_error - off).abs() < 1e-6, "{kind}");
+        let mut lines = made.report.lost.iter();
+        assert!(lines.any(|lost| lost.what == "far-place"), "{kind}");
+    }
+}

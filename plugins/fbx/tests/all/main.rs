@@ -10,6 +10,7 @@ mod effort;
 mod far;
 mod inherit;
 mod layers;
+mod lights;
 #[cfg(feature = "bevy")]
 mod loader;
 mod looks;
@@ -21,3 +22,4 @@ mod smoothing;
 mod support;
 mod takes;
 mod validator;
+mod visibility;

@@ -137,6 +137,70 @@ fn opacity_in_the_colours_picture_is_blended() {
     assert_eq!(lost(&made, "opacity-map"), ["apart, none"]);
 }
 
+/// Exporters leave the numbers that a picture stands for at what would be invisible without it.
+#[test]
+fn without_its_picture_an_opacity_is_full() {
+    let mut file = Looks::default();
+    let numbers = number("TransparencyFactor", 1.0) + &colour("TransparentColor", [1.0; 3]);
+    for (name, base, opacity) in [
+        ("gone", "no.png", "no.png"),
+        ("alone", "red.png", "no.png"),
+        ("apart", "red.png", "glass.png"),
+        ("none", "red.png", "red.png"),
+    ] {
+        let id = file.material(name, "phong", &numbers);
+        file.quad(name, &[("map", 1.0)], id);
+        file.texture(base, "", id, "DiffuseColor");
+        file.texture(opacity, "", id, "TransparentColor");
+    }
+    let physical = whole("3dsMax|ClassIDa", 0xd00f_1e00) + &whole("3dsMax|ClassIDb", 0xbe77_e500);
+    let physical = physical + &number("3dsMax|main|opacity", 0.0);
+    let id = file.material("physical", "unknown", &physical);
+    file.quad("physical", &[("map", 1.0)], id);
+    file.texture("no.png", "", id, "3dsMax|main|opacity_map");
+    let made = made(&file);
+    for name in ["gone", "alone", "apart", "none", "physical"] {
+        let made = material(&made, name);
+        assert_eq!((made.base_colour[3], made.blend), (1.0, false), "{name}");
+    }
+    assert_eq!(lost(&made, "texture-file"), ["no.png"]);
+}
+
+#[test]
+fn opacity_that_is_laid_on_in_another_way_is_said() {
+    let mut file = Looks::default();
+    let scaled = vector("Scaling", [4.0, 4.0, 1.0]);
+    for (name, properties) in [("alike", ""), ("other", &*scaled)] {
+        let id = file.material(name, "phong", &number("TransparencyFactor", 1.0));
+        file.quad(name, &[("map", 1.0)], id);
+        file.texture("glass.png", "", id, "DiffuseColor");
+        file.texture("glass.png", properties, id, "TransparentColor");
+    }
+    let made = made(&file);
+    let of = |name| {
+        let made = material(&made, name);
+        (made.base_colour[3], made.blend)
+    };
+    assert_eq!((of("alike"), of("other")), ((1.0, true), (1.0, false)));
+    assert_eq!(lost(&made, "opacity-map"), ["other"]);
+}
+
+#[test]
+fn colours_above_one_are_said() {
+    let mut file = Looks::default();
+    for (name, value, factor) in [
+        ("bright", [1.0, 0.5, 0.0], 2.0),
+        ("plain", [1.0, 0.5, 0.0], 1.0),
+    ] {
+        let properties = colour("DiffuseColor", value) + &number("DiffuseFactor", factor);
+        let id = file.material(name, "phong", &properties);
+        file.quad(name, &[], id);
+    }
+    let made = made(&file);
+    assert_eq!(material(&made, "bright").base_colour, [1.0, 1.0, 0.0, 1.0]);
+    assert_eq!(lost(&made, "colour-range"), ["bright"]);
+}
+
 /// 3ds Max's material: its opacity is white where it is opaque.
 #[test]
 fn an_opacity_of_its_own_goes_into_the_colours_picture() {

@@ -87,6 +87,25 @@ fn pictures_come_from_folders_that_are_given() {
 }
 
 #[test]
+fn pictures_of_one_name_are_told_apart_or_said() {
+    let place = Place::new("same");
+    let read = |name: &str| {
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/field");
+        std::fs::read(data.join(name)).expect("a file of the repository")
+    };
+    place.put("art/p/body/skin.png", &read("blue.png"));
+    place.put("art/p/head/skin.png", &red());
+    let made = place.made("C:\\work\\head\\skin.png", &["art"]);
+    assert_eq!(lost(&made), "");
+    assert_eq!(made.model.images[0].bytes, red());
+    let said = lost(&place.made("C:\\work\\skin.png", &["art"]));
+    assert!(
+        said.starts_with("texture-name skin.png: 1 more") && said.contains("body"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_picture_that_is_nowhere_is_said_with_the_places() {
     let place = Place::new("nowhere");
     std::fs::create_dir_all(place.0.join("art")).unwrap();

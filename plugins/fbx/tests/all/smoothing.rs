@@ -165,27 +165,49 @@ const TOP_APART: [i64; 6] = [1, 1, 1, 2, 1, 1];
 #[test]
 fn groups_of_binary_files() {
     let text = |text| vec![Value::Text(text)];
-    let groups = TOP_APART.map(|group| group as i32).to_vec();
-    let layer = Node(
-        "LayerElementSmoothing",
-        vec![Value::Int(0)],
-        vec![
-            Node("MappingInformationType", text(b"ByPolygon"), vec![]),
-            Node("ReferenceInformationType", text(b"Direct"), vec![]),
-            Node("Smoothing", vec![Value::Ints(groups)], vec![]),
-        ],
-    );
-    let file = binary::mesh(
-        Value::Doubles(corners(DVec3::NEG_ONE, DVec3::ONE)),
-        Value::Ints(FACES.map(|corner| corner as i32).to_vec()),
-        vec![layer],
-    );
-    let made = converted(&file);
-    check(
-        &made.model.meshes[0].parts[0],
-        |a, b| (a == 3) == (b == 3),
-        12,
-    );
+    // The first groups, and those beyond the eighth, up to the last.
+    for first in [1, 256, 1 << 20, 1 << 30] {
+        let groups = TOP_APART.map(|group| (group * first) as i32).to_vec();
+        let layer = Node(
+            "LayerElementSmoothing",
+            vec![Value::Int(0)],
+            vec![
+                Node("MappingInformationType", text(b"ByPolygon"), vec![]),
+                Node("ReferenceInformationType", text(b"Direct"), vec![]),
+                Node("Smoothing", vec![Value::Ints(groups)], vec![]),
+            ],
+        );
+        let file = binary::mesh(
+            Value::Doubles(corners(DVec3::NEG_ONE, DVec3::ONE)),
+            Value::Ints(FACES.map(|corner| corner as i32).to_vec()),
+            vec![layer],
+        );
+        let made = converted(&file);
+        check(
+            &made.model.meshes[0].parts[0],
+            |a, b| (a == 3) == (b == 3),
+            12,
+        );
+    }
+}
+
+#[test]
+fn one_group_of_all_faces_is_smooth() {
+    check(&cube(&layer("AllSame", &[1])), |_, _| true, 8);
+    check(&cube(&layer("AllSame", &[0])), |_, _| false, 24);
+}
+
+#[test]
+fn smoothing_of_an_unknown_kind_is_said() {
+    let objects = geometry(
+        1,
+        &corners(DVec3::NEG_ONE, DVec3::ONE),
+        &layer("ByVertice", &[1; 8]),
+    ) + &model(2, "box", "Mesh", "");
+    let file = scene(1.0, &objects, &(link(2, 0) + &link(1, 2)));
+    let made = converted(file.as_bytes());
+    assert_eq!(lost(&made, "smoothing-groups"), ["box"]);
+    check(&made.model.meshes[0].parts[0], |_, _| false, 24);
 }
 
 /// Before version 7 a node holds its mesh itself, and lists stand without their length.

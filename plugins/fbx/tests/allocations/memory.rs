@@ -102,6 +102,57 @@ fn a_mesh_of_voxels_is_converted() {
     assert_eq!(take(&file, &raised).0.unwrap(), 22_500 * 12);
 }
 
+/// A grid of `side` by `side` squares with `targets` blend shapes that move one vertex each, as text.
+fn sparse_shapes(side: usize, targets: usize) -> String {
+    let row = side + 1;
+    let vertices: Vec<String> = (0..row * row)
+        .map(|i| format!("{},0,{}", i % row, i / row))
+        .collect();
+    let squares = (0..side * side).map(|i| {
+        let corner = i / side * row + i % side;
+        let last = -(corner as i64 + 1) - 1;
+        format!("{corner},{},{},{last}", corner + row, corner + row + 1)
+    });
+    let squares: Vec<String> = squares.collect();
+    let mut text = format!(
+        "; FBX 7.4.0 project file\nFBXHeaderExtension:  {{\nFBXHeaderVersion: 1003\nFBXVersion: 7400\n}}\nObjects:  {{\n\
+         Geometry: 1, \"Geometry::m\", \"Mesh\" {{\nVertices: *{} {{\na: {}\n}}\nPolygonVertexIndex: *{} {{\na: {}\n}}\nGeometryVersion: 124\n}}\n\
+         Model: 2, \"Model::m\", \"Mesh\" {{\nVersion: 232\n}}\n\
+         Deformer: 3, \"Deformer::s\", \"BlendShape\" {{\nVersion: 100\n}}\n",
+        3 * vertices.len(),
+        vertices.join(","),
+        4 * squares.len(),
+        squares.join(",")
+    );
+    let mut links = String::from("C: \"OO\",2,0\nC: \"OO\",1,2\nC: \"OO\",3,1\n");
+    for target in 0..targets {
+        let (channel, shape) = (100 + target, 1000 + target);
+        text += &format!(
+            "Geometry: {shape}, \"Geometry::s{target}\", \"Shape\" {{\nVersion: 100\nIndexes: *1 {{\na: {target}\n}}\nVertices: *3 {{\na: 0,1,0\n}}\n}}\n\
+             Deformer: {channel}, \"SubDeformer::c{target}\", \"BlendShapeChannel\" {{\nVersion: 100\nDeformPercent: 0\nFullWeights: *1 {{\na: 100\n}}\n}}\n"
+        );
+        links += &format!("C: \"OO\",{channel},3\nC: \"OO\",{shape},{channel}\n");
+    }
+    text + "}\nConnections:  {\n" + &links + "}\n"
+}
+
+/// Targets take memory by vertices, not by corners.
+#[test]
+fn many_sparse_shapes_are_converted() {
+    let _alone = ALONE.lock();
+    let file = sparse_shapes(60, 52);
+    let (made, peak) = take(file.as_bytes(), &Options::default());
+    assert_eq!(made.unwrap(), 7_200);
+    let allowed = 64e6 + 20.0 * file.len() as f64;
+    eprintln!("{} B, {peak} B at most, {allowed:e} allowed", file.len());
+    assert!((peak as f64) < allowed);
+    // More of them than the limit holds are refused before they are spread out.
+    let many = sparse_shapes(60, 400);
+    let (refused, peak) = take(many.as_bytes(), &Options::default());
+    assert!(matches!(refused, Err(FbxError::Memory { .. })));
+    assert!((peak as f64) < 64e6 + 20.0 * many.len() as f64);
+}
+
 /// Arrays that claim gigabytes, with little or nothing behind.
 #[test]
 fn a_count_that_lies_takes_no_memory() {

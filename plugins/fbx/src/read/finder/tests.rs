@@ -19,12 +19,17 @@ impl Place {
 
     /// What is found for a file `own/Hero.fbx`, named from here.
     fn find(&self, given: &[&str], name: &str) -> Option<String> {
+        Some(self.found(given, &[name])?.0)
+    }
+
+    /// The same by several names, and how many others may be meant.
+    fn found(&self, given: &[&str], names: &[&str]) -> Option<(String, usize)> {
         let given: Vec<PathBuf> = given.iter().map(|folder| self.0.join(folder)).collect();
         let mut finder = Finder::new("own/Hero.fbx", Some(&self.0.join("own")), &given);
-        let found = finder.find(&[name])?;
+        let found = finder.find(names)?;
         let base = self.0.canonicalize().expect("it is there");
-        let rest = found.strip_prefix(base).expect("it is below");
-        Some(rest.display().to_string())
+        let rest = found.path.strip_prefix(base).expect("it is below");
+        Some((rest.display().to_string(), found.others))
     }
 }
 
@@ -131,6 +136,41 @@ fn folders_that_are_given_are_looked_through() {
         place.find(&["near"], &absolute).as_deref(),
         Some("near/d.png")
     );
+}
+
+/// Parts of a body often have pictures of the same names, in folders of their own.
+#[test]
+fn files_of_one_name_are_told_apart_by_their_folders() {
+    let place = Place::new(
+        "same",
+        &[
+            "own/x",
+            "lib/p/body/a.png",
+            "lib/p/head/a.png",
+            "lib/q/b.png",
+        ],
+    );
+    let of = |names: &[&str]| place.found(&["lib"], names);
+    let head = Some(("lib/p/head/a.png".to_owned(), 0));
+    assert_eq!(of(&["C:\\art\\head\\a.png"]), head);
+    assert_eq!(of(&["..\\Head\\A.png"]), head);
+    // The one name says nothing, the other does.
+    assert_eq!(of(&["a.png", "/art/head/a.png"]), head);
+    let body = |others| Some(("lib/p/body/a.png".to_owned(), others));
+    assert_eq!(of(&["C:\\art\\body\\a.png"]), body(0));
+    assert_eq!(of(&["C:\\art\\a.png"]), body(1));
+    // One that lies as the file says comes before one that has its name alone.
+    let above = Place::new("above", &["own/x", "lib/a.png", "lib/p/head/a.png"]);
+    let of_above = |name: &str| above.found(&["lib"], &[name]);
+    assert_eq!(of_above("C:\\art\\head\\a.png"), head);
+    let top = Some(("lib/a.png".to_owned(), 0));
+    assert_eq!(of_above("C:\\art\\a.png"), top);
+    assert_eq!(of_above("a.png"), top);
+    // The first name that is there counts.
+    assert_eq!(of(&["a.png", "x/y/b.png"]), body(1));
+    // A folder that is given twice has its files once.
+    let twice = place.found(&["lib", "lib"], &["x/b.png"]);
+    assert_eq!(twice, Some(("lib/q/b.png".to_owned(), 0)));
 }
 
 #[test]
