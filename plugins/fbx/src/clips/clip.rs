@@ -37,6 +37,8 @@ pub(crate) fn clip(
     let held = |made: &Reduced| check(source, shells, &made.clip, (made.report.error, bound));
     let mut best = held(&made);
     let mut plan = source.take.plan.clone();
+    // What a plain file would have at least: it may not have to be made again.
+    let (plain, mut same) = (made.bytes.plain, made.bytes.same);
     for attempt in 0..AGAIN {
         if best.keyed_error <= bound || !best.keyed_error.is_finite() || made.clip.duration <= 0.0 {
             break;
@@ -55,6 +57,7 @@ pub(crate) fn clip(
         }
         let again = first(source, &plan, None, shells, target)?;
         let checked = held(&again);
+        same &= again.bytes.same;
         let is_nearer = checked.keyed_error < NEARER * best.keyed_error;
         let is_better = checked.keyed_error < best.keyed_error;
         best.peaks.clone_from(&checked.peaks);
@@ -66,6 +69,8 @@ pub(crate) fn clip(
         }
     }
     say(&mut made, &best);
+    made.bytes.plain = plain;
+    made.bytes.same = same;
     Ok(made)
 }
 
@@ -186,6 +191,9 @@ impl Reduced {
             *rest &= next;
         }
         self.clip.duration = next.clip.duration;
+        self.bytes.plain += next.bytes.plain;
+        self.bytes.chosen += next.bytes.chosen;
+        self.bytes.same &= next.bytes.same;
         let (report, next) = (&mut self.report, next.report);
         report.seconds = next.seconds;
         report.error = report.error.max(next.error);

@@ -14,6 +14,8 @@ mod layers;
 mod loader;
 mod looks;
 mod materials;
+#[cfg(feature = "meshopt")]
+mod never_larger;
 mod own;
 mod pictures;
 mod reference;
