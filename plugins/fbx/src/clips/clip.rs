@@ -8,6 +8,7 @@ use super::refine::{Source, refine};
 use super::sample::Samples;
 use crate::error::FbxError;
 use crate::model::{Channel, Interpolation, Property};
+use crate::options::{Compression, Options};
 use crate::verify::{Checked, check};
 use std::ops::Range;
 
@@ -157,7 +158,16 @@ fn pass(
         // What memory does not allow to be looked at, the check finds.
         refine(&mut samples, source, &leverage, bound);
         if kinds.is_empty() {
-            *kinds = reduce(&samples, source, shells, leverage.clone(), bound, &[]).kinds();
+            // Parts are not searched for the codec: their keys are those of a plain file.
+            let options = Options {
+                compress: Compression::None,
+                ..*source.options
+            };
+            let plain = Source {
+                options: &options,
+                ..*source
+            };
+            *kinds = reduce(&samples, &plain, shells, leverage.clone(), bound, &[]).kinds();
         }
         let part = reduce(&samples, source, shells, leverage, bound, kinds);
         for (kind, needed) in kinds.iter_mut().zip(part.kinds()) {
