@@ -51,7 +51,8 @@ pub struct Fbx2gltf {
     #[arg(long, value_name = "DIR")]
     textures: Vec<PathBuf>,
     /// How bytes are written: plain, or under EXT_meshopt_compression, for a third to three fifths of the bytes of
-    /// clips within the same error. three.js and Babylon.js read that; Bevy's loader does not.
+    /// clips within the same error, and plain where that is no larger. three.js and Babylon.js read that; Bevy's
+    /// loader does not.
     #[arg(long, value_enum, default_value_t = Compress::None)]
     compress: Compress,
     /// Write everything that is known about the result, as JSON.
@@ -277,6 +278,7 @@ fn table(made: &Conversion, output: &Output) -> String {
 
 fn bytes_row(report: &Report, output: &Output) -> String {
     let how = match report.compression {
+        Compression::None if report.plain_is_smaller => ", plain, which is no larger than compressed",
         Compression::None => "",
         Compression::Meshopt => ", under EXT_meshopt_compression",
     };

@@ -1,10 +1,10 @@
 //! The whole way from bytes of FBX to a [`Model`].
 
 use crate::clips::{Reduced, Samples, Shells, Source, Take, clip};
+use crate::conversion::Conversion;
 use crate::curves::Reading;
 use crate::error::FbxError;
 use crate::load::load;
-use crate::mesh_rounding::{self, order_meshes, round_meshes, stretch};
 use crate::model::{Channel, Clip, Interpolation, Mesh, Model, Node, Property, Trs};
 use crate::options::{Budget, Compression, Options, Origin};
 use crate::position_error::report_position_error;
@@ -20,35 +20,11 @@ use crate::read::{
 };
 use crate::report::{Lost, Report};
 use crate::skinning::{SkinJob, write_weights};
+use crate::smaller::{Rounded, smaller};
 use crate::verify::{Bodies, doubts};
-use crate::write::document::animation_bytes;
 use glam::{DMat4, DVec3};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use ufbx::SceneRoot;
-
-/// A converted file: what becomes glTF, and what to say of it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Conversion {
-    /// Nodes, meshes, clips.
-    pub model: Model,
-    /// What was made, how exact it is and what is lost.
-    pub report: Report,
-}
-
-impl Conversion {
-    /// For each mesh, which FBX mesh and which of its vertices each vertex came from, over all parts;
-    /// for [`check::vertex_error`](crate::check::vertex_error).
-    pub fn sources(&self) -> BTreeMap<usize, (u32, Vec<u32>)> {
-        let of = |mesh: &Mesh| {
-            let sources = mesh
-                .parts
-                .iter()
-                .flat_map(|part| part.sources.iter().copied());
-            (mesh.source, sources.collect())
-        };
-        self.model.meshes.iter().map(of).enumerate().collect()
-    }
-}
 
 /// Converts the bytes of an FBX file.
 ///
@@ -118,74 +94,118 @@ pub fn convert(bytes: &[u8], origin: &Origin, options: &Options) -> Result<Conve
     report.bound = options
         .max_error
         .min(options.max_relative_error * report.size);
-    if options.compress == Compression::Meshopt {
-        report.rounding_error = round_for_codec(&mut model, &shells, &clips, report.bound);
-    }
-    // What rounded vertices are off by comes on top of what keys are.
-    let bound = report.bound - report.rounding_error;
-    let moved: BTreeSet<usize> = takes
-        .iter()
-        .flat_map(|take| &take.moving)
-        .copied()
-        .collect();
-    let moved = shells.moved_by(moved.into_iter());
-    let morphed: BTreeSet<usize> = takes
-        .iter()
-        .flat_map(|take| &take.meshes)
-        .copied()
-        .collect();
-    let bodies = Bodies::of(&model, &moved, &morphed);
-    let mut reduced = Vec::with_capacity(count);
-    for (number, (take, samples)) in takes.iter().zip(clips).enumerate() {
-        options.report("keys", number as f64 / count as f64);
-        let source = Source {
-            take,
-            model: &model,
-            options,
-            budget: &budget,
-            bodies: &bodies,
-        };
-        let samples = take.is_whole().then_some(samples);
-        let mut made = clip(&source, samples, &shells, bound)?;
-        made.clip.name = names.name(&scene.anim_stacks[number].element);
-        made.report.name.clone_from(&made.clip.name);
-        report_doubts(&source, &shells, &made, &mut report);
-        reduced.push(made);
-    }
+    let mut rounded = match options.compress {
+        Compression::None => Rounded::default(),
+        Compression::Meshopt => Rounded::of(&mut model, &shells, &clips, report.bound, &budget),
+    };
+    let before = report.clone();
+    report.rounding_error = rounded.error;
+    let motion = Motion {
+        scene: &scene,
+        names: &names,
+        takes: &takes,
+        shells: &shells,
+    };
+    let reduced = motion.reduce(&model, clips, options, &budget, &mut report)?;
+    // What cannot be made a second time stands as it is.
+    let again = match options.compress == Compression::Meshopt && rounded.is_in_doubt(&reduced) {
+        true => rounded
+            .plain(&mut model)
+            .and_then(|model| motion.again(model, before, options, &budget)),
+        false => None,
+    };
     drop(takes);
-    take_clips(&mut model, &mut report, reduced);
-    make_clips_unique(&mut model, &mut report);
-    report_position_error(&scene, &model, &mut report);
-    finish(&mut model);
-    make_paths_unique(&mut model, &mut report);
-    tally(&model, &mut report);
-    names.mend(&scene, &mut report);
+    let made = completed(&scene, &names, model, report, reduced);
+    let again =
+        again.map(|(model, report, reduced)| completed(&scene, &names, model, report, reduced));
+    let mut made = match options.compress {
+        Compression::None => made,
+        Compression::Meshopt => smaller(made, again),
+    };
+    tally(&made.model, &mut made.report, options.compress);
     options.report("done", 1.0);
-    Ok(Conversion { model, report })
+    Ok(made)
 }
 
-/// Puts meshes into the order and into the bits that the codec likes; answers how far that moves vertices,
-/// metres.
-fn round_for_codec(model: &mut Model, shells: &Shells, clips: &[Samples], bound: f64) -> f64 {
-    let rest: Vec<Trs> = model.nodes.iter().map(|node| node.rest).collect();
-    let mut worlds = [Vec::new()];
-    shells.world(&rest, &mut worlds[0]);
-    let mut stretch = stretch(model, worlds.iter());
-    for clip in clips {
-        for sample in 0..clip.grid.len() {
-            let mut pose = rest.clone();
-            for track in &clip.tracks {
-                pose[track.node] = track.poses[sample];
-            }
-            shells.world(&pose, &mut worlds[0]);
-            let own = mesh_rounding::stretch(model, worlds.iter());
-            for (all, own) in stretch.iter_mut().zip(own) {
-                *all = all.max(own);
-            }
+/// What clips are made of.
+struct Motion<'a> {
+    scene: &'a SceneRoot,
+    names: &'a Names,
+    takes: &'a [Take<'a>],
+    shells: &'a Shells,
+}
+
+impl Motion<'_> {
+    /// Keys of all clips; `samples` are those of them that are known already.
+    fn reduce(
+        &self,
+        model: &Model,
+        samples: Vec<Samples>,
+        options: &Options,
+        budget: &Budget,
+        report: &mut Report,
+    ) -> Result<Vec<Reduced>, FbxError> {
+        // What rounded vertices are off by comes on top of what keys are.
+        let bound = report.bound - report.rounding_error;
+        let takes = self.takes.iter();
+        let moved: BTreeSet<usize> = takes.flat_map(|take| &take.moving).copied().collect();
+        let moved = self.shells.moved_by(moved.into_iter());
+        let takes = self.takes.iter();
+        let morphed: BTreeSet<usize> = takes.flat_map(|take| &take.meshes).copied().collect();
+        let bodies = Bodies::of(model, &moved, &morphed);
+        let mut samples = samples.into_iter();
+        let mut reduced = Vec::with_capacity(self.takes.len());
+        for (number, take) in self.takes.iter().enumerate() {
+            options.report("keys", number as f64 / self.takes.len() as f64);
+            let source = Source {
+                take,
+                model,
+                options,
+                budget,
+                bodies: &bodies,
+            };
+            let samples = samples.next().filter(|_| take.is_whole());
+            let mut made = clip(&source, samples, self.shells, bound)?;
+            made.clip.name = self.names.name(&self.scene.anim_stacks[number].element);
+            made.report.name.clone_from(&made.clip.name);
+            report_doubts(&source, self.shells, &made, report);
+            reduced.push(made);
         }
+        Ok(reduced)
     }
-    order_meshes(model);
-    round_meshes(model, &stretch, bound)
+
+    /// The same as a plain conversion has them; `None` where the limits do not allow it.
+    fn again(
+        &self,
+        model: Model,
+        mut report: Report,
+        options: &Options,
+        budget: &Budget,
+    ) -> Option<(Model, Report, Vec<Reduced>)> {
+        let plain = Options {
+            compress: Compression::None,
+            ..*options
+        };
+        let reduced = self.reduce(&model, Vec::new(), &plain, &budget.again(), &mut report);
+        Some((model, report, reduced.ok()?))
+    }
+}
+
+/// Takes clips into a model, and says what is only known then.
+fn completed(
+    scene: &SceneRoot,
+    names: &Names,
+    mut model: Model,
+    mut report: Report,
+    reduced: Vec<Reduced>,
+) -> Conversion {
+    take_clips(&mut model, &mut report, reduced);
+    make_clips_unique(&mut model, &mut report);
+    report_position_error(scene, &model, &mut report);
+    finish(&mut model);
+    make_paths_unique(&mut model, &mut report);
+    names.mend(scene, &mut report);
+    Conversion { model, report }
 }
 
 /// Hangs meshes, lights and cameras into the tree. A skinned mesh gets a node of its own beside the
@@ -502,7 +522,8 @@ fn renumber(model: &mut Model, kept: &[bool]) {
     }
 }
 
-fn tally(model: &Model, report: &mut Report) {
+/// Counts what there is; what was written under `compression` is counted already.
+fn tally(model: &Model, report: &mut Report, compression: Compression) {
     report.nodes = model.nodes.len();
     let joints: BTreeSet<usize> = model
         .skins
@@ -512,13 +533,10 @@ fn tally(model: &Model, report: &mut Report) {
     report.joints = joints.len();
     let parts = || model.meshes.iter().flat_map(|mesh| &mesh.parts);
     report.vertices = parts().map(|part| part.positions.len()).sum();
-    report.animation_bytes = match report.compression {
-        Compression::None => {
-            let mut known = BTreeSet::new();
-            let channels = model.clips.iter().flat_map(|clip| &clip.channels);
-            channels.map(|channel| channel.bytes(&mut known)).sum()
-        }
-        compression => animation_bytes(model, compression),
-    };
+    if compression == Compression::None {
+        let mut known = BTreeSet::new();
+        let channels = model.clips.iter().flat_map(|clip| &clip.channels);
+        report.animation_bytes = channels.map(|channel| channel.bytes(&mut known)).sum();
+    }
     report.triangles = parts().map(|part| part.indices.len() / 3).sum();
 }

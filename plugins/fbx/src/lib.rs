@@ -60,7 +60,8 @@
 //! With [`Compression::Meshopt`] meshes and clips are written under `EXT_meshopt_compression`, for readers that
 //! know it (three.js and Babylon.js do, Bevy's loader does not). Values are rounded for its codec before the
 //! error is measured, and what is written comes back bit for bit: the stated error is that of the decoded
-//! numbers.
+//! numbers. Whatever would be no smaller for it is written plainly, view by view, and so is a whole file
+//! ([`Report::plain_is_smaller`]).
 //!
 //! # How safe
 //!
@@ -76,6 +77,7 @@
 pub mod check;
 mod clips;
 mod codec;
+mod conversion;
 mod convert;
 mod curves;
 mod error;
@@ -89,6 +91,7 @@ mod position_error;
 mod read;
 mod report;
 mod skinning;
+mod smaller;
 mod syntax;
 mod verify;
 mod weight_error;
@@ -96,7 +99,8 @@ mod weight_groups;
 mod weights;
 mod write;
 
-pub use convert::{Conversion, convert};
+pub use conversion::Conversion;
+pub use convert::convert;
 pub use error::FbxError;
 pub use options::{Compression, Effort, Limits, Options, Origin, Progress, Weights};
 #[cfg(feature = "bevy")]

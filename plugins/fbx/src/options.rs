@@ -49,7 +49,8 @@ pub enum Compression {
     #[default]
     None,
     /// By `EXT_meshopt_compression`, which a reader has to know: three.js, Babylon.js and others do, Bevy's
-    /// loader does not. Needs the feature `meshopt` of this crate.
+    /// loader does not. Views that would be no smaller are written plainly, and so is the whole file where that is no larger.
+    /// Needs the feature `meshopt` of this crate.
     Meshopt,
 }
 
@@ -283,6 +284,26 @@ impl Budget {
         let paid = own.paid.load(Ordering::Relaxed);
         self.searched.fetch_add(paid, Ordering::Relaxed);
         out
+    }
+
+    /// For a second look at the whole file: as much as there was at first, or what is left where somebody set limits.
+    pub(crate) fn again(&self) -> Self {
+        let limits = match self.search {
+            Some(_) => self.limits,
+            None => Limits {
+                work: self.left(),
+                ..self.limits
+            },
+        };
+        let checked = match self.search {
+            Some(_) => 0,
+            None => self.checked.load(Ordering::Relaxed),
+        };
+        Self {
+            search: self.search,
+            checked: AtomicU64::new(checked),
+            ..Self::new(&self.file, limits)
+        }
     }
 
     /// Pays for `work`, whether there is as much or not.

@@ -1,6 +1,7 @@
 //! FBX files as assets of Bevy.
 
-use crate::convert::{Conversion, convert};
+use crate::conversion::Conversion;
+use crate::convert::convert;
 use crate::error::FbxError;
 use crate::options::{Options, Origin, Weights};
 use crate::read::pictures::saved_again;

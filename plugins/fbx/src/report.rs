@@ -76,7 +76,8 @@ pub struct Report {
     /// How far vertices, lights and cameras at rest are from the file's at most because f32 rounds their
     /// positions, their nodes and their bind matrices, metres.
     pub position_error: f64,
-    /// How far vertices are moved by rounding them for [`Compression::Meshopt`] at most, metres; 0 without it.
+    /// How far vertices are moved by rounding them for [`Compression::Meshopt`] at most, metres; 0 without it, and where
+    /// that saves nothing.
     pub rounding_error: f64,
     /// What glTF cannot carry, or what was not found.
     pub lost: Vec<Lost>,
@@ -84,6 +85,8 @@ pub struct Report {
     pub animation_bytes: usize,
     /// How bytes are written.
     pub compression: Compression,
+    /// [`Compression::Meshopt`] was asked for, and the file is written plainly, since it would be no smaller compressed.
+    pub plain_is_smaller: bool,
 }
 
 impl Report {

@@ -3,7 +3,8 @@
 use super::distance::{hausdorff, vertex_error};
 use super::played::{Played, PlayedError};
 use super::truth::Truth;
-use crate::convert::{Conversion, convert};
+use crate::conversion::Conversion;
+use crate::convert::convert;
 use crate::error::FbxError;
 use crate::options::{Options, Origin};
 use glam::DVec3;

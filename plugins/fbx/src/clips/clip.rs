@@ -8,6 +8,7 @@ use super::refine::{Source, refine};
 use super::sample::Samples;
 use crate::error::FbxError;
 use crate::model::{Channel, Interpolation, Property};
+use crate::options::{Compression, Options};
 use crate::verify::{Checked, check};
 use std::ops::Range;
 
@@ -37,6 +38,8 @@ pub(crate) fn clip(
     let held = |made: &Reduced| check(source, shells, &made.clip, (made.report.error, bound));
     let mut best = held(&made);
     let mut plan = source.take.plan.clone();
+    // What a plain file would have at least: it may not have to be made again.
+    let (plain, mut same) = (made.bytes.plain, made.bytes.same);
     for attempt in 0..AGAIN {
         if best.keyed_error <= bound || !best.keyed_error.is_finite() || made.clip.duration <= 0.0 {
             break;
@@ -55,6 +58,7 @@ pub(crate) fn clip(
         }
         let again = first(source, &plan, None, shells, target)?;
         let checked = held(&again);
+        same &= again.bytes.same;
         let is_nearer = checked.keyed_error < NEARER * best.keyed_error;
         let is_better = checked.keyed_error < best.keyed_error;
         best.peaks.clone_from(&checked.peaks);
@@ -66,6 +70,8 @@ pub(crate) fn clip(
         }
     }
     say(&mut made, &best);
+    made.bytes.plain = plain;
+    made.bytes.same = same;
     Ok(made)
 }
 
@@ -152,7 +158,16 @@ fn pass(
         // What memory does not allow to be looked at, the check finds.
         refine(&mut samples, source, &leverage, bound);
         if kinds.is_empty() {
-            *kinds = reduce(&samples, source, shells, leverage.clone(), bound, &[]).kinds();
+            // Parts are not searched for the codec: their keys are those of a plain file.
+            let options = Options {
+                compress: Compression::None,
+                ..*source.options
+            };
+            let plain = Source {
+                options: &options,
+                ..*source
+            };
+            *kinds = reduce(&samples, &plain, shells, leverage.clone(), bound, &[]).kinds();
         }
         let part = reduce(&samples, source, shells, leverage, bound, kinds);
         for (kind, needed) in kinds.iter_mut().zip(part.kinds()) {
@@ -186,6 +201,9 @@ impl Reduced {
             *rest &= next;
         }
         self.clip.duration = next.clip.duration;
+        self.bytes.plain += next.bytes.plain;
+        self.bytes.chosen += next.bytes.chosen;
+        self.bytes.same &= next.bytes.same;
         let (report, next) = (&mut self.report, next.report);
         report.seconds = next.seconds;
         report.error = report.error.max(next.error);

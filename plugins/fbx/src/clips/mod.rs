@@ -13,6 +13,7 @@ mod reduce;
 mod refine;
 mod sample;
 mod spend;
+mod steps;
 mod value;
 mod work;
 

@@ -6,24 +6,23 @@
 //! the tips rotations make good what those above them were rounded by, as in [`super::spend`]; steps grow as
 //! long as the error at the skin, measured by playing what a decoder gives back, keeps to the bound: all together in a
 //! quick search, one by one in a thorough one.
+//!
+//! Where the bound leaves hardly any room to round, keys of few bits on every frame may be more than few keys with all of
+//! their bits. So the keys of a plain file are held beside the others, as they are: in their own form, which may be shorter
+//! than what values are rounded to here.
 
 use super::choose::Choice;
 use super::play::Player;
+use super::steps::{rotation, round, vector};
 use super::work::Work;
-use crate::codec::{exponent_below, power, quaternion_of_bits};
+use crate::codec::{exponent_below, power};
 use crate::model::{Channel, Interpolation, Property};
 use crate::options::{Budget, Effort, Options};
 use crate::write::animation::numbers;
 use crate::write::buffer::Numbers;
 use crate::write::compress::size;
-use glam::{DQuat, DVec4};
+use glam::DQuat;
 use std::collections::BTreeMap;
-
-/// The finest step of a quaternion that the filter for them has, as a power of two.
-const FINEST_OF_FILTER: i32 = -14;
-
-/// A step that what is left of a unit quaternion's length may have, as a power of two.
-const LENGTH: i32 = -16;
 
 /// Times as they are.
 const TIMES_AS_THEY_ARE: i32 = -40;
@@ -34,12 +33,32 @@ const TIME_STEPS: std::ops::RangeInclusive<i32> = -20..=-6;
 /// A half to the power of no, one and two thirds.
 const THIRDS: [f64; 3] = [1.0, 0.793_700_525_984_1, 0.629_960_524_947_4];
 
+/// How coarse steps are tried to be, in thirds of a power of two below the bound, the coarsest first.
+const COARSE: std::ops::Range<i32> = -4..42;
+
+/// Shares of the bound that the first steps of a channel come to which was left as it is.
+const FIRST_STEPS: [f64; 3] = [1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0];
+
 /// Channels and the steps of their values, as powers of two.
 #[derive(Clone)]
 struct Draft {
     choices: Vec<Choice>,
-    steps: Vec<i32>,
+    /// `None` leaves a channel as it is, in its own form.
+    steps: Vec<Option<i32>>,
     time: i32,
+    /// Rotations make good what those above them were rounded by.
+    aimed: bool,
+}
+
+/// Keys for the codec.
+pub(super) struct Packed {
+    /// Metres.
+    pub(super) error: f64,
+    pub(super) choices: Vec<Choice>,
+    /// Coded bytes of what moves.
+    pub(super) bytes: usize,
+    /// They are those that a plain file has.
+    pub(super) same: bool,
 }
 
 /// Sets of keys to begin with, and the least that came out.
@@ -61,15 +80,16 @@ struct Good {
     made: Vec<Choice>,
 }
 
-/// Keys in the fewest coded bytes that keep to `bound` metres, with their error; each of `sparse` is a set of keys
-/// to begin with. `None` where nothing does.
+/// Keys in the fewest coded bytes that keep to `bound` metres; each of `sparse` is a set of keys to begin with, the first
+/// that of a plain file, with its error. `None` where nothing does.
 pub(super) fn pack(
     work: &Work,
     sparse: &[Vec<Choice>],
+    plain_error: f64,
     bound: f64,
     options: &Options,
     purse: &Budget,
-) -> Option<(f64, Vec<Choice>)> {
+) -> Option<Packed> {
     let tracks = work.samples.tracks.iter().enumerate();
     let packing = Packing {
         work,
@@ -78,6 +98,8 @@ pub(super) fn pack(
         purse,
         tracks: tracks.map(|(number, track)| (track.node, number)).collect(),
     };
+    let plain = sparse.first().filter(|_| plain_error <= bound);
+    let plain = plain.map(|plain| packing.as_it_is(plain, plain_error));
     let baked = sparse.first().map(|first| packing.baked(first));
     let starts = sparse.iter().cloned().chain(baked.clone());
     let mut all: Vec<Good> = starts
@@ -85,6 +107,11 @@ pub(super) fn pack(
         .collect();
     all.sort_by_key(|good| good.bytes);
     all.truncate(2);
+    if let Some(plain) = plain
+        && all.first().is_none_or(|first| plain.bytes <= first.bytes)
+    {
+        all.insert(0, plain);
+    }
     let mut best: Option<Good> = None;
     for mut good in all {
         packing.coarsen_times(&mut good);
@@ -97,7 +124,16 @@ pub(super) fn pack(
             best = Some(good);
         }
     }
-    best.map(|best| (best.error, best.made))
+    best.map(|best| {
+        let own = sparse.iter().flatten().map(|choice| &choice.channel);
+        let made = best.made.iter().map(|choice| &choice.channel);
+        Packed {
+            error: best.error,
+            bytes: best.bytes,
+            same: made.zip(own).all(|(a, b)| a == b),
+            choices: best.made,
+        }
+    })
 }
 
 impl Packing<'_> {
@@ -140,19 +176,50 @@ impl Packing<'_> {
         choices.iter().map(one).collect()
     }
 
+    /// Keys without any rounding, of which the error is known.
+    fn as_it_is(&self, choices: &[Choice], error: f64) -> Good {
+        Good {
+            bytes: bytes(choices),
+            error,
+            draft: Draft {
+                choices: choices.to_vec(),
+                steps: vec![None; choices.len()],
+                time: TIMES_AS_THEY_ARE,
+                aimed: false,
+            },
+            made: choices.to_vec(),
+        }
+    }
+
     /// The coarsest steps, all in the same proportion to what they come to at the skin, that keep to the bound.
     fn start(&self, choices: Vec<Choice>) -> Option<Good> {
-        let fit = |share: f64| Draft {
-            steps: choices
-                .iter()
-                .map(|choice| self.step(choice, share))
-                .collect(),
-            time: TIMES_AS_THEY_ARE,
-            choices: choices.clone(),
+        let fit = |thirds: i32, aimed: bool| {
+            let share = power(-thirds.div_euclid(3)) * THIRDS[thirds.rem_euclid(3) as usize];
+            Draft {
+                steps: choices
+                    .iter()
+                    .map(|choice| Some(self.step(choice, share)))
+                    .collect(),
+                time: TIMES_AS_THEY_ARE,
+                aimed,
+                choices: choices.clone(),
+            }
         };
-        (-4..42_i32).find_map(|thirds| {
-            let draft = fit(power(-thirds.div_euclid(3)) * THIRDS[thirds.rem_euclid(3) as usize]);
-            self.good(draft)
+        let mut all = COARSE;
+        let aimed = all.find_map(|thirds| self.good(fit(thirds, true)));
+        // Few keys that aim at where the file's curves are at their own times may be farther off between these. Without that
+        // the finest steps leave them about as they were chosen, within their share of the bound.
+        aimed.or_else(|| {
+            let (mut coarse, mut fine) = (COARSE.start - 1, COARSE.end - 1);
+            let mut best = self.good(fit(fine, false))?;
+            while fine - coarse > 1 {
+                let middle = (coarse + fine).div_euclid(2);
+                match self.good(fit(middle, false)) {
+                    Some(good) => (best, fine) = (good, middle),
+                    None => coarse = middle,
+                }
+            }
+            Some(best)
         })
     }
 
@@ -211,9 +278,12 @@ impl Packing<'_> {
                 }
                 let mut found = None;
                 // A step may have to grow twice before a byte becomes smaller.
-                for more in 1..=3 {
+                for (more, share) in (1..).zip(FIRST_STEPS) {
                     let mut draft = good.draft.clone();
-                    draft.steps[number] += more;
+                    draft.steps[number] = Some(match draft.steps[number] {
+                        Some(step) => step + more,
+                        None => self.step(&draft.choices[number], share),
+                    });
                     let Some(next) = self.good(draft) else { break };
                     if next.bytes < good.bytes {
                         found = Some(next);
@@ -249,7 +319,7 @@ impl Packing<'_> {
     /// Channels as they come back from the codec.
     fn made(&self, draft: &Draft) -> Vec<Choice> {
         let mut out = draft.choices.clone();
-        for choice in &mut out {
+        for choice in out.iter_mut().filter(|_| draft.time > TIMES_AS_THEY_ARE) {
             let times = &mut choice.channel.times;
             let rounded: Vec<f32> = times.iter().map(|&t| round(t.into(), draft.time)).collect();
             // Times grow strictly, whatever the step.
@@ -262,11 +332,17 @@ impl Packing<'_> {
             .map(|number| (out[number].channel.node, number))
             .collect();
         for (number, choice) in out.iter_mut().enumerate() {
-            if choice.channel.property != Property::Rotation {
-                vector(&mut choice.channel, draft.steps[number]);
+            let channel = &mut choice.channel;
+            match (draft.steps[number], channel.property) {
+                (None, _) => {}
+                (Some(step), Property::Rotation) if !draft.aimed => rotation(channel, step, |_, q| q),
+                (Some(_), Property::Rotation) => {}
+                (Some(step), _) => vector(channel, step),
             }
         }
-        self.rotations(draft, &rotations, &mut out);
+        if draft.aimed {
+            self.rotations(draft, &rotations, &mut out);
+        }
         out
     }
 
@@ -303,7 +379,9 @@ impl Packing<'_> {
                         false => q,
                     }
                 };
-                rotation(channel, draft.steps[number], aim);
+                if let Some(step) = draft.steps[number] {
+                    rotation(channel, step, aim);
+                }
                 let mut player = Player::new(channel);
                 for (i, played) in played.iter_mut().enumerate() {
                     let mut q = [0.0; 4];
@@ -333,86 +411,4 @@ fn bytes(choices: &[Choice]) -> usize {
         all.push(numbers(&choice.channel));
     }
     size(all.iter())
-}
-
-/// The whole multiple of a power of two next to `x`.
-fn round(x: f64, step: i32) -> f32 {
-    let step = power(step);
-    ((x / step).round() * step) as f32
-}
-
-/// How much coarser than values tangents may be, as a power of two: at most 4/27 of a tangent times the
-/// time between two keys is seen.
-fn tangents(times: &[f32]) -> i32 {
-    let gaps = times.windows(2).map(|pair| f64::from(pair[1] - pair[0]));
-    let longest = gaps.fold(1e-6, f64::max);
-    exponent_below(4.0 / longest)
-}
-
-/// Rounds all numbers of a channel to a power of two.
-fn vector(channel: &mut Channel, step: i32) {
-    let keys = channel.times.len().max(1);
-    let width = channel.values.len() / keys;
-    let cubic = channel.interpolation == Interpolation::Cubic;
-    let coarser = if cubic { tangents(&channel.times) } else { 0 };
-    for key in channel.values.chunks_mut(width.max(1)) {
-        for (i, x) in key.iter_mut().enumerate() {
-            let middle = !cubic || (width / 3..2 * width / 3).contains(&i);
-            *x = round(f64::from(*x), if middle { step } else { step + coarser });
-        }
-    }
-    channel.short = false;
-}
-
-/// Rounds a rotation to steps of `2^step` in each component of its quaternion; `aim` says where each key belongs.
-fn rotation(channel: &mut Channel, step: i32, aim: impl Fn(usize, DQuat) -> DQuat) {
-    if channel.interpolation == Interpolation::Cubic {
-        vector(channel, step);
-        return;
-    }
-    let mut aims: Vec<DQuat> = Vec::with_capacity(channel.times.len());
-    for (key, q) in channel.values.chunks(4).enumerate() {
-        let q = DQuat::from_array([q[0], q[1], q[2], q[3]].map(f64::from));
-        let q = aim(key, q.normalize()).normalize();
-        let turned = aims.last().is_some_and(|last| last.dot(q) < 0.0);
-        aims.push(if turned { -q } else { q });
-    }
-    channel.values.clear();
-    if step >= FINEST_OF_FILTER {
-        let bits = (1 - step).clamp(4, 15) as u32;
-        for q in aims {
-            let (_, back) = quaternion_of_bits(q.to_array(), bits);
-            channel.values.extend(back.map(|x| f32::from(x) / 32767.0));
-        }
-        channel.short = true;
-        return;
-    }
-    // The component that is never small takes what the others leave of the length, and needs few bits.
-    let least = |i: usize| {
-        aims.iter()
-            .map(|q| q.to_array()[i].abs())
-            .fold(1.0, f64::min)
-    };
-    let large = (0..4)
-        .max_by(|&a, &b| least(a).total_cmp(&least(b)))
-        .unwrap_or(3);
-    let coarse = least(large) > 0.25;
-    for q in aims {
-        let mut q = DVec4::from(q);
-        if coarse {
-            let kept = f64::from(round(q[large], LENGTH));
-            q *= kept / q[large];
-            q[large] = kept;
-        }
-        let numbers = q.to_array();
-        let numbers = numbers
-            .iter()
-            .enumerate()
-            .map(|(i, &x)| match coarse && i == large {
-                true => x as f32,
-                false => round(x, step),
-            });
-        channel.values.extend(numbers);
-    }
-    channel.short = false;
 }

@@ -3,7 +3,7 @@
 use super::choose::{Choice, Kinds};
 use super::grid::Grid;
 use super::metric::{Leverage, Shells};
-use super::pack::pack;
+use super::pack::{Packed, pack};
 use super::play::Pose;
 use super::refine::{KNOWN_TO, Source};
 use super::sample::Samples;
@@ -42,6 +42,18 @@ pub(crate) struct Reduced {
     /// For each channel of the clip: it never leaves its value at rest.
     pub(crate) at_rest: Vec<bool>,
     pub(crate) report: ClipReport,
+    pub(crate) bytes: KeyBytes,
+}
+
+/// Bytes of a clip's keys and times, without those of what never leaves its rest.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct KeyBytes {
+    /// Those that a plain file would have.
+    pub(crate) plain: usize,
+    /// Those of the keys that were chosen, coded where that is less.
+    pub(crate) chosen: usize,
+    /// The chosen keys are those of a plain file.
+    pub(crate) same: bool,
 }
 
 /// Keys for a clip, or a part of one, with at most `bound` metres of error at the skin over its samples.
@@ -64,19 +76,21 @@ pub(super) fn reduce(
     let work = Work::new(samples, model, shells, leverage, options);
     let bound = for_keys(&samples.grid) * bound;
     let (mut error, mut choices) = keys(&work, bound, kinds, options, budget);
+    let plain = moving_bytes(&choices);
+    let mut bytes = KeyBytes {
+        plain,
+        chosen: plain,
+        same: true,
+    };
     // Parts of a clip have to have the same kinds of keys.
     if options.compress == Compression::Meshopt && kinds.is_empty() {
-        // Rounding takes its share of the bound, so that keys have to leave some.
-        let mut sparse = vec![choices.clone()];
-        for share in SPARSE_SHARES {
-            sparse.push(keys(&work, share * bound, kinds, options, budget).1);
+        // The purse is the search's: what it pays for must not be taken from the keys of a later clip, which would be more.
+        let packed = budget.search(|purse| packed(&work, (error, &choices), bound, options, purse));
+        if let Some(packed) = packed {
+            (error, choices) = (packed.error, packed.choices);
+            bytes.chosen = packed.bytes;
+            bytes.same = packed.same;
         }
-        let lines = vec![Kinds::Linear; samples.tracks.len() * 3];
-        for share in LINE_SHARES {
-            sparse.push(work.choose(share * bound, &lines, options));
-        }
-        let packed = budget.search(|purse| pack(&work, &sparse, bound, options, purse));
-        (error, choices) = packed.unwrap_or((error, choices));
     }
     let keys = choices
         .iter()
@@ -90,6 +104,7 @@ pub(super) fn reduce(
     let last = samples.grid.labels.last().copied().unwrap_or(0.0);
     Reduced {
         at_rest,
+        bytes,
         report: ClipReport {
             name: take.stack().element.name.to_string(),
             seconds: f64::from(last),
@@ -107,6 +122,26 @@ pub(super) fn reduce(
             channels: choices.into_iter().map(|choice| choice.channel).collect(),
         },
     }
+}
+
+/// Keys for the codec, from those of a plain file and their error.
+fn packed(
+    work: &Work,
+    (error, plain): (f64, &[Choice]),
+    bound: f64,
+    options: &Options,
+    purse: &Budget,
+) -> Option<Packed> {
+    // Rounding takes its share of the bound, so that keys have to leave some.
+    let mut sparse = vec![plain.to_vec()];
+    for share in SPARSE_SHARES {
+        sparse.push(keys(work, share * bound, &[], options, purse).1);
+    }
+    let lines = vec![Kinds::Linear; work.samples.tracks.len() * 3];
+    for share in LINE_SHARES {
+        sparse.push(work.choose(share * bound, &lines, options));
+    }
+    pack(work, &sparse, error, bound, options, purse)
 }
 
 /// Keys for a clip, with their error. The tries that a first one leaves to be made end with the budget's work.

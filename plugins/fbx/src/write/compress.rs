@@ -3,7 +3,8 @@
 //! Nothing is rounded here: whatever is written comes back bit for bit (0 for -0), so that an error which was
 //! measured on a model holds for its compressed file. Floats that are whole multiples of a power of two lose
 //! the bits that they do not use, and quaternions in 16 bits that three numbers say are kept as three.
-//! Numbers of clips lie together by their kind, since each view costs some 33 bytes of its own.
+//! Numbers of clips lie together by their kind, since each view costs some 33 bytes of its own. A view that would be no
+//! smaller, with what the document says of the extension, is written plainly, as the extension allows.
 
 use super::buffer::Numbers;
 use crate::codec::{self, Filter, Mode};
@@ -108,64 +109,89 @@ impl Packing {
             .map(|group| &*group.decoded)
     }
 
-    /// Writes all views into `bytes`, compressed where that is smaller, and completes their entries.
-    /// Answers how long the buffer is that nobody needs, which compressed views would lie in without the
+    /// Writes all views into `bytes`, compressed where file and document together are smaller for it, and completes
+    /// their entries. Answers how long the buffer is that nobody needs, which compressed views would lie in without the
     /// extension; 0 where nothing is compressed.
     pub(crate) fn finish(self, root: &mut Root, bytes: &mut Vec<u8>) -> usize {
         let mut fallback = 0;
         for group in self.groups {
-            let Kind { mode, filter, .. } = group.kind;
-            let mut group = group;
-            let (stride, coded) = match mode {
-                Mode::Attributes if group.keys => match best(group.kind, &group.stored) {
-                    Some(best) => (best.0, Some(best.1)),
-                    None => (group.kind.stride, None),
-                },
-                Mode::Attributes => {
-                    let stride = group.kind.stride;
-                    (stride, codec::encode(&group.stored, stride))
-                }
-                _ => {
-                    let indices = indices(&group.stored, group.kind.stride);
-                    (group.kind.stride, codec::encode_triangles(&indices))
-                }
-            };
-            // What is coded in larger elements than it has is padded to whole ones.
-            if coded.is_some() {
-                group
-                    .decoded
-                    .resize(group.decoded.len().next_multiple_of(stride), 0);
-            }
-            let coded = coded.filter(|coded| coded.len() < group.decoded.len());
             let offset = bytes.len();
             let view = &mut root.buffer_views[group.view.value()];
-            view.byte_length = USize64::from(group.decoded.len());
-            let Some(coded) = coded else {
-                view.byte_offset = (offset > 0).then(|| USize64::from(offset));
-                bytes.extend(group.decoded);
-                bytes.resize(bytes.len().next_multiple_of(4), 0);
-                continue;
+            let plain = View {
+                byte_length: USize64::from(group.decoded.len()),
+                byte_offset: (offset > 0).then(|| USize64::from(offset)),
+                ..view.clone()
             };
-            view.buffer = Index::new(1);
-            view.byte_offset = (fallback > 0).then(|| USize64::from(fallback));
-            let mut how = json!({
-                "buffer": 0,
-                "byteOffset": offset,
-                "byteLength": coded.len(),
-                "byteStride": stride,
-                "count": group.decoded.len() / stride,
-                "mode": mode.name(),
+            let packed = group.coded().map(|(stride, coded)| {
+                let entry = group.entry(view, (stride, coded.len()), offset, fallback);
+                (entry, coded)
             });
-            if filter != Filter::None {
-                how["filter"] = filter.name().into();
+            let packed = packed.filter(|(entry, coded)| {
+                cost(entry, coded.len()) < cost(&plain, group.decoded.len())
+            });
+            match packed {
+                Some((entry, coded)) => {
+                    fallback += (entry.byte_length.0 as usize).next_multiple_of(4);
+                    bytes.extend(coded);
+                    *view = entry;
+                }
+                None => {
+                    bytes.extend(group.decoded);
+                    *view = plain;
+                }
             }
-            view.extensions = Some(extensions::buffer::View { others: named(how) });
-            fallback += group.decoded.len().next_multiple_of(4);
-            bytes.extend(coded);
             bytes.resize(bytes.len().next_multiple_of(4), 0);
         }
         fallback
     }
+}
+
+impl Group {
+    /// Its elements' size as they are coded, and their bytes then.
+    fn coded(&self) -> Option<(usize, Vec<u8>)> {
+        let Kind { mode, stride, .. } = self.kind;
+        match mode {
+            Mode::Attributes if self.keys => best(self.kind, &self.stored),
+            Mode::Attributes => Some((stride, codec::encode(&self.stored, stride)?)),
+            _ => Some((
+                stride,
+                codec::encode_triangles(&indices(&self.stored, stride))?,
+            )),
+        }
+    }
+
+    /// Its entry where it is compressed: `coded` are the size of its elements and its bytes, which lie from `offset` on;
+    /// in the buffer that nobody needs it lies from `fallback` on.
+    fn entry(&self, view: &View, coded: (usize, usize), offset: usize, fallback: usize) -> View {
+        let Kind { mode, filter, .. } = self.kind;
+        let (stride, length) = coded;
+        // What is coded in larger elements than it has is padded to whole ones.
+        let decoded = self.decoded.len().next_multiple_of(stride);
+        let mut how = json!({
+            "buffer": 0,
+            "byteOffset": offset,
+            "byteLength": length,
+            "byteStride": stride,
+            "count": decoded / stride,
+            "mode": mode.name(),
+        });
+        if filter != Filter::None {
+            how["filter"] = filter.name().into();
+        }
+        View {
+            buffer: Index::new(1),
+            byte_length: USize64::from(decoded),
+            byte_offset: (fallback > 0).then(|| USize64::from(fallback)),
+            extensions: Some(extensions::buffer::View { others: named(how) }),
+            ..view.clone()
+        }
+    }
+}
+
+/// Bytes in the file of a view with this entry: its own, to a multiple of four, and those of the entry's text.
+fn cost(entry: &View, bytes: usize) -> usize {
+    let text = serde_json::to_vec(entry).map_or(0, |text| text.len());
+    text + bytes.next_multiple_of(4)
 }
 
 /// Extensions of one entry: this one.
@@ -173,7 +199,8 @@ pub(crate) fn named(value: Value) -> Map<String, Value> {
     Map::from_iter([(NAME.to_owned(), value)])
 }
 
-/// Bytes that numbers of clips come to, in views of their own.
+/// Bytes that numbers of clips come to, in views of their own, each compressed where its bytes are fewer then. What the
+/// document says of views is not in it: clips have them in common, and the whole file is looked at in the end.
 pub(crate) fn size<'a>(all: impl Iterator<Item = &'a Numbers>) -> usize {
     let mut groups: BTreeMap<Kind, Vec<u8>> = BTreeMap::new();
     let mut size = 0;
@@ -308,5 +335,37 @@ fn indices(bytes: &[u8], size: usize) -> Vec<u32> {
             let four = bytes.as_chunks::<4>().0;
             four.iter().map(|b| u32::from_le_bytes(*b)).collect()
         }
+    }
+}
+
+#[cfg(all(test, feature = "meshopt"))]
+mod tests {
+    use super::*;
+    use crate::write::buffer::{Buffer, Use};
+
+    /// The view of equally spaced times, and the bytes of it and of its entry.
+    fn made(count: usize, mut buffer: Buffer) -> (View, usize) {
+        let times: Vec<[f32; 1]> = (0..count).map(|i| [i as f32 / 32.0]).collect();
+        let mut root = Root::default();
+        buffer.accessor(&mut root, &Numbers::bounded(&times), Use::Keys);
+        let (bytes, _) = buffer.finish(&mut root);
+        let view = root.buffer_views.remove(0);
+        let cost = cost(&view, bytes.len());
+        (view, cost)
+    }
+
+    #[test]
+    fn a_view_is_compressed_where_that_pays_for_what_is_said_of_it() {
+        let mut kinds = Vec::new();
+        for count in [2, 30, 60, 70, 80, 90, 100, 120, 200, 1000] {
+            let (_, plain) = made(count, Buffer::default());
+            let (view, packed) = made(count, Buffer::compressed(false));
+            assert!(packed <= plain, "{count}: {packed} bytes, {plain} plain");
+            let is_packed = view.extensions.is_some();
+            assert_eq!(view.buffer.value(), usize::from(is_packed));
+            assert_eq!(is_packed, packed < plain, "{count}");
+            kinds.push(is_packed);
+        }
+        assert!(!kinds[0] && kinds[9] && kinds.is_sorted(), "{kinds:?}");
     }
 }

@@ -1,12 +1,8 @@
 //! .glb, and .gltf with files.
 
-use super::compress;
 use super::document::{Pictures, document};
-use crate::convert::Conversion;
+use crate::conversion::Conversion;
 use crate::error::FbxError;
-use gltf_json::validation::USize64;
-use gltf_json::{Buffer, Root, extensions};
-use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
 /// A .gltf document and the files that it refers to, by name.
@@ -33,10 +29,8 @@ impl Conversion {
     /// # Errors
     /// [`FbxError::TooLarge`] from 4 GiB on.
     pub fn to_glb(&self) -> Result<Vec<u8>, FbxError> {
-        let (mut root, buffer, fallback) =
-            document(&self.model, &Pictures::Inside, self.report.compression);
-        give_buffers(&mut root, &buffer, None, fallback);
-        let mut json = text(&root);
+        let made = document(&self.model, &Pictures::Inside, self.report.compression);
+        let (mut json, buffer) = (made.text(), made.bytes);
         json.resize(json.len().next_multiple_of(4), b' ');
         let chunks = match buffer.is_empty() {
             true => 1,
@@ -81,23 +75,20 @@ impl Conversion {
                 format!("{}_{number}.{ending}", plain(stem))
             })
             .collect();
-        let (mut root, buffer, fallback) = document(
-            &self.model,
-            &Pictures::Files(&names),
-            self.report.compression,
-        );
-        let mut files = Vec::new();
         let bin = format!("{}.bin", plain(stem));
-        give_buffers(&mut root, &buffer, Some(&bin), fallback);
-        if !buffer.is_empty() {
-            files.push((bin, buffer));
+        let pictures = Pictures::Files {
+            names: &names,
+            buffer: &bin,
+        };
+        let made = document(&self.model, &pictures, self.report.compression);
+        let json = made.text();
+        let mut files = Vec::new();
+        if !made.bytes.is_empty() {
+            files.push((bin, made.bytes));
         }
         let pictures = self.model.images.iter().map(|image| image.bytes.clone());
         files.extend(names.into_iter().zip(pictures));
-        GltfFiles {
-            json: text(&root),
-            files,
-        }
+        GltfFiles { json, files }
     }
 
     /// Writes to `path`: a .gltf with files where it ends so, else a .glb.
@@ -142,29 +133,6 @@ impl Conversion {
         }
         Ok(output)
     }
-}
-
-/// The entry of the buffer, and of the one that has no bytes where something is compressed.
-fn give_buffers(root: &mut Root, bytes: &[u8], uri: Option<&str>, fallback: usize) {
-    let mut give = |length: usize, uri: Option<&str>, others: Map<String, Value>| {
-        root.push(Buffer {
-            byte_length: USize64::from(length),
-            name: None,
-            uri: uri.map(str::to_owned),
-            extensions: (!others.is_empty()).then_some(extensions::buffer::Buffer { others }),
-            extras: None,
-        });
-    };
-    if !bytes.is_empty() {
-        give(bytes.len(), uri, Map::new());
-    }
-    if fallback > 0 {
-        give(fallback, None, compress::named(json!({ "fallback": true })));
-    }
-}
-
-fn text(root: &Root) -> Vec<u8> {
-    root.to_vec().expect("numbers and strings are JSON")
 }
 
 /// A name that needs no escape in a URI.

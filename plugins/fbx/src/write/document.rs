@@ -2,7 +2,7 @@
 
 use super::animation::animation;
 use super::buffer::{Buffer, Use};
-use super::compress;
+use super::compress::{self, named};
 use super::looks::{camera, light, material};
 use super::meshes::{mesh, skin};
 use super::names::{extras, name, uses};
@@ -12,9 +12,12 @@ use gltf_json::extensions::root::{KhrLightsPunctual, Root as RootExtensions};
 use gltf_json::extensions::scene::Node as NodeExtensions;
 use gltf_json::extensions::scene::khr_lights_punctual::KhrLightsPunctual as NodeLight;
 use gltf_json::image::MimeType;
+use gltf_json::accessor::GenericComponentType;
 use gltf_json::scene::UnitQuaternion;
-use gltf_json::{Asset, Image, Index, Root, Scene};
-use serde_json::Map;
+use gltf_json::validation::{Checked, USize64};
+use gltf_json::{Accessor, Asset, Image, Index, Root, Scene, extensions};
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 
 /// Hides nodes and all below them.
 const VISIBILITY: &str = "KHR_node_visibility";
@@ -23,31 +26,93 @@ const VISIBILITY: &str = "KHR_node_visibility";
 pub(crate) enum Pictures<'a> {
     /// Into the buffer.
     Inside,
-    /// Into files of these names.
-    Files(&'a [String]),
+    /// Into files of these names; the buffer has a file of its own.
+    Files {
+        names: &'a [String],
+        buffer: &'a str,
+    },
 }
 
-/// The document, its buffer, and how many bytes a buffer would have that stands in for what is compressed. The
-/// entries for the buffers themselves are left to the container.
-pub(crate) fn document(
-    model: &Model,
-    pictures: &Pictures,
-    compression: Compression,
-) -> (Root, Vec<u8>, usize) {
-    match compression {
-        Compression::None => written(model, pictures, Buffer::default()),
-        Compression::Meshopt => {
-            let [apart, merged] =
-                [false, true].map(|merged| written(model, pictures, Buffer::compressed(merged)));
-            match merged.1.len() < apart.1.len() {
-                true => merged,
-                false => apart,
-            }
-        }
+/// A whole document, and the buffer that it refers to.
+pub(crate) struct Document {
+    pub(crate) root: Root,
+    pub(crate) bytes: Vec<u8>,
+}
+
+impl Document {
+    /// The JSON text.
+    pub(crate) fn text(&self) -> Vec<u8> {
+        let text = self.root.to_vec();
+        text.expect("numbers and strings are JSON")
+    }
+
+    /// Bytes of text and buffer, each to a multiple of four, as a .glb has them.
+    pub(crate) fn size(&self) -> usize {
+        self.text().len().next_multiple_of(4) + self.bytes.len().next_multiple_of(4)
+    }
+
+    /// Whether anything of it is compressed.
+    pub(crate) fn is_compressed(&self) -> bool {
+        let mut required = self.root.extensions_required.iter();
+        required.any(|name| name == compress::NAME)
+    }
+
+    /// Bytes of keys and their times; accessors and compressed views that several channels share count once.
+    pub(crate) fn animation_bytes(&self) -> usize {
+        let root = &self.root;
+        let samplers = root.animations.iter().flat_map(|clip| &clip.samplers);
+        let accessors = samplers.flat_map(|sampler| [sampler.input, sampler.output]);
+        let sizes: BTreeMap<(bool, usize), usize> = accessors
+            .map(|number| {
+                let accessor = &root.accessors[number.value()];
+                let coded = accessor.buffer_view.and_then(|view| {
+                    let extensions = root.buffer_views[view.value()].extensions.as_ref()?;
+                    let how = extensions.others.get(compress::NAME)?;
+                    Some((view.value(), how.get("byteLength")?.as_u64()? as usize))
+                });
+                match coded {
+                    Some((view, bytes)) => ((true, view), bytes),
+                    None => ((false, number.value()), bytes_of(accessor)),
+                }
+            })
+            .collect();
+        sizes.values().sum()
     }
 }
 
-fn written(model: &Model, pictures: &Pictures, mut buffer: Buffer) -> (Root, Vec<u8>, usize) {
+/// Bytes of the numbers of an accessor.
+fn bytes_of(accessor: &Accessor) -> usize {
+    let (Checked::Valid(GenericComponentType(component)), Checked::Valid(shape)) =
+        (&accessor.component_type, &accessor.type_)
+    else {
+        return 0;
+    };
+    accessor.count.0 as usize * component.size() * shape.multiplicity()
+}
+
+/// The document of a model. Under compression it is the smallest of three: plain, views of clips by their kinds, and
+/// with those merged that can be.
+pub(crate) fn document(model: &Model, pictures: &Pictures, compression: Compression) -> Document {
+    let mut best = written(model, pictures, Buffer::default());
+    if compression == Compression::None {
+        return best;
+    }
+    let mut size = best.size();
+    let ways: &[bool] = match model.clips.iter().any(|clip| !clip.channels.is_empty()) {
+        true => &[false, true],
+        false => &[false],
+    };
+    for &merged in ways {
+        let next = written(model, pictures, Buffer::compressed(merged));
+        let next_size = next.size();
+        if next_size < size {
+            (best, size) = (next, next_size);
+        }
+    }
+    best
+}
+
+fn written(model: &Model, pictures: &Pictures, mut buffer: Buffer) -> Document {
     let mut root = Root {
         asset: Asset {
             generator: Some(concat!("dolomite_fbx ", env!("CARGO_PKG_VERSION")).into()),
@@ -73,7 +138,7 @@ fn written(model: &Model, pictures: &Pictures, mut buffer: Buffer) -> (Root, Vec
     for (number, image) in model.images.iter().enumerate() {
         let (view, uri) = match pictures {
             Pictures::Inside => (Some(buffer.view(&mut root, &image.bytes, Use::Other)), None),
-            Pictures::Files(names) => (None, Some(names[number].clone())),
+            Pictures::Files { names, .. } => (None, Some(names[number].clone())),
         };
         root.push(Image {
             buffer_view: view,
@@ -140,22 +205,31 @@ fn written(model: &Model, pictures: &Pictures, mut buffer: Buffer) -> (Root, Vec
         uses(&mut root, compress::NAME);
         root.extensions_required.push(compress::NAME.to_owned());
     }
-    (root, bytes, fallback)
+    let uri = match pictures {
+        Pictures::Inside => None,
+        Pictures::Files { buffer, .. } => Some(*buffer),
+    };
+    give_buffers(&mut root, &bytes, uri, fallback);
+    Document { root, bytes }
 }
 
-/// Bytes of keys and their times as they are written; what several channels share counts once.
-pub(crate) fn animation_bytes(model: &Model, compression: Compression) -> usize {
-    let clips = Model {
-        clips: model.clips.clone(),
-        ..Model::default()
+/// The entry of the buffer, and of the one that has no bytes where something is compressed.
+fn give_buffers(root: &mut Root, bytes: &[u8], uri: Option<&str>, fallback: usize) {
+    let mut give = |length: usize, uri: Option<&str>, others: Map<String, Value>| {
+        root.push(gltf_json::Buffer {
+            byte_length: USize64::from(length),
+            name: None,
+            uri: uri.map(str::to_owned),
+            extensions: (!others.is_empty()).then_some(extensions::buffer::Buffer { others }),
+            extras: None,
+        });
     };
-    let (root, ..) = document(&clips, &Pictures::Inside, compression);
-    let coded = |view: &gltf_json::buffer::View| {
-        let how = view.extensions.as_ref()?.others.get(compress::NAME)?;
-        how.get("byteLength")?.as_u64()
-    };
-    let bytes = |view| coded(view).unwrap_or(view.byte_length.0) as usize;
-    root.buffer_views.iter().map(bytes).sum()
+    if !bytes.is_empty() {
+        give(bytes.len(), uri, Map::new());
+    }
+    if fallback > 0 {
+        give(fallback, None, named(json!({ "fallback": true })));
+    }
 }
 
 fn node(node: &Node, children: Vec<Index<gltf_json::Node>>) -> gltf_json::Node {

@@ -15,6 +15,8 @@ mod lights;
 mod loader;
 mod looks;
 mod materials;
+#[cfg(feature = "meshopt")]
+mod never_larger;
 mod own;
 mod pictures;
 mod reference;

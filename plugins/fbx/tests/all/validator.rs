@@ -113,6 +113,39 @@ fn every_result_is_valid() {
     assert_eq!(said.trim(), format!("{} files, 0 not valid", files.len()));
 }
 
+/// Some views of a file are compressed and some are not: those that would be no smaller.
+#[cfg(feature = "meshopt")]
+#[test]
+fn views_of_both_kinds_are_valid() {
+    if !is_there() {
+        return;
+    }
+    let text = crate::support::motions::shaken(300);
+    let options = Options {
+        compress: Compression::Meshopt,
+        ..Options::default()
+    };
+    let made = convert(text.as_bytes(), &Origin::default(), &options).unwrap();
+    let files = made.to_gltf("mixed");
+    let root: serde_json::Value = serde_json::from_slice(&files.json).unwrap();
+    let views = root["bufferViews"].as_array().unwrap();
+    let of_kind = |buffer: u64| {
+        let own = views.iter().filter(|view| view["buffer"] == buffer);
+        own.filter(|view| view.get("extensions").is_some() == (buffer == 1))
+            .count()
+    };
+    let (plain, packed) = (of_kind(0), of_kind(1));
+    assert!(plain > 0 && packed > 0, "{plain} plain, {packed} packed");
+    assert_eq!(plain + packed, views.len());
+    let folder = folder("mixed");
+    let path = folder.join("mixed.glb");
+    std::fs::write(&path, made.to_glb().unwrap()).unwrap();
+    let (valid, said) = validate(&[path]);
+    std::fs::remove_dir_all(folder).unwrap();
+    println!("{said}");
+    assert!(valid, "{said}");
+}
+
 /// Materials of the field's cases: transforms and emission are extensions.
 #[test]
 fn looks_are_valid() {

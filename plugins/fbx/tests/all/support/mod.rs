@@ -7,6 +7,8 @@ pub mod chain;
 pub mod held;
 pub mod looks;
 pub mod made;
+#[cfg(feature = "meshopt")]
+pub mod motions;
 pub mod scene;
 mod shared;
 pub mod takes;
