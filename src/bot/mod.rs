@@ -243,7 +243,7 @@ pub fn play(
     let mut first = None;
     let mut games = Vec::new();
     for run in 0..u64::from(job.runs) {
-        let (game, record) = table.play(job.seed + run);
+        let (game, record) = table.play(job.seed.wrapping_add(run));
         done(&game);
         first.get_or_insert(record);
         games.push(game);
