@@ -104,9 +104,9 @@ fn slivers_of_any_width_are_hit_as_the_oracle_says() {
             let mut corners = [from, from + along, middle];
             corners.rotate_left(random.below(3));
             let radii = DVec3::new(
-                size(&mut random, 1e-2, 1.0),
-                size(&mut random, 1e-2, 1.0),
-                size(&mut random, 1e-2, 1.0),
+                size(&mut random, 1e-3, 1.0),
+                size(&mut random, 1e-3, 1.0),
+                size(&mut random, 1e-3, 1.0),
             );
             let aim = from + along * random.unit();
             let way = direction(&mut random) * size(&mut random, 0.1, 10.0);
