@@ -46,9 +46,11 @@ pub fn sweep(random: &mut Random, kind: usize) -> Sweep {
         5 => origin = place(random, 1e5),
         7 => radii[random.below(3)] *= 1e-3,
         8 => {
-            corners[1] = corners[0];
-            if random.below(2) == 0 {
-                corners[2] = corners[0];
+            // A segment with an end twice, a point, or three corners in a line but for rounding.
+            match random.below(3) {
+                0 => corners[1] = corners[0],
+                1 => corners = [corners[0]; 3],
+                _ => corners[2] = corners[0] + (corners[1] - corners[0]) * random.unit(),
             }
         }
         _ => {}

@@ -30,21 +30,55 @@ pub fn nearest_on_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     }
 }
 
+/// The sine of the two shorter edges up to which a triangle is a segment. A normal is off by rounding, 1e-16, over
+/// this sine, and so is the answer whether a point lies over such a triangle, in parts of its length; without a face
+/// the answer is off by its width. Both are then some 1e-8 of its length.
+const SEGMENT: f64 = 1e-8;
+
+/// The sine below which a normal is set upright on the longest edge: above it rounding tilts it by less than 1e-13.
+const NEEDLE: f64 = 1e-2;
+
 /// The normal of a triangle times twice its area, of the two shorter of its edges: the error is that of one
 /// product of them, so that it stays small where one edge is much longer than another.
+///
+/// A triangle whose width is 1e-8 of its length or less is a segment: its normal is zero, for rounding would turn it
+/// anywhere. That of a needle is at right angles to its longest edge up to rounding, so that all its corners lie in one
+/// plane.
 #[inline]
 #[must_use]
 pub fn scaled_normal(edges: [DVec3; 3]) -> DVec3 {
     let [ab, bc, ca] = edges;
-    let lengths = [ab, bc, ca].map(DVec3::length_squared);
+    let [one, two, three] = [ab, bc, ca].map(DVec3::length_squared);
     // Each product of neighbouring edges is the same vector; the longest edge is left out.
-    if lengths[2] >= lengths[0] && lengths[2] >= lengths[1] {
-        ab.cross(bc)
-    } else if lengths[0] >= lengths[1] {
-        bc.cross(ca)
+    let (normal, longest, shorter) = if three >= one && three >= two {
+        (ab.cross(bc), ca, one * two)
+    } else if one >= two {
+        (bc.cross(ca), ab, two * three)
     } else {
-        ca.cross(ab)
+        (ca.cross(ab), bc, three * one)
+    };
+    if normal.length_squared() > NEEDLE * NEEDLE * shorter {
+        normal
+    } else {
+        of_needle(normal, longest, shorter)
     }
+}
+
+/// The normal of a triangle that is long and thin; `shorter` is the product of the squares of its shorter edges.
+fn of_needle(normal: DVec3, longest: DVec3, shorter: f64) -> DVec3 {
+    if normal.length_squared() <= SEGMENT * SEGMENT * shorter {
+        return DVec3::ZERO;
+    }
+    // Rounding tilts the normal in any direction. About the long axis that moves no point of so thin a triangle; along it
+    // one end would come to lie above the other.
+    normal - longest * (normal.dot(longest) / longest.length_squared())
+}
+
+/// The normal of a triangle, of length 1; zero of one that is a segment or a point.
+#[inline]
+#[must_use]
+pub fn unit_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    scaled_normal([b - a, c - b, a - c]).normalize_or_zero()
 }
 
 /// The point of a triangle that is nearest to `p`, and the part that it lies on.

@@ -38,9 +38,9 @@ pub enum Way {
 /// a caster in its reach moved, came or went, and some frames after. Without it, or on other lights, all is drawn in each
 /// frame, as in Bevy.
 ///
-/// Skinned and morphed meshes, and those with a `VisibilityRange`, count as moving. What is not seen to change: the alpha
-/// mask of a material, and what draws itself into shadow maps without being a mesh, such as patches and plants; change
-/// `redraw` for these.
+/// Skinned and morphed meshes, and those with a `VisibilityRange`, count as moving. So does a mesh in the frames in which its
+/// material changes, whatever of it: that may be its alpha mask. What is not seen to change is what draws itself into shadow
+/// maps without being a mesh, such as patches and plants; change `redraw` for these.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct StillShadows {

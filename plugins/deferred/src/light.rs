@@ -10,6 +10,10 @@ use thiserror::Error;
 /// Ranges and places beyond it would overflow when squared in f32.
 const FARTHEST: f32 = 1e18;
 
+/// Lux from which on the light of a sun on a surface would overflow; `directional_lights` in
+/// `shaders/src/deferred/light.wgsl` leaves it out.
+const BRIGHTEST: f32 = 1e30;
+
 /// What a light is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSource {
@@ -69,6 +73,29 @@ pub enum LightRefusal {
     /// Angles or a direction that are no numbers.
     #[error("its cone has an angle or a direction that is not a number")]
     Cone,
+    /// Of a directional light: negative, 1e30 lx or more, or no number.
+    #[error("its illuminance is negative, 1e30 lx or more, or not a number")]
+    Illuminance,
+    /// Of a directional light: a turn that is no number, or a scale of 0.
+    #[error("its direction is not a number")]
+    Direction,
+}
+
+/// Whether a directional light can be drawn; `illuminance` is that of each channel, lux.
+///
+/// # Errors
+/// For a light that no picture can be made of.
+pub fn check_sun(illuminance: Vec3, to_light: Vec3) -> Result<(), LightRefusal> {
+    // Comparisons with NaN are false.
+    let bright = illuminance.cmplt(Vec3::splat(BRIGHTEST)).all();
+    if !(bright && illuminance.cmpge(Vec3::ZERO).all()) {
+        return Err(LightRefusal::Illuminance);
+    }
+    if to_light.length_squared() > 0.5 {
+        Ok(())
+    } else {
+        Err(LightRefusal::Direction)
+    }
 }
 
 /// A light in the buffer: `Light` in `shaders/src/deferred/types.wgsl`.
@@ -180,6 +207,19 @@ mod tests {
             cone: None,
             shadows: Shadows::default(),
         }
+    }
+
+    #[test]
+    fn hostile_suns_are_refused_by_name() {
+        for bad in [f32::NAN, f32::INFINITY, -1.0, 1e30] {
+            let no = Err(LightRefusal::Illuminance);
+            assert_eq!(check_sun(Vec3::new(1.0, bad, 1.0), Vec3::Y), no);
+        }
+        for bad in [f32::NAN, 0.0] {
+            let no = Err(LightRefusal::Direction);
+            assert_eq!(check_sun(Vec3::ONE, Vec3::splat(bad)), no);
+        }
+        assert_eq!(check_sun(Vec3::new(0.0, 1e5, 1.0), Vec3::Y), Ok(()));
     }
 
     #[test]

@@ -158,11 +158,11 @@ fn directional_lights(surface: Surface, pixels: vec2<f32>) -> vec3<f32> {
     for (var i = 0u; i < bevy::lights.n_directional_lights; i++) {
         let light = &bevy::lights.directional_lights[i];
         let color = (*light).color.rgb;
-        // A light of no strength, of a negative or none that is a number.
-        if !(all(color >= vec3(0.0)) && all(color < vec3(1e30)) && max(color.r, max(color.g, color.b)) > 0.0) {
+        let to_light = (*light).direction_to_light;
+        // A light of no strength, of a negative or none that is a number; from nowhere.
+        if !(all(color >= vec3(0.0)) && all(color < vec3(1e30)) && max(color.r, max(color.g, color.b)) > 0.0 && dot(to_light, to_light) > 0.5) {
             continue;
         }
-        let to_light = (*light).direction_to_light;
         var seen = 1.0;
 #ifdef SUN_SHADOWS
         if (surface.flags & SHADOW_RECEIVER) != 0u {

@@ -1,6 +1,7 @@
 #define_import_path dolomite::deferred::local
 
 #import bevy_pbr::mesh_view_bindings as bevy
+#import bevy_pbr::mesh_view_types::POINT_LIGHT_FLAGS_SHADOWS_ENABLED_BIT
 #import bevy_pbr::{lighting as bevy_lighting, pbr_functions, shadows}
 #import dolomite::deferred::bindings::lights
 #import dolomite::deferred::gbuffer::SHADOW_RECEIVER
@@ -62,9 +63,9 @@ fn seen_of(index: u32, surface: Surface, to_light: vec3<f32>, pixels: vec2<f32>)
     let kind = lights[index].kind;
     let place = vec4(surface.position + bevy::view.world_position, 1.0);
     var seen = 1.0;
-    if (kind & CASTS) != 0u {
+    // Bevy has maps for as many lights as a texture has layers: its own record says whether this one has.
+    if (kind & CASTS) != 0u && (bevy::clustered_lights.data[index].flags & POINT_LIGHT_FLAGS_SHADOWS_ENABLED_BIT) != 0u {
         if (kind & SPOT) != 0u {
-            // Bevy's own record of the same light.
             let near = bevy::clustered_lights.data[index].shadow_map_near_z;
             seen = shadows::fetch_spot_shadow(index, place, surface.normal, near, pixels);
         } else {

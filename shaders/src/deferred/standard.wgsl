@@ -41,7 +41,8 @@ fn burley(roughness: f32, n_dot_v: f32, n_dot_l: f32, l_dot_h: f32) -> f32 {
 fn ggx(roughness: f32, n: vec3<f32>, h: vec3<f32>) -> f32 {
     let across = cross(n, h);
     let along = saturate(dot(n, h)) * roughness;
-    let k = roughness / (dot(across, across) + along * along);
+    // At least α² = 6e-5 where light arrives; 0 between opposite directions, where what comes of it is multiplied by 0.
+    let k = roughness / max(dot(across, across) + along * along, 1e-9);
     return k * k * INVERSE_PI;
 }
 

@@ -65,8 +65,9 @@ fn vertex(@location(0) corner: vec3<f32>, @builtin(instance_index) instance: u32
     hull.position = bevy::view.clip_from_view * vec4(in_view, 1.0);
     let distance = -(axes * middle).z;
     hull.depths = vec2(depth_at(distance + reach, -1.0), depth_at(distance - reach, 2.0));
-    // What reaches beyond the far plane must not be cut off by it.
-    if hull.depths.x <= 0.0 {
+    // What reaches beyond the far plane must not be cut off by it. Corners lie up to 2.06 of the reach away: those of a
+    // cone just below 60 degrees.
+    if depth_at(distance + 2.1 * reach, -1.0) <= 0.0 {
         hull.position.z = 0.0;
     }
     return hull;

@@ -35,6 +35,15 @@ pub fn app(with_plugin: bool) -> Option<App> {
 
 /// The same with what `add` adds.
 pub fn app_with(add: impl FnOnce(&mut App)) -> Option<App> {
+    let renderer = RenderPlugin {
+        synchronous_pipeline_compilation: true,
+        ..default()
+    };
+    app_by(renderer, add)
+}
+
+/// The same by a renderer of its own: one that compiles while frames are drawn, or has less than the adapter gives.
+pub fn app_by(renderer: RenderPlugin, add: impl FnOnce(&mut App)) -> Option<App> {
     crate::gpu::for_test()?;
     let mut app = App::new();
     let plugins = DefaultPlugins
@@ -44,10 +53,7 @@ pub fn app_with(add: impl FnOnce(&mut App)) -> Option<App> {
             exit_condition: ExitCondition::DontExit,
             ..default()
         })
-        .set(RenderPlugin {
-            synchronous_pipeline_compilation: true,
-            ..default()
-        })
+        .set(renderer)
         .disable::<LogPlugin>()
         .disable::<WinitPlugin>()
         .disable::<PipelinedRenderingPlugin>();

@@ -6,7 +6,9 @@ pub mod occlusion;
 mod scene;
 mod unlit;
 
-pub use app::{Picture, Target, WAYS, app, app_with, camera, frames, keep, lit_by, picture};
+pub use app::{
+    Picture, Target, WAYS, app, app_by, app_with, camera, frames, keep, lit_by, picture,
+};
 pub use gbuffer::{GBufferPlugin, Pixel, pixels};
 pub use scene::{Spawned, decoded, spawn};
 pub use unlit::{Unlit, UnlitPlugin};

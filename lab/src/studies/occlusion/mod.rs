@@ -139,8 +139,13 @@ fn compared(radius: f32) -> Vec<By> {
 /// Each of [`compared`] with its errors over all scenes.
 type Found = Vec<(By, Errors)>;
 
+/// So many seeds from one on; after the last of all comes the first.
+fn seeds(first: u32, count: u32) -> impl Iterator<Item = u32> {
+    (0..count).map(move |k| first.wrapping_add(k))
+}
+
 fn measure(app: &mut App, options: &Options, report: &mut Report) {
-    let scenes = options.count.unwrap_or(SCENES as usize) as u32;
+    let scenes = options.count.unwrap_or(SCENES as usize).max(1) as u32;
     let radii: Vec<f32> = RADII.into_iter().chain([BEVYS_RADIUS]).collect();
     let mut found: Vec<Found> = radii
         .iter()
@@ -149,7 +154,7 @@ fn measure(app: &mut App, options: &Options, report: &mut Report) {
             all.map(|by| (by, Errors::default())).collect()
         })
         .collect();
-    for seed in options.seed..options.seed + scenes {
+    for seed in seeds(options.seed, scenes) {
         let scene = scene(seed, options);
         let spawned = light::spawn(app, &scene, ());
         for (radius, found) in radii.iter().zip(&mut found) {
@@ -293,6 +298,13 @@ fn figure(found: &Found, time_of: &dyn Fn(By) -> f64) -> Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_last_seed_has_scenes_too() {
+        let from = |first| seeds(first, 3).collect::<Vec<u32>>();
+        assert_eq!(from(7), [7, 8, 9]);
+        assert_eq!(from(u32::MAX), [u32::MAX, 0, 1]);
+    }
 
     #[test]
     fn a_small_frame_has_what_is_asked_for() {

@@ -177,5 +177,12 @@ mod tests {
             format!(r#"{{"center": [0,2,0], "radii": [0,0.9,0.3], "way": [1,0,0], {floor}}}"#);
         assert!(matches!(run("zero", &text), Err(CaseError::Sweep(_))));
         assert!(matches!(run("broken", "{}"), Err(CaseError::Format { .. })));
+        for (slide, name) in [(false, "far"), (true, "far slide")] {
+            let text = format!(
+                r#"{{"center": [0,2,0], "radii": [0.3,0.9,0.3], "way": [0,-1e300,0], "slide": {slide}, {floor}}}"#
+            );
+            let refused = run(name, &text).unwrap_err().to_string();
+            assert!(refused.contains("longer than 1e60 radii"), "{refused}");
+        }
     }
 }

@@ -24,6 +24,7 @@ pub use step::{Scratch, advance, advance_all};
 pub use world::{Body, Pose, Touch, World};
 
 use crate::geometry::Feature;
+use crate::sweep::FARTHEST;
 use bevy::math::DVec3;
 use thiserror::Error;
 
@@ -123,7 +124,7 @@ pub struct MoveContact {
 pub enum MoveError {
     /// Not a place, or no ellipsoid.
     #[error(
-        "a mover at {center} with radii {radii} is none: all have to be finite, and radii above 0"
+        "a mover at {center} with radii {radii} is none: all have to be finite, radii above 0, and the centre within {FARTHEST:e} radii of the origin"
     )]
     Mover {
         /// Its centre.
@@ -132,7 +133,7 @@ pub enum MoveError {
         radii: DVec3,
     },
     /// Not a way.
-    #[error("a wish of {0} m is not finite")]
+    #[error("a wish of {0} m is not finite, or longer than {FARTHEST:e} radii")]
     Wish(DVec3),
     /// Settings without meaning.
     #[error(

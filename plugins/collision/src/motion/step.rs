@@ -48,7 +48,7 @@ pub fn advance(
             center: mover.center,
             radii: mover.radii,
         },
-        Ok(_) if !wish.is_finite() => MoveError::Wish(wish),
+        Ok(space) if space.check_way(wish).is_err() => MoveError::Wish(wish),
         Ok(_) if !settings.is_valid() => MoveError::Settings(settings.up),
         Ok(space) => {
             let mut step = Step {

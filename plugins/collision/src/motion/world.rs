@@ -1,6 +1,6 @@
 //! What movers meet: bodies, each a tree of triangles that stands, moves or turns.
 
-use crate::geometry::nearest_on_triangle;
+use crate::geometry::{nearest_on_triangle, unit_normal};
 use crate::sweep::{UnitSpace, UnitTouch};
 use crate::tree::TriangleTree;
 use crate::volume::{Aabb, Ray};
@@ -189,8 +189,7 @@ impl<'a> World<'a> {
             if let Some(hit) = body.tree.first_hit(&local)
                 && best.is_none_or(|(time, ..)| hit.time < time)
             {
-                let [a, b, c] = body.tree.mesh().corners(hit.triangle);
-                let normal = turn * (b - a).cross(c - b).normalize_or_zero();
+                let normal = turn * unit_normal(body.tree.mesh().corners(hit.triangle));
                 let side = if normal.dot(ray.direction) > 0.0 {
                     -normal
                 } else {
@@ -300,8 +299,7 @@ fn touch(
     mut unit: UnitTouch,
     space: &UnitSpace,
 ) -> Touch {
-    let [a, b, c] = body.tree.mesh().corners(triangle);
-    let face = pose.rotation * (b - a).cross(c - b).normalize_or_zero();
+    let face = pose.rotation * unit_normal(body.tree.mesh().corners(triangle));
     if unit.normal == DVec3::ZERO {
         // The centre is on the triangle: out of its front.
         unit.normal = (space.axes.transpose() * face).normalize_or(DVec3::Y);

@@ -1,7 +1,7 @@
 //! What a step cost.
 
 use super::bodies::Bodies;
-use super::movers::MoveState;
+use super::movers::{CharacterBody, MoveState};
 use bevy::app::App;
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy::ecs::prelude::*;
@@ -39,7 +39,8 @@ pub(super) fn build(app: &mut App) {
 /// Counts what was done.
 pub(super) fn count(
     mut counters: ResMut<CollisionCounters>,
-    states: Query<&MoveState>,
+    // A state stays where its body was taken away.
+    states: Query<&MoveState, With<CharacterBody>>,
     bodies: Res<Bodies>,
     mut diagnostics: Diagnostics,
 ) {

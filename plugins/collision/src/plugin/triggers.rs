@@ -108,7 +108,13 @@ pub(super) fn report(
                     let space = UnitSpace::new(&at(from)).ok()?;
                     tree.sweep_space(&space, way).map(|(touch, _)| touch.time)
                 };
-                let enter = touch(state.before, way);
+                // Who begins within enters at once, and not where its way touches a wall from inside.
+                let began = Volume::Ellipsoid(at(state.before)).overlaps(&Volume::Aabb(bounds));
+                let enter = if began {
+                    Some(0.0)
+                } else {
+                    touch(state.before, way)
+                };
                 if !was && (is || enter.is_some()) {
                     add(TriggerKind::Enter, enter.unwrap_or(0.0));
                 }

@@ -12,10 +12,15 @@ use bevy_rapier3d::parry::shape::{Shape, TypedShape};
 use std::sync::Arc;
 
 /// On a body of Rapier's: movers meet its own shape, stand on it and are pushed by it. Round shapes are met as
-/// polyhedra whose corners lie on them; shapes of several parts as their box.
+/// polyhedra whose corners lie on them; shapes of several parts as their box. Removed again, or without the body's
+/// collider, nothing is met any more.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Default, Clone)]
 pub struct MeetsMovers;
+
+/// On a body whose [`Collider`] is of this module's making.
+#[derive(Component)]
+pub(super) struct Met;
 
 /// Divisions of a full turn of round shapes: corners lie on them, faces up to 1 − cos(π / 24) = 0.9 % of a radius
 /// below.
@@ -48,14 +53,30 @@ pub(super) fn shape(
                     ..TreeSettings::default()
                 };
                 let tree = Arc::new(TriangleTree::new(mesh, settings));
-                commands.entity(entity).insert(Collider(tree));
+                commands.entity(entity).insert((Collider(tree), Met));
             }
             // No triangles, or none that a mesh may have.
             Err(_) => {
                 counters.refused += 1;
-                commands.entity(entity).remove::<Collider>();
+                commands.entity(entity).remove::<(Collider, Met)>();
             }
         }
+    }
+}
+
+/// Takes the triangles from bodies that movers meet no more.
+pub(super) fn forget(
+    gone: Query<
+        Entity,
+        (
+            With<Met>,
+            Or<(Without<MeetsMovers>, Without<RapierCollider>)>,
+        ),
+    >,
+    mut commands: Commands,
+) {
+    for entity in &gone {
+        commands.entity(entity).remove::<(Collider, Met)>();
     }
 }
 

@@ -94,6 +94,7 @@ impl Plugin for RapierBridgePlugin {
                         make_world.run_if(needs_world),
                         surfaces::teach.run_if(any_with_component::<RapierContextSimulation>),
                         meet::shape.run_if(any_with_component::<MeetsMovers>),
+                        meet::forget.run_if(any_with_component::<meet::Met>),
                         push::stand_in.run_if(
                             any_with_component::<Pusher>
                                 .or_else(any_with_component::<push::StandIn>),

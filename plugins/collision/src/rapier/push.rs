@@ -82,7 +82,7 @@ pub(super) fn stand_in(
 
 /// An impulse for each contact of a mover with a body, towards the speed at which the mover wished to go there.
 pub(super) fn push(
-    movers: Query<(&Pusher, &MoveState)>,
+    movers: Query<(&Pusher, &MoveState), With<CharacterBody>>,
     handles: Query<&RapierRigidBodyHandle>,
     mut worlds: Query<
         (&mut RapierContextSimulation, &mut RapierRigidBodySet),

@@ -12,12 +12,24 @@ use crate::volume::Ellipsoid;
 use bevy::math::{DMat3, DVec3};
 use thiserror::Error;
 
+/// Places and ways of more radii than this are not swept: products of five such numbers are numbers in f64, and none
+/// of more is needed.
+pub const FARTHEST: f64 = 1e60;
+
+/// Whether a place or a way of unit space is one that can be swept.
+#[inline]
+#[must_use]
+pub fn within_reach(unit: DVec3) -> bool {
+    // A comparison with NaN is false, where `max_element` would pass it over.
+    unit.abs().cmple(DVec3::splat(FARTHEST)).all()
+}
+
 /// A sweep that cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SweepError {
     /// Not an ellipsoid.
     #[error(
-        "radii of {radii} m at {center} are no ellipsoid: all have to be finite, and radii above 0"
+        "radii of {radii} m at {center} are no ellipsoid: all have to be finite, radii above 0, and the centre within {FARTHEST:e} radii of the origin"
     )]
     Ellipsoid {
         /// Its centre.
@@ -26,7 +38,7 @@ pub enum SweepError {
         radii: DVec3,
     },
     /// Not a way.
-    #[error("a way of {0} m is not finite")]
+    #[error("a way of {0} m is not finite, or longer than {FARTHEST:e} radii")]
     Way(DVec3),
 }
 
@@ -64,7 +76,7 @@ impl UnitSpace {
     /// # Errors
     /// [`SweepError::Ellipsoid`].
     pub fn new(ellipsoid: &Ellipsoid) -> Result<Self, SweepError> {
-        if !ellipsoid.is_valid() {
+        if !(ellipsoid.is_valid() && within_reach(ellipsoid.to_unit() * ellipsoid.center)) {
             return Err(SweepError::Ellipsoid {
                 center: ellipsoid.center,
                 radii: ellipsoid.radii,
@@ -75,6 +87,18 @@ impl UnitSpace {
             to_unit: ellipsoid.to_unit(),
             axes: ellipsoid.axes(),
         })
+    }
+
+    /// Whether the ellipsoid can be swept along a way.
+    ///
+    /// # Errors
+    /// [`SweepError::Way`].
+    pub fn check_way(&self, way: DVec3) -> Result<(), SweepError> {
+        if within_reach(self.to_unit * way) {
+            Ok(())
+        } else {
+            Err(SweepError::Way(way))
+        }
     }
 
     /// Half of the size of the box around the ellipsoid.
@@ -118,7 +142,7 @@ impl UnitSpace {
 }
 
 /// The first triangle of a list that an ellipsoid touches on its way; of several at the same time, the first of the
-/// list. Triangles with a number that is not finite are passed over.
+/// list. Triangles with a number that is not finite, or more than [`FARTHEST`] radii away, are passed over.
 ///
 /// ```
 /// use bevy::math::DVec3;
@@ -140,16 +164,15 @@ pub fn sweep(
     triangles: &[[DVec3; 3]],
 ) -> Result<Option<Contact>, SweepError> {
     let space = UnitSpace::new(ellipsoid)?;
-    if !way.is_finite() {
-        return Err(SweepError::Way(way));
-    }
+    space.check_way(way)?;
     let unit_way = space.to_unit * way;
     let mut best: Option<(UnitTouch, u32)> = None;
     for (index, corners) in (0..).zip(triangles) {
-        if !corners.iter().all(|corner| corner.is_finite()) {
+        let triangle = space.triangle(*corners);
+        if !triangle.corners.iter().all(|corner| within_reach(*corner)) {
             continue;
         }
-        if let Some(touch) = sweep_unit(&space.triangle(*corners), unit_way)
+        if let Some(touch) = sweep_unit(&triangle, unit_way)
             && best.is_none_or(|(known, _)| touch.time < known.time)
         {
             best = Some((touch, index));

@@ -72,7 +72,8 @@ pub fn sweep(triangle: &UnitTriangle, way: DVec3) -> Option<UnitTouch> {
         if height < 0.0 {
             (up, height, climb) = (-up, -height, -climb);
         }
-        // All of the way on one side and too far from it. What rounding may do to a height is far below 1e-6.
+        // All of the way on one side and too far from it. What rounding may do to a height is far below 1e-6, for corners
+        // of needles too; segments have no plane.
         if height.min(height + climb) > 1.0 + 1e-6 {
             return None;
         }

@@ -1,9 +1,9 @@
 //! A box that moves in a straight line through a tree: rays are boxes of no size.
 
 use super::TriangleTree;
-use super::node::Node;
+use super::node::{NONE, Node};
 use super::stack::{Entry, push_sorted, with};
-use crate::sweep::{Contact, SweepError, UnitSpace, UnitTouch, sweep_unit};
+use crate::sweep::{Contact, SweepError, UnitSpace, UnitTouch, sweep_unit, within_reach};
 use crate::volume::Ellipsoid;
 use bevy::math::{DVec3, Vec3};
 use std::ops::Range;
@@ -74,7 +74,8 @@ impl Slabs {
         }
         let mut bits = 0;
         for i in 0..8 {
-            bits |= u32::from(enter[i] <= leave[i]) << i;
+            // A box that is none is met by nothing, but where numbers of f32 run over: ∞ − ∞ compares with nothing.
+            bits |= u32::from((enter[i] <= leave[i]) & (node.first[i] != NONE)) << i;
         }
         (enter, bits)
     }
@@ -130,17 +131,22 @@ impl TriangleTree {
     /// [`SweepError`].
     pub fn sweep(&self, ellipsoid: &Ellipsoid, way: DVec3) -> Result<Option<Contact>, SweepError> {
         let space = UnitSpace::new(ellipsoid)?;
-        if !way.is_finite() {
-            return Err(SweepError::Way(way));
-        }
+        space.check_way(way)?;
         let touch = self.sweep_space(&space, way);
         Ok(touch.map(|(touch, triangle)| space.contact(&touch, triangle, way)))
     }
 
-    /// The same in unit space, of numbers that were checked.
+    /// The same in unit space, of numbers that were checked. A mesh that is more than [`FARTHEST`] radii away is not
+    /// met, nor is anything on a longer way.
+    ///
+    /// [`FARTHEST`]: crate::sweep::FARTHEST
     #[must_use]
     pub fn sweep_space(&self, space: &UnitSpace, way: DVec3) -> Option<(UnitTouch, u32)> {
         let origin = space.center - self.mesh.origin();
+        let unit_way = space.to_unit * way;
+        if !(within_reach(space.to_unit * origin) && within_reach(unit_way)) {
+            return None;
+        }
         let half = space.half_size();
         let room = (origin.abs() + way.abs() + half).max_element() * ROOM;
         let slabs = Slabs::new(
@@ -153,7 +159,6 @@ impl TriangleTree {
             center: origin,
             ..*space
         };
-        let unit_way = space.to_unit * way;
         let mut best: Option<(UnitTouch, u32)> = None;
         walk(&self.nodes, &slabs, 1.0, |range| {
             for (corners, &triangle) in self.corners[range.clone()].iter().zip(&self.order[range]) {

@@ -179,6 +179,49 @@ fn triggers_report_in_order() {
     assert_eq!(drain(&mut app), []);
 }
 
+/// Put into a trigger it is in it at once, and not when it touches the wall from inside on its way out.
+#[test]
+fn who_begins_within_enters_at_once() {
+    let mut app = app();
+    let trigger = Trigger {
+        half_size: Vec3::splat(2.0),
+    };
+    app.world_mut().spawn(trigger);
+    let mover = app.world_mut().spawn(CharacterBody::default()).id();
+    walk(&mut app, mover, Vec3::X * 5.0, 1);
+    let told = drain(&mut app);
+    assert_eq!(told.len(), 2, "{told:?}");
+    assert_eq!((told[0].kind, told[0].time), (TriggerKind::Enter, 0.0));
+    assert_eq!(told[0].place, bevy::math::DVec3::ZERO);
+    assert_eq!(told[1].kind, TriggerKind::Leave);
+    // Its side is 0.3 m behind its centre.
+    assert!((told[1].time - 0.46).abs() < 1e-6, "{told:?}");
+    // A trigger that comes about it, which it touches from inside but does not leave.
+    let trigger = Trigger {
+        half_size: Vec3::splat(2.0),
+    };
+    app.world_mut()
+        .spawn((trigger, Transform::from_xyz(5.0, 0.0, 0.0)));
+    walk(&mut app, mover, Vec3::X * 2.0, 1);
+    let told = drain(&mut app);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert_eq!((told[0].kind, told[0].time), (TriggerKind::Enter, 0.0));
+}
+
+/// What a mover was told stays where its body is taken away, and counts no more.
+#[test]
+fn a_body_that_is_gone_is_not_counted() {
+    let mut app = app();
+    let movers = [(); 2].map(|()| app.world_mut().spawn(CharacterBody::default()).id());
+    walk(&mut app, movers[0], Vec3::X, 1);
+    assert_eq!(app.world().resource::<CollisionCounters>().moves, 2);
+    app.world_mut()
+        .entity_mut(movers[1])
+        .remove::<CharacterBody>();
+    walk(&mut app, movers[0], Vec3::X, 1);
+    assert_eq!(app.world().resource::<CollisionCounters>().moves, 1);
+}
+
 /// A trigger that is gone was left, though it was the last of all.
 #[test]
 fn who_is_in_the_last_trigger_leaves_it_with_it() {

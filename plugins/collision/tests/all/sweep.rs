@@ -3,6 +3,7 @@
 use bevy::math::DVec3;
 use dolomite_collision::{Contact, Ellipsoid, Feature, SweepError, sweep};
 use dolomite_testkit::hostile::{self, KINDS};
+use dolomite_testkit::places::{direction, place, size};
 use dolomite_testkit::random::Random;
 use dolomite_testkit::sweeps::{Sweep, Swept, swept};
 
@@ -85,6 +86,69 @@ fn hostile_sweeps_hit_as_the_oracle_says() {
     }
 }
 
+/// Needles of every width, down to corners in one line: the normal of those is a rounding, and says nothing.
+#[test]
+fn slivers_of_any_width_are_hit_as_the_oracle_says() {
+    let mut random = Random::new(23);
+    for widths in [[0.0, 0.0], [1e-18, 1e-14], [1e-14, 1e-10], [1e-10, 1e-5]] {
+        let mut errors = Errors::default();
+        for _ in 0..1500 {
+            let from = place(&mut random, 2.0);
+            let along = direction(&mut random) * size(&mut random, 0.1, 10.0);
+            let width = if widths[1] > 0.0 {
+                along.length() * size(&mut random, widths[0], widths[1])
+            } else {
+                0.0
+            };
+            let middle = from + along * random.unit() + direction(&mut random) * width;
+            let mut corners = [from, from + along, middle];
+            corners.rotate_left(random.below(3));
+            let radii = DVec3::new(
+                size(&mut random, 1e-3, 1.0),
+                size(&mut random, 1e-3, 1.0),
+                size(&mut random, 1e-3, 1.0),
+            );
+            let aim = from + along * random.unit();
+            let way = direction(&mut random) * size(&mut random, 0.1, 10.0);
+            // So near to it that it is hit where the way is not too short.
+            let beside = direction(&mut random) * radii * random.unit();
+            let center = aim + beside - way * random.unit();
+            let case = Sweep {
+                center: center.to_array(),
+                radii: radii.to_array(),
+                way: way.to_array(),
+                corners: corners.map(|corner| corner.to_array()),
+            };
+            compare(&mut errors, ours(&case), &swept(&case));
+        }
+        println!("{widths:?}: {errors:?}");
+        assert_eq!((errors.missed, errors.invented), (0, 0), "{widths:?}");
+        assert!(
+            errors.time <= 1e-6 && errors.normal <= 1e-4 && errors.hits > 500,
+            "{widths:?}: {errors:?}"
+        );
+    }
+}
+
+/// Its corners lie in one line but for the last bit: the plane through them is nobody's.
+#[test]
+fn a_segment_of_three_corners_is_hit_at_its_edge() {
+    let mut case = Sweep {
+        center: [2.8, 0.2, 4.2],
+        radii: [0.3, 0.9, 0.3],
+        way: [0.0, -4.0, 0.0],
+        corners: [[0.0; 3], [4.0, -4.0, 6.0], [1.2, -1.2, 1.8]],
+    };
+    for _ in 0..2 {
+        let found = ours(&case).expect("it falls onto the segment");
+        assert!((found.time - 0.521_186).abs() < 1e-6, "{found:?}");
+        assert!(matches!(found.feature, Feature::Edge(_)), "{found:?}");
+        // The neighbours of these numbers.
+        case.corners[1][2] = 6.000_000_000_000_001;
+        case.corners[2][0] = 1.200_000_000_000_000_2;
+    }
+}
+
 /// The comparison sees a sweep that has only faces, and one that is late by 2e-6.
 #[test]
 fn wrong_sweeps_are_seen() {
@@ -153,12 +217,27 @@ fn what_cannot_be_swept_is_refused_and_broken_triangles_are_passed() {
         assert!(matches!(refused, Err(SweepError::Ellipsoid { .. })));
     }
     let figure = Ellipsoid::upright(DVec3::Y * 2.0, DVec3::ONE);
-    for way in [DVec3::splat(nan), DVec3::splat(f64::INFINITY)] {
+    for way in [
+        DVec3::splat(nan),
+        DVec3::splat(f64::INFINITY),
+        DVec3::new(0.0, nan, 0.0),
+        DVec3::Y * -1e300,
+    ] {
         assert!(matches!(
             sweep(&figure, way, &[floor]),
             Err(SweepError::Way(_))
         ));
     }
+    let nowhere = Ellipsoid::upright(DVec3::Y * 1e300, DVec3::ONE);
+    assert!(matches!(
+        sweep(&nowhere, DVec3::X, &[floor]),
+        Err(SweepError::Ellipsoid { .. })
+    ));
+    let beyond = [DVec3::Z * 1e300, DVec3::X, DVec3::Y];
+    assert_eq!(sweep(&figure, -DVec3::Y * 3.0, &[beyond]), Ok(None));
+    // Far is not too far.
+    let far = sweep(&figure, -DVec3::Y * 1e50, &[floor]);
+    assert!(matches!(far, Ok(Some(contact)) if contact.time < 1e-49 && contact.normal.y > 0.999));
     let broken = [DVec3::splat(nan), DVec3::X, DVec3::Y];
     let point = [DVec3::new(0.0, 0.5, 0.0); 3];
     assert_eq!(sweep(&figure, -DVec3::Y * 3.0, &[]), Ok(None));

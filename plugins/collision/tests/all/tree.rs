@@ -5,7 +5,8 @@ use crate::support::random::{direction, place, size, turn, volume};
 use bevy::math::{DVec3, Vec3};
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use dolomite_collision::{
-    Aabb, Ellipsoid, MeshError, Ray, TreeKind, TreeSettings, TriangleMesh, TriangleTree, Volume,
+    Aabb, Ellipsoid, MeshError, Ray, SweepError, TreeKind, TreeSettings, TriangleMesh,
+    TriangleTree, Volume,
 };
 use dolomite_testkit::metrics::Hash64;
 use dolomite_testkit::random::Random;
@@ -338,6 +339,44 @@ fn what_is_no_mesh_is_refused() {
         TriangleMesh::new(DVec3::splat(f64::NAN), corners, vec![]),
         Err(MeshError::Origin(_))
     ));
+}
+
+/// Numbers that f32 does not hold run over in the tests of boxes: children that are none are still not looked at.
+#[test]
+fn ways_that_are_longer_than_f32_are_survived() {
+    let mut random = Random::new(37);
+    let triangles = soup(&mut random, 300, 5.0, 0.5);
+    let mesh = TriangleMesh::from_triangles(&triangles).unwrap();
+    let truth = TriangleTree::new(mesh.clone(), settings(TreeKind::List, 1, 1));
+    let figure = Ellipsoid::upright(DVec3::Y * 9.0, DVec3::ONE);
+    let far = Ellipsoid::upright(DVec3::Y * 1e50, DVec3::ONE);
+    for (kind, leaf, depth) in ALL {
+        let tree = TriangleTree::new(mesh.clone(), settings(kind, leaf, depth));
+        for way in [1e38, 1e40, 4e44, 1e50] {
+            let way = DVec3::Y * -way;
+            let found = tree.sweep(&figure, way);
+            assert!(matches!(found, Ok(Some(_))), "{kind:?} {way}");
+            assert_eq!(found, truth.sweep(&figure, way), "{kind:?} {way}");
+        }
+        assert_eq!(tree.sweep(&far, DVec3::X), Ok(None));
+        for way in [
+            DVec3::Y * -1e300,
+            DVec3::NAN,
+            DVec3::new(0.0, f64::NAN, 0.0),
+        ] {
+            assert!(matches!(tree.sweep(&figure, way), Err(SweepError::Way(_))));
+        }
+        let ray = Ray::between(DVec3::Y * 1e150, DVec3::Y * -1e150);
+        assert_eq!(tree.first_hit(&ray), truth.first_hit(&ray));
+    }
+    // A mesh that is nowhere near.
+    let nowhere = TriangleMesh::new(
+        DVec3::Y * 1e300,
+        vec![Vec3::ZERO, Vec3::X, Vec3::Z],
+        vec![[0, 1, 2]],
+    );
+    let nowhere = TriangleTree::new(nowhere.unwrap(), TreeSettings::default());
+    assert_eq!(nowhere.sweep(&figure, DVec3::Y), Ok(None));
 }
 
 /// The same on any number of threads, whatever the profile: each of the two runs in a process of its own.

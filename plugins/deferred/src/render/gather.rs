@@ -11,7 +11,7 @@ use super::lights::Lights;
 use super::prepare::ViewLighting;
 use crate::choice::{Chosen, Suns};
 use crate::components::DeferredLighting;
-use crate::light::{Cone, LightRow, LightSource, Shadows};
+use crate::light::{Cone, LightRefusal, LightRow, LightSource, Shadows, check_sun};
 
 fn source(light: &ExtractedPointLight) -> LightSource {
     let color = Vec3::from_array([light.color.red, light.color.green, light.color.blue]);
@@ -47,16 +47,23 @@ pub fn gather(
     lights.layers.clear();
     lights.refused = 0;
     lights.suns = Suns::None;
-    for sun in &suns {
-        let shadows = sun.shadow_maps_enabled || sun.contact_shadows_enabled;
-        lights.suns = lights
-            .suns
-            .max(if shadows { Suns::Shadowed } else { Suns::Open });
-    }
     if views.is_empty() {
         lights.buffer = None;
         lights.uploaded = Vec::new();
         return;
+    }
+    for sun in &suns {
+        let color = Vec3::from_array([sun.color.red, sun.color.green, sun.color.blue]);
+        // Not `back`, whose debug assertions end the app for what is refused here.
+        let to_light = Vec3::from(sun.transform.affine().matrix3.z_axis).normalize_or_zero();
+        if let Err(refusal) = check_sun(color * sun.illuminance, to_light) {
+            refuse(lights, refusal);
+            continue;
+        }
+        let shadows = sun.shadow_maps_enabled || sun.contact_shadows_enabled;
+        lights.suns = lights
+            .suns
+            .max(if shadows { Suns::Shadowed } else { Suns::Open });
     }
     lights
         .rows
@@ -71,12 +78,7 @@ pub fn gather(
         };
         match LightRow::new(&source(light)) {
             Ok(good) => *row = good,
-            Err(refusal) => {
-                lights.refused += 1;
-                if lights.told.insert(refusal) {
-                    warn!("a light is not drawn: {refusal}; others like it are not told again");
-                }
-            }
+            Err(refusal) => refuse(lights, refusal),
         }
         if let Some(layers) = layers.filter(|layers| **layers != default) {
             lights.layers.insert(index as u32, layers.clone());
@@ -85,6 +87,14 @@ pub fn gather(
     let reads = |view: &ViewLighting| view.variation.is_some_and(|v| v.chosen != Chosen::Nothing);
     let read = views.iter().flatten().any(reads);
     upload(lights, read, &device, &queue);
+}
+
+/// Counts a light that is not drawn, and names the first of each sort.
+fn refuse(lights: &mut Lights, refusal: LightRefusal) {
+    lights.refused += 1;
+    if lights.told.insert(refusal) {
+        warn!("a light is not drawn: {refusal}; others like it are not told again");
+    }
 }
 
 /// Writes what changed; a scene at rest writes nothing. `read` says that a view reads rows: until the pipeline

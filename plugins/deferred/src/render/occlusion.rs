@@ -117,6 +117,12 @@ impl ViewOcclusion {
         }
     }
 
+    /// What it was made for.
+    #[must_use]
+    pub const fn uniform(&self) -> Uniform {
+        self.uniform
+    }
+
     /// Of its textures and its buffer.
     #[must_use]
     pub fn bytes(&self) -> u64 {

@@ -26,9 +26,8 @@ use crate::occlusion::AmbientOcclusion;
 
 /// Pixels on a side of a tile.
 pub const TILE: u32 = 16;
-/// A tile keeps a bit a light in the memory of its workgroup, of which WebGPU grants 16 KiB.
-pub const MOST_IN_TILES: u32 = 32 * MOST_WORDS;
-/// Words of that memory, for many lights and for few.
+/// Words of the memory of a tile's workgroup, of which WebGPU grants 16 KiB, for many lights and for few: a tile keeps a
+/// bit a light in it.
 const MOST_WORDS: u32 = 3072;
 /// See [`MOST_WORDS`].
 const FEW_WORDS: u32 = 128;
@@ -62,6 +61,8 @@ pub struct LightingUniform {
 pub struct ViewLighting {
     /// What this frame is drawn with: where another is wanted, the last one until that is compiled.
     pub variation: Option<Variation>,
+    /// Of the tiles' memory in the pipelines of this frame; 0 before there are any.
+    words: u32,
     pub(super) listed: Listed,
     pub(super) uniform: LightingUniform,
     pub(super) pipelines: ViewPipelines,
@@ -115,7 +116,8 @@ impl ViewLighting {
         self.pyramid.as_ref().map(ViewPyramid::texels)
     }
 
-    /// Takes the wanted variation, or keeps the last one until the wanted one is compiled.
+    /// Takes the wanted variation, or keeps the last one until the wanted one is compiled. So many lights want so much of
+    /// the tiles' memory: a pipeline with more of it is another.
     fn take(&mut self, wanted: Variation, view: &ExtractedView, maker: &mut Maker) -> Variation {
         // Of the workgroup's memory.
         let words = if self.listed.indices.len() as u32 <= 32 * FEW_WORDS {
@@ -125,12 +127,16 @@ impl ViewLighting {
         };
         let made = maker.make(view, wanted, words);
         let ready = made.as_ref().is_some_and(|made| maker.ready(made));
-        let last = self.variation.filter(|last| !ready && *last != wanted);
-        let (variation, made) = match last {
-            Some(last) => (last, maker.make(view, last, words)),
-            None => (wanted, made),
+        let had = self.words;
+        let last = self
+            .variation
+            .filter(|last| !ready && (*last != wanted || had != words));
+        let (variation, words, made) = match last {
+            Some(last) => (last, had, maker.make(view, last, had)),
+            None => (wanted, words, made),
         };
         self.variation = Some(variation);
+        self.words = words;
         self.pipelines = made.unwrap_or_default();
         variation
     }
@@ -214,9 +220,14 @@ pub fn prepare(
         lighting.gathered =
             (chosen == Chosen::Volumes).then(|| textures.get(&device, gathered_texture(camera)));
         let last = lighting.occlusion.take();
+        // A variation that is kept until another is compiled reads what it was compiled for, wanted or not.
         lighting.occlusion = uniform
+            .or_else(|| last.as_ref().map(ViewOcclusion::uniform))
             .filter(|_| occluded)
-            .map(|uniform| ViewOcclusion::new(uniform, size, last, &device, &mut textures));
+            .map(|uniform| {
+                let size = size.max(UVec2::ONE);
+                ViewOcclusion::new(uniform, size, last, &device, &mut textures)
+            });
         stats.push(ViewStats {
             camera: main.id(),
             chosen,
@@ -276,7 +287,8 @@ fn fill_uniform(lighting: &mut ViewLighting, view: &ExtractedView, chosen: Chose
     let count = lighting.listed.indices.len() as u32;
     lighting.uniform = LightingUniform {
         lights: count,
-        in_tiles: count.min(MOST_IN_TILES),
+        // The memory of the pipeline that runs says how many; each pixel goes through the rest.
+        in_tiles: count.min(32 * lighting.words.max(FEW_WORDS)),
         tiles,
         room: if chosen == Chosen::Tiled {
             ROOM.max(tiles[0].saturating_mul(tiles[1]).saturating_mul(ROOM_EACH))

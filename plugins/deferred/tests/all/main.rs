@@ -26,7 +26,11 @@ mod occlusion;
 #[cfg(feature = "render")]
 mod oracle;
 #[cfg(feature = "render")]
+mod orthographic;
+#[cfg(feature = "render")]
 mod pyramid;
+#[cfg(feature = "render")]
+mod renderers;
 #[cfg(feature = "render")]
 mod still;
 #[cfg(feature = "render")]

@@ -283,6 +283,31 @@ fn what_makes_no_sense_is_left_out_gpu() {
     assert_eq!(passes(&app), first);
 }
 
+/// The pipeline that reads it is drawn with until the one without it is compiled, which is a frame at least.
+#[test]
+fn occlusion_that_was_always_there_can_be_taken_away_gpu() {
+    let Some(mut app) = app() else { return };
+    let occlusion = AmbientOcclusion::default();
+    let lit = (DeferredLighting::default(), occlusion);
+    let spawned = support::spawn(&mut app, &scene(4), lit);
+    support::frames(&mut app, 6);
+    let passes = |app: &App| app.world().resource::<DeferredStats>().views()[0].passes;
+    let with = passes(&app);
+    for radius in [None, Some(0.0), Some(f32::NAN)] {
+        let none = radius.map(|radius| AmbientOcclusion {
+            radius,
+            ..occlusion
+        });
+        set(&mut app, spawned.camera, none);
+        // Asserts that rendering did not stop.
+        support::frames(&mut app, 4);
+        assert_eq!(passes(&app) + 1, with, "{radius:?}");
+        set(&mut app, spawned.camera, Some(occlusion));
+        support::frames(&mut app, 4);
+        assert_eq!(passes(&app), with, "{radius:?}");
+    }
+}
+
 #[test]
 fn a_part_of_a_target_is_as_a_target_of_its_size_gpu() {
     let Some(mut app) = app() else { return };

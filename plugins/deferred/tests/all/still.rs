@@ -197,6 +197,31 @@ fn maps_are_kept_while_nothing_moves_and_the_picture_is_the_same_gpu() {
     stage.same("back");
 }
 
+/// Whatever of it changes: it may be its alpha mask.
+#[test]
+fn a_material_that_changes_is_drawn_anew_gpu() {
+    let Some(mut stage) = stage(1, 3, 32) else {
+        return;
+    };
+    stage.still(true);
+    support::frames(&mut stage.app, 10);
+    assert_eq!(stage.faces(), (0, 6));
+    for k in 0..8 {
+        let mut materials = stage
+            .app
+            .world_mut()
+            .resource_mut::<Assets<StandardMaterial>>();
+        let mut material = materials.get_mut(&stage.material).expect("it is there");
+        material.emissive = LinearRgba::gray(0.1 * k as f32);
+        drop(material);
+        support::frames(&mut stage.app, 1);
+        // It is told of the material, marks meshes of it, and we look for those: in one frame or in three.
+        assert!(stage.faces().0 > 0 || k < 3, "{k}");
+    }
+    support::frames(&mut stage.app, 10);
+    assert_eq!(stage.faces(), (0, 6));
+}
+
 /// Milliseconds of the processor a frame.
 fn time(stage: &mut Stage) -> f64 {
     support::frames(&mut stage.app, 8);

@@ -70,6 +70,9 @@ fn bad_movers_are_refused_and_the_others_go_on() {
         // Within the ground, and outside of the world.
         Mover::new(DVec3::new(0.0, 0.2, 0.0), FIGURE),
         Mover::new(DVec3::splat(1e12), FIGURE),
+        // Their squares are no numbers any more.
+        Mover::new(DVec3::Y, FIGURE),
+        Mover::new(DVec3::Y * 1e300, FIGURE),
     ];
     let wishes = [
         DVec3::X,
@@ -78,8 +81,10 @@ fn bad_movers_are_refused_and_the_others_go_on() {
         DVec3::new(0.0, -1e6, 0.0),
         DVec3::ZERO,
         DVec3::NEG_Y,
+        DVec3::Y * -1e300,
+        DVec3::NEG_Y,
     ];
-    let mut outcomes = vec![MoveOutcome::default(); 6];
+    let mut outcomes = vec![MoveOutcome::default(); 8];
     advance_all(
         &World::new(&bodies),
         &mut movers,
@@ -99,6 +104,8 @@ fn bad_movers_are_refused_and_the_others_go_on() {
     );
     assert!((movers[4].center.y - 0.9).abs() < 1e-5, "{:?}", movers[4]);
     assert_eq!(outcomes[5].error, None);
+    assert!(matches!(outcomes[6].error, Some(MoveError::Wish(_))));
+    assert!(matches!(outcomes[7].error, Some(MoveError::Mover { .. })));
     let settings = MoveSettings {
         up: DVec3::ZERO,
         ..MoveSettings::default()

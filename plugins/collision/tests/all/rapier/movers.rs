@@ -67,6 +67,57 @@ fn a_mover_pushes_a_stone_as_hard_as_it_may() {
 }
 
 #[test]
+fn a_stone_that_movers_meet_no_more_is_walked_through() {
+    let forget: [fn(&mut App, Entity); 2] = [
+        |app, stone| {
+            app.world_mut().entity_mut(stone).remove::<MeetsMovers>();
+        },
+        |app, stone| {
+            app.world_mut().entity_mut(stone).remove::<RapierCollider>();
+        },
+    ];
+    for forget in forget {
+        let (mut app, mover) = with_mover(None);
+        let stone = ball(&mut app, 0.5, Vec3::new(2.0, 0.5, 0.0), Vec3::ZERO);
+        app.world_mut().entity_mut(stone).insert(MeetsMovers);
+        walk(&mut app, mover, 2.0, 48);
+        let stopped = place(&app, mover).x;
+        assert!(stopped < 1.3, "the stone is in the way: {stopped}");
+        forget(&mut app, stone);
+        walk(&mut app, mover, 2.0, 128);
+        let walked = place(&app, mover).x;
+        assert!(walked > 3.0, "nothing is in the way: {walked}");
+        assert!(app.world().get::<Collider>(stone).is_none());
+    }
+}
+
+#[test]
+fn a_mover_without_its_body_pushes_no_more() {
+    let (mut app, mover) = with_mover(Some(400.0));
+    let stone = ball(&mut app, 0.5, Vec3::new(2.0, 0.5, 0.0), Vec3::ZERO);
+    app.world_mut().entity_mut(stone).insert(MeetsMovers);
+    let touches = |app: &App| {
+        let state = app.world().get::<MoveState>(mover).expect("it stays");
+        state.contacts().any(|(entity, _)| entity == stone)
+    };
+    for _ in 0..128 {
+        walk(&mut app, mover, 2.0, 1);
+        if touches(&app) {
+            break;
+        }
+    }
+    assert!(touches(&app), "it walks into the stone");
+    app.world_mut().entity_mut(mover).remove::<CharacterBody>();
+    app.world_mut()
+        .entity_mut(stone)
+        .insert(Velocity::linear(Vec3::ZERO));
+    let before = place(&app, stone).x;
+    steps(&mut app, 64);
+    let rolled = place(&app, stone).x - before;
+    assert!(touches(&app) && rolled.abs() < 0.05, "{rolled}");
+}
+
+#[test]
 fn a_stone_pushes_a_mover_and_does_not_pass_through() {
     let (mut app, mover) = with_mover(Some(400.0));
     let stone = ball(
