@@ -278,7 +278,9 @@ fn table(made: &Conversion, output: &Output) -> String {
 
 fn bytes_row(report: &Report, output: &Output) -> String {
     let how = match report.compression {
-        Compression::None if report.plain_is_smaller => ", plain, which is no larger than compressed",
+        Compression::None if report.plain_is_smaller => {
+            ", plain, which is no larger than compressed"
+        }
         Compression::None => "",
         Compression::Meshopt => ", under EXT_meshopt_compression",
     };

@@ -146,11 +146,7 @@ pub fn take(world: &mut World) -> Option<Saved> {
         passed: world.get::<LogicTimer>(cast.timer)?.passed,
         hour: world.get::<DayClock>(cast.clock)?.hour,
         // Who turns about often enough has turned farther than a saved game may say.
-        figure: (
-            figure.place.x,
-            figure.place.y,
-            figure.yaw.rem_euclid(TAU),
-        ),
+        figure: (figure.place.x, figure.place.y, figure.yaw.rem_euclid(TAU)),
         above,
         health: world.get::<Health>(cast.player)?.now,
         rounds: world

@@ -166,7 +166,9 @@ impl DelayedActions {
     pub(crate) fn sorted(&self) -> Vec<(u64, Action)> {
         let mut all: Vec<Later> = self.heap.iter().map(|later| later.0).collect();
         all.sort_unstable();
-        all.into_iter().map(|later| (later.step, later.action)).collect()
+        all.into_iter()
+            .map(|later| (later.step, later.action))
+            .collect()
     }
 
     /// How many wait.

@@ -110,9 +110,12 @@ fn a_file_of_another_version_is_set_aside_and_read_whole_by_that() {
 fn what_is_no_file_of_ours_is_set_aside_however_short() {
     let folder = folder("kind");
     let path = folder.join("notes.txt");
-    for (n, text) in ["buy bread", "a letter of more than twenty-eight bytes, and then some"]
-        .into_iter()
-        .enumerate()
+    for (n, text) in [
+        "buy bread",
+        "a letter of more than twenty-eight bytes, and then some",
+    ]
+    .into_iter()
+    .enumerate()
     {
         fs::write(&path, text).unwrap();
         write(KIND, &path, b"game").unwrap();
@@ -134,10 +137,7 @@ fn what_cannot_be_read_is_set_aside() {
     let path = folder.join("game.save");
     // A name that leads to itself: nobody can say what is there.
     std::os::unix::fs::symlink(&path, &path).unwrap();
-    assert!(matches!(
-        read(KIND, &path),
-        Err(SealedError::Read { .. })
-    ));
+    assert!(matches!(read(KIND, &path), Err(SealedError::Read { .. })));
     write(KIND, &path, b"game").unwrap();
     assert_eq!(read(KIND, &path).unwrap(), b"game");
     assert!(fs::symlink_metadata(folder.join("game.save.unread.0")).is_ok());

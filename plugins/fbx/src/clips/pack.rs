@@ -335,7 +335,9 @@ impl Packing<'_> {
             let channel = &mut choice.channel;
             match (draft.steps[number], channel.property) {
                 (None, _) => {}
-                (Some(step), Property::Rotation) if !draft.aimed => rotation(channel, step, |_, q| q),
+                (Some(step), Property::Rotation) if !draft.aimed => {
+                    rotation(channel, step, |_, q| q)
+                }
                 (Some(_), Property::Rotation) => {}
                 (Some(step), _) => vector(channel, step),
             }

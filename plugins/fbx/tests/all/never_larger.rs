@@ -65,7 +65,9 @@ fn hold(
     assert_eq!(report.plain_is_smaller, !needs, "{name}");
     let views = root["bufferViews"].as_array().cloned().unwrap_or_default();
     assert_eq!(
-        views.iter().any(|view| view["extensions"][NAME].is_object()),
+        views
+            .iter()
+            .any(|view| view["extensions"][NAME].is_object()),
         needs,
         "{name}"
     );
@@ -81,7 +83,11 @@ fn hold(
     for clip in 0..same.clips().len() {
         for step in 0..=7 {
             let time = same.clips()[clip].1 * f64::from(step) / 7.0;
-            assert_eq!(read.at(Some(clip), time), same.at(Some(clip), time), "{name}");
+            assert_eq!(
+                read.at(Some(clip), time),
+                same.at(Some(clip), time),
+                "{name}"
+            );
         }
     }
     (packed, small, large)
@@ -181,8 +187,7 @@ fn the_files_of_the_tests_are_no_larger() {
 
 #[test]
 fn the_hero_is_no_larger() {
-    let path: PathBuf =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/hero/hero.fbx");
+    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/hero/hero.fbx");
     let bytes = std::fs::read(&path).unwrap();
     for bound in [1e-2, 1e-6] {
         let (made, small, large) = hold(&bytes, &in_folder(&path), bound, Effort::Quick);

@@ -104,9 +104,7 @@ pub(super) fn run(
 
 /// Writes what is left where it changed, whoever changed it, and where nobody knows it yet: who was never hurt is in full
 /// health, which behaviours would take for none.
-pub(super) fn tell(
-    mut all: Query<(&Health, &mut Values), Or<(Changed<Health>, Added<Values>)>>,
-) {
+pub(super) fn tell(mut all: Query<(&Health, &mut Values), Or<(Changed<Health>, Added<Values>)>>) {
     for (health, mut values) in &mut all {
         // Refused only where somebody else made it another kind, or where it is no number.
         let _ = values.set(Key::HEALTH, Value::Float(health.part()));

@@ -108,7 +108,9 @@ pub(super) fn remember(
     for (mut memory, mut values) in &mut agents {
         let best = memory.traces.first().copied();
         // Who never heard anything is calm, and is told so once.
-        let calm = values.get(Key::ALERT).is_some_and(|alert| alert.number() == 0.0);
+        let calm = values
+            .get(Key::ALERT)
+            .is_some_and(|alert| alert.number() == 0.0);
         if best.is_none() && calm {
             continue;
         }

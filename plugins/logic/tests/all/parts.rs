@@ -178,7 +178,11 @@ fn what_is_new_and_rests_is_where_it_says() {
     };
     let once = written(&app);
     steps(&mut app, 3);
-    assert_eq!(written(&app), once, "nothing is written where nothing moves");
+    assert_eq!(
+        written(&app),
+        once,
+        "nothing is written where nothing moves"
+    );
 }
 
 #[test]

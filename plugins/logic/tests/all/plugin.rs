@@ -105,10 +105,7 @@ fn who_ends_in_the_step_in_which_it_is_put_to_sleep_harms_nobody() {
     let mut app = app();
     let who = app.world_mut().spawn(LogicTimer::every(1.0)).id();
     let end = move |mut commands: Commands| commands.entity(who).try_despawn();
-    app.add_systems(
-        FixedUpdate,
-        end.before_ignore_deferred(LogicSystems::Begin),
-    );
+    app.add_systems(FixedUpdate, end.before_ignore_deferred(LogicSystems::Begin));
     act(&mut app, who, Key::SLEEP, ());
     steps(&mut app, 2);
     assert!(app.world().get_entity(who).is_err());
@@ -350,7 +347,9 @@ fn an_action_that_waits_and_who_is_in_a_zone_are_of_the_state() {
             delayed.send(1000, action);
         }
         if far {
-            app.world_mut().entity_mut(zone).insert(Zone::new(Vec3::NEG_ONE));
+            app.world_mut()
+                .entity_mut(zone)
+                .insert(Zone::new(Vec3::NEG_ONE));
         }
         steps(&mut app, 3);
         state_hash(app.world_mut())

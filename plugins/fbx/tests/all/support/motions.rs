@@ -8,7 +8,11 @@ pub fn two_keys() -> String {
     let still = Curve::lines(&[(0.0, 0.0), (1.0, 0.0)]);
     let moved = Curve::lines(&[(0.0, 0.0), (1.0, 0.1)]);
     let curves = vec![(0, TRANSLATION, 0, still), (1, ROTATION, 2, moved)];
-    file(&[Node::default(), below(0, 1.0)], &[base(curves)], (0.0, 1.0))
+    file(
+        &[Node::default(), below(0, 1.0)],
+        &[base(curves)],
+        (0.0, 1.0),
+    )
 }
 
 /// A triangle that nothing moves.
@@ -23,7 +27,11 @@ pub fn spin() -> String {
         (0, ROTATION, 1, turned(3600.0)),
         (1, ROTATION, 0, turned(-3600.0)),
     ];
-    file(&[Node::default(), below(0, 1.0)], &[base(curves)], (0.0, 2.0))
+    file(
+        &[Node::default(), below(0, 1.0)],
+        &[base(curves)],
+        (0.0, 2.0),
+    )
 }
 
 /// A key in every frame, and none that others say: `count` of them.
@@ -53,7 +61,9 @@ pub fn giant() -> String {
     let mut curves = Vec::new();
     for node in 0..nodes.len() {
         for axis in 0..3 {
-            let values = shares(5 + 3 * node + axis).skip(3 * node + axis).enumerate();
+            let values = shares(5 + 3 * node + axis)
+                .skip(3 * node + axis)
+                .enumerate();
             let points = values.map(|(i, share)| (i as f64 * 0.75, 60.0 * share - 30.0));
             let curve = Curve::of(&points.collect::<Vec<_>>(), CUBIC);
             curves.push((node, ROTATION, axis, curve));
