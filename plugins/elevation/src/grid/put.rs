@@ -6,7 +6,7 @@ use crate::nodata::{Marks, is_nodata, named};
 
 impl Grid<'_> {
     /// A row of the file, counted from the north.
-    fn from_north(&self, row: usize) -> usize {
+    fn north_row(&self, row: usize) -> usize {
         if self.flip {
             self.size[1] - 1 - row
         } else {
@@ -16,7 +16,7 @@ impl Grid<'_> {
 
     /// The row of the map that a row of the file becomes, if it is kept.
     fn row(&self, row: usize) -> Option<usize> {
-        let row = self.from_north(row);
+        let row = self.north_row(row);
         row.is_multiple_of(self.every()).then(|| row / self.every())
     }
 
@@ -34,7 +34,7 @@ impl Grid<'_> {
         };
         let is_kept = self.row(row).is_some();
         let there = if is_kept {
-            gaps.row(self.from_north(row))
+            gaps.row(self.north_row(row))
         } else {
             None
         };
@@ -116,14 +116,14 @@ impl Grid<'_> {
         let first = column.next_multiple_of(every);
         let values = values.take(columns.saturating_sub(column));
         let values = values.skip(first - column).step_by(every);
-        let from_north = self.from_north(row);
+        let row_from_north = self.north_row(row);
         let Some(wide) = self.wide.as_mut().filter(|_| is_kept) else {
             return self.set(row, first, every, std::iter::empty());
         };
         let (scale, offset) = wide.scale;
         let mut numbers = Vec::new();
         let mut samples = Vec::new();
-        let there = self.gaps.as_mut().and_then(|gaps| gaps.row(from_north));
+        let there = self.gaps.as_mut().and_then(|gaps| gaps.row(row_from_north));
         for (k, value) in values.enumerate() {
             let is_gap = there.is_some_and(|there| !there.is(first + k * every));
             let is_nodata = is_gap || wide.nodata.iter().any(|&nodata| is_nodata(value, nodata));

@@ -173,8 +173,12 @@ fn what_is_new_and_rests_is_where_it_says() {
     assert_eq!(place(lift), Vec3::Y * 2.0);
     assert_eq!((place(closed), place(open)), (Vec3::X * 5.0, Vec3::X * 9.0));
     let written = |app: &App| {
-        let at = |entity| app.world().entity(entity).get_ref::<Transform>();
-        [lift, closed, open].map(|entity| at(entity).expect("it is somewhere").last_changed())
+        let changed = |entity: Entity| {
+            let who = app.world().entity(entity);
+            let place = who.get_ref::<Transform>().expect("it is somewhere");
+            place.last_changed()
+        };
+        [lift, closed, open].map(changed)
     };
     let once = written(&app);
     steps(&mut app, 3);
