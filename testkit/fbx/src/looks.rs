@@ -64,6 +64,21 @@ fn lost(report: &Report, name: &str) -> bool {
         .any(|lost| lost.name.contains(name) || lost.detail.contains(name))
 }
 
+/// Whether a node above is hidden, and no key that is heard shows it.
+fn hidden_above(scene: &Scene, node: usize) -> bool {
+    let layers = scene.stacks.iter().flat_map(|stack| stack.heard());
+    let tracks: Vec<_> = layers.flat_map(|layer| &layer.tracks).collect();
+    let shown = |node: usize| {
+        let mut own = tracks
+            .iter()
+            .filter(|track| matches!(track.target, Target::Visibility(at) if at == node))
+            .flat_map(|track| track.curves.iter().flatten());
+        own.any(|curve| curve.keys.iter().any(|key| key.value > 0.0))
+    };
+    let mut above = std::iter::successors(scene.nodes[node].parent, |&at| scene.nodes[at].parent);
+    above.any(|at| scene.nodes[at].hidden && !shown(at))
+}
+
 /// What is keyed and no transform: carried, or said to be lost.
 fn keyed(scene: &Scene, report: &Report, json: &Value) -> Result<(), Failure> {
     let targets = scene
@@ -92,6 +107,10 @@ fn keyed(scene: &Scene, report: &Report, json: &Value) -> Result<(), Failure> {
                 .all(|key| key.value == curve.keys[0].value)
         };
         if track.curves.iter().flatten().all(still) {
+            continue;
+        }
+        // Whoever is hidden with a node above, whatever keys say, shows nothing that could be lost.
+        if matches!(track.target, Target::Visibility(node) if hidden_above(scene, node)) {
             continue;
         }
         let carried = json.to_string().contains("KHR_animation_pointer")
