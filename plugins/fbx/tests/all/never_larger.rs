@@ -46,9 +46,13 @@ fn hold(
     bound: f64,
     effort: Effort,
 ) -> (Conversion, Vec<u8>, Vec<u8>) {
-    let [plain, packed] = [Compression::None, Compression::Meshopt]
-        .map(|compress| convert(file, origin, &options(bound, effort, compress)).unwrap());
-    let (large, small) = (plain.to_glb().unwrap(), packed.to_glb().unwrap());
+    let [plain, packed] = [Compression::None, Compression::Meshopt].map(|compress| {
+        convert(file, origin, &options(bound, effort, compress)).expect("the test made it so")
+    });
+    let (large, small) = (
+        plain.to_glb().expect("the test made it so"),
+        packed.to_glb().expect("the test made it so"),
+    );
     let name = format!("{} at {bound:e} m, {effort:?}", origin.name);
     assert!(
         small.len() <= large.len(),
@@ -76,8 +80,9 @@ fn hold(
     // The same model written plainly, number by number.
     let mut same = packed.clone();
     same.report.compression = Compression::None;
-    let same = Played::read(&same.to_glb().unwrap()).unwrap();
-    let read = Played::read(&small).unwrap();
+    let same =
+        Played::read(&same.to_glb().expect("the test made it so")).expect("the test made it so");
+    let read = Played::read(&small).expect("the test made it so");
     assert_eq!(read.clips(), same.clips(), "{name}");
     assert_eq!(read.animation_bytes(), report.animation_bytes, "{name}");
     for clip in 0..same.clips().len() {
@@ -96,13 +101,15 @@ fn hold(
 /// What is decoded is no farther from the file than is stated.
 fn hold_stated(file: &[u8], made: &Conversion, glb: &[u8]) {
     let report = &made.report;
-    let played = Played::read(glb).unwrap();
-    let truth = Truth::load(file, &Origin::default()).unwrap();
+    let played = Played::read(glb).expect("the test made it so");
+    let truth = Truth::load(file, &Origin::default()).expect("the test made it so");
     for (number, clip) in made.model.clips.iter().enumerate() {
         for step in 0..=97 {
             let time = clip.duration * f64::from(step) / 97.0;
             let (shapes, _) = played.at(Some(number), time);
-            let (bodies, _) = truth.at(Some(number), clip.begin + time).unwrap();
+            let (bodies, _) = truth
+                .at(Some(number), clip.begin + time)
+                .expect("the test made it so");
             let error = vertex_error(&shapes, &bodies, &truth.space(), &made.sources());
             let allowed = report.error() + 1e-6 * report.size;
             assert!(
@@ -178,7 +185,7 @@ fn a_giant_is_no_larger_at_fine_bounds() {
 fn the_files_of_the_tests_are_no_larger() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/field");
     for path in files_below(&data) {
-        let bytes = std::fs::read(&path).unwrap();
+        let bytes = std::fs::read(&path).expect("the test made it so");
         for bound in BOUNDS {
             hold(&bytes, &in_folder(&path), bound, Effort::Quick);
         }
@@ -188,7 +195,7 @@ fn the_files_of_the_tests_are_no_larger() {
 #[test]
 fn the_hero_is_no_larger() {
     let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/hero/hero.fbx");
-    let bytes = std::fs::read(&path).unwrap();
+    let bytes = std::fs::read(&path).expect("the test made it so");
     for bound in [1e-2, 1e-6] {
         let (made, small, large) = hold(&bytes, &in_folder(&path), bound, Effort::Quick);
         println!("at {bound:e}: {} of {} bytes", small.len(), large.len());
@@ -201,7 +208,7 @@ fn the_hero_is_no_larger() {
 fn a_capture_is_no_larger_where_there_is_no_room_to_round() {
     let Some(folder) = shared_fbx() else { return };
     let path = folder.join("mesh2motion/91_48.fbx");
-    let bytes = std::fs::read(&path).unwrap();
+    let bytes = std::fs::read(&path).expect("the test made it so");
     let (made, small, large) = hold(&bytes, &in_folder(&path), 3e-5, Effort::Quick);
     println!(
         "{} of {} bytes, {} keys of {}",

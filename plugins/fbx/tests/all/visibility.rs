@@ -87,7 +87,7 @@ fn keyed_visibility_is_said() {
 
 /// A file with `keys` of the visibility of node 1001, which has a mesh, and which is `value` at rest.
 fn ghost(value: &str, keys: &str) -> String {
-    let text = String::from_utf8(field("a08_visibility_curve.fbx")).unwrap();
+    let text = String::from_utf8(field("a08_visibility_curve.fbx")).expect("a text");
     let rest = "P: \"Visibility\", \"Visibility\", \"\", \"A\",";
     let changed = text
         .replace(&format!("{rest}1.0"), &format!("{rest}{value}"))
