@@ -18,6 +18,7 @@ pub(crate) mod place;
 pub(crate) mod shapes;
 mod skin;
 mod tangents;
+mod text;
 pub(crate) mod textures;
 mod tga;
 mod unsaid;

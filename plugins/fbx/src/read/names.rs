@@ -5,6 +5,7 @@ use crate::load::load_names;
 use crate::model::Model;
 use crate::options::{Budget, Options};
 use crate::read::Shapes;
+use crate::read::text::escaped;
 use crate::read::user::own_properties;
 use crate::report::Report;
 use crate::skinning::SkinJob;
@@ -160,21 +161,6 @@ fn own_name(bytes: &[u8]) -> &[u8] {
     }
 }
 
-/// Text with what is none as `\xHH`; a backslash is two then, so that nothing looks like another.
-pub(super) fn escaped(bytes: &[u8]) -> String {
-    if let Ok(text) = std::str::from_utf8(bytes) {
-        return text.to_owned();
-    }
-    let mut out = String::new();
-    for chunk in bytes.utf8_chunks() {
-        out += &chunk.valid().replace('\\', "\\\\");
-        for byte in chunk.invalid() {
-            out += &format!("\\x{byte:02X}");
-        }
-    }
-    out
-}
-
 /// Clips are looked up by name: the second `walk` becomes `walk.2`.
 pub(crate) fn make_clips_unique(model: &mut Model, report: &mut Report) {
     let mut taken: BTreeSet<String> = model.clips.iter().map(|clip| clip.name.clone()).collect();
@@ -245,15 +231,6 @@ pub(crate) fn make_paths_unique(model: &mut Model, report: &mut Report) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn bytes_that_are_no_text_stay_apart() {
-        let names: [&[u8]; 4] = [b"\x95\xe0", b"\x91\x96", b"\\x95\xe0", b"\x83\\"];
-        let all: BTreeSet<String> = names.iter().map(|name| escaped(name)).collect();
-        assert_eq!(all.len(), 4);
-        assert_eq!(escaped(b"a\x83\\b"), "a\\x83\\\\b");
-        assert_eq!(escaped("a\\\u{6b69}".as_bytes()), "a\\\u{6b69}");
-    }
 
     #[test]
     fn classes_are_no_part_of_names() {

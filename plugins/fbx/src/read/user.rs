@@ -1,6 +1,6 @@
 //! Properties that users gave to objects, as glTF's `extras`.
 
-use super::names::escaped;
+use super::text::escaped;
 use crate::model::{Extras, Model, Properties};
 use crate::report::Report;
 use serde_json::Value;
