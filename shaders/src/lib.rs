@@ -58,6 +58,7 @@ pub const ALL: &[ShaderFile] = files![
     "blocks/locate.wgsl",
     "blocks/look.wgsl",
     "blocks/looked.wgsl",
+    "blocks/lowest.wgsl",
     "blocks/make.wgsl",
     "blocks/nest.wgsl",
     "blocks/raised.wgsl",

@@ -23,8 +23,10 @@ const EMPTY_LOW: f32 = 3e38;
 // Of each cell with its ring: lowest, highest; of the samples of the bed first, then of the drawn surface.
 var<workgroup> lows: array<f32, 484>;
 var<workgroup> highs: array<f32, 484>;
-// By how much the bed may lie beyond its samples.
+// The largest second difference of the bed's samples; then by how much the bed may lie beyond them.
 var<workgroup> beyond: array<f32, 484>;
+// The largest second difference of the drawn surface and of the bed as far as it is seen.
+var<workgroup> finest_bends: array<f32, 484>;
 // Errors of mixed corners, -1 to 17 by rows.
 var<workgroup> mixed: array<f32, 361>;
 // Bits of the largest error of a mixed corner of the block; ordered bits of the lowest and the highest.
@@ -63,10 +65,9 @@ fn parent_error(made: Made, cell: vec2<i32>) -> f32 {
     return bitcast<f32>(records[made.parent + number]);
 }
 
-// Numbers of a cell; k counts those with the ring.
-fn make_cell(made: Made, k: u32) {
-    let cell = vec2(i32(k % WIDE), i32(k / WIDE)) - vec2(AROUND);
-    let first = made.row + 4u * (k / WIDE) * SAMPLES + 4u * (k % WIDE);
+// What the samples of a cell tell; k counts those with the ring.
+fn look_at_cell(row: u32, k: u32) {
+    let first = row + 4u * (k / WIDE) * SAMPLES + 4u * (k % WIDE);
     // bXZ of the bed, sXZ as it is drawn.
     let b00 = samples[first];
     let b10 = samples[first + 1u];
@@ -132,13 +133,6 @@ fn make_cell(made: Made, k: u32) {
     twisted = greater(twisted, greater(greater(twist(s02, s12, s03, s13), twist(s12, s22, s13, s23)), greater(twist(s22, s32, s23, s33), twist(s32, s42, s33, s43))));
     twisted = greater(twisted, greater(greater(twist(s03, s13, s04, s14), twist(s13, s23, s14, s24)), greater(twist(s23, s33, s24, s34), twist(s33, s43, s34, s44))));
     twists[k] = twisted;
-    // What may lie between samples.
-    let centre = square_centre(made, cell, made.cell_half);
-    let is_on = on_lattice(centre);
-    let corner = centre - vec2(made.cell_half);
-    let sides = metres_between(bitcast<vec2<i32>>(corner), bitcast<vec2<i32>>(centre + vec2(made.cell_half)));
-    let alone = unseen(ground_offset(border_point(corner), 0.5 * sides), sides, max(sides.x, sides.y) * 0.25);
-    let missed = select(0.0, alone, is_on);
     var low = min(min(min(b00, b10), min(b20, b30)), b40);
     low = min(low, min(min(min(b01, b11), min(b21, b31)), b41));
     low = min(low, min(min(min(b02, b12), min(b22, b32)), b42));
@@ -149,11 +143,52 @@ fn make_cell(made: Made, k: u32) {
     high = max(high, max(max(max(b02, b12), max(b22, b32)), b42));
     high = max(high, max(max(max(b03, b13), max(b23, b33)), b43));
     high = max(high, max(max(max(b04, b14), max(b24, b34)), b44));
+    lows[k] = low;
+    highs[k] = high;
+    finest_bends[k] = finest;
+    beyond[k] = of_bed;
+}
+
+// What may lie between the samples of a cell: see between.rs.
+fn finish_cell(made: Made, k: u32) {
+    let cell = vec2(i32(k % WIDE), i32(k / WIDE)) - vec2(AROUND);
+    // As told by its own samples, and by those of nine cells of which it is one; the middle of these is the same for every block
+    // that has it in its ring.
+    let own = cell & vec2(i32(CELLS) - 1);
+    let shift = select(vec2(0), vec2(1), own == vec2(i32(CELLS) - AROUND)) - select(vec2(0), vec2(1), own == vec2(AROUND - 1));
+    var missed = 0.0;
+    var tail = 3e38;
+    for (var ring = 0; ring < 2; ring++) {
+        let middle = cell + ring * shift;
+        let before = square_centre(made, middle - vec2(ring), made.cell_half);
+        let after = square_centre(made, middle + vec2(ring), made.cell_half);
+        let is_on = on_lattice(before) && on_lattice(after);
+        let corner = before - vec2(made.cell_half);
+        let sides = metres_between(bitcast<vec2<i32>>(corner), bitcast<vec2<i32>>(after + vec2(made.cell_half)));
+        let spacing = max(sides.x, sides.y) / f32(8 * ring + 4);
+        let alone = unseen(ground_offset(border_point(corner), 0.5 * sides), sides, spacing);
+        var bend = finest_bends[k];
+        if ring == 0 {
+            missed = select(0.0, alone, is_on);
+            tail = TAIL * bend + missed;
+        } else if is_on {
+            for (var z = 0; z < 3; z++) {
+                let row = (middle.y + z + AROUND - 1) * i32(WIDE) + middle.x + AROUND - 1;
+                bend = greater(greater(bend, finest_bends[row]), greater(finest_bends[row + 1], finest_bends[row + 2]));
+            }
+            let wider = TAIL * bend + alone;
+            tail = select(tail, wider, wider < tail);
+        }
+    }
+    let low = lows[k];
+    let high = highs[k];
+    let of_bed = beyond[k];
     let most = BEYOND * of_bed + missed;
     // Where samples are under water ground may rise out of it between them.
     let dry = select(0.0, min(TAIL * of_bed + missed, high + most - detail.sea), low < detail.sea);
-    tails[k] = greater(TAIL * finest + missed, dry);
+    tails[k] = greater(tail, dry);
     beyond[k] = most;
+    let is_on = on_lattice(square_centre(made, cell, made.cell_half));
     let is_wanted = is_on && all(cell >= vec2(-2)) && all(cell <= vec2(i32(CELLS) + 1));
     lows[k] = select(EMPTY_LOW, low, is_wanted);
     highs[k] = select(-EMPTY_LOW, high, is_wanted);
@@ -311,7 +346,11 @@ fn make_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         atomicStore(&highest, 0u);
     }
     for (var k = thread; k < WIDE_COUNT; k += GROUP) {
-        make_cell(made, k);
+        look_at_cell(made.row, k);
+    }
+    workgroupBarrier();
+    for (var k = thread; k < WIDE_COUNT; k += GROUP) {
+        finish_cell(made, k);
     }
     let nest = nest_of(made);
     let uneven = select(0u, SAMPLE_COUNT, has_border(nest));

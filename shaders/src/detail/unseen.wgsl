@@ -50,6 +50,19 @@ fn farthest(a: f32, b: f32) -> f32 {
     return select(0.5, off, floor(a + 0.5) == floor(b + 0.5));
 }
 
+// How high noise is at a place of its cells, 0 to 1/2, as a share of how high it is in the middle of a side.
+fn met(place: vec2<f32>) -> f32 {
+    let far = place * place * place * (place * (6.0 * place - 15.0) + 10.0);
+    let near = 1.0 - far;
+    let beyond = 1.0 - place;
+    // Of the four corners: the square of its weight, and of how far it is.
+    let near_z = vec2(near.x * near.y, far.x * near.y);
+    let far_z = vec2(near.x * far.y, far.x * far.y);
+    let away = vec2(place.x * place.x, beyond.x * beyond.x);
+    let all = dot(near_z * near_z, away + place.y * place.y) + dot(far_z * far_z, away + beyond.y * beyond.y);
+    return min(sqrt(8.0 * all), 1.0);
+}
+
 // What samples do not meet of a layer of noise because all of them stand at the same place of its cells; and the sum of its
 // amplitudes. CPU reference: plugins/terrain/src/bounds/hidden.rs.
 fn missed_of_noise(layer: Layer, centre: GroundPoint, sides: vec2<f32>, spacing: f32) -> vec2<f32> {
@@ -65,15 +78,13 @@ fn missed_of_noise(layer: Layer, centre: GroundPoint, sides: vec2<f32>, spacing:
         if most > MOST_CELLS {
             share = 1.0;
         } else if most >= 0.5 {
-            let x = fixed_add(coordinate(ground_x(centre), octave.mantissa, octave.shift), Fixed(octave.offset_x.x, octave.offset_x.y));
-            let z = fixed_add(coordinate(ground_z(centre), octave.mantissa, octave.shift), Fixed(octave.offset_z.x, octave.offset_z.y));
-            let place = vec2(fraction(x), fraction(z));
+            let at_x = fixed_add(coordinate(ground_x(centre), octave.mantissa, octave.shift), Fixed(octave.offset_x.x, octave.offset_x.y));
+            let at_z = fixed_add(coordinate(ground_z(centre), octave.mantissa, octave.shift), Fixed(octave.offset_z.x, octave.offset_z.y));
+            let place = vec2(fraction(at_x), fraction(at_z));
             let drift = 0.5 * count * (cells - round(cells));
-            let met = max(
-                farthest(place.x - drift.x, place.x + drift.x),
-                farthest(place.y - drift.y, place.y + drift.y),
-            );
-            share = 1.0 - 2.0 * met;
+            let x = farthest(place.x - drift.x, place.x + drift.x);
+            let z = farthest(place.y - drift.y, place.y + drift.y);
+            share = 1.0 - met(vec2(x, z));
         }
         sum += amplitude * vec2(share, 1.0);
     }
