@@ -119,6 +119,13 @@ impl Majorant {
     }
 
     pub(crate) fn scaled(&self, by: f64) -> Self {
+        if by == 1.0 {
+            return *self;
+        }
+        if by != 0.0 && by.is_finite() {
+            let by = by.abs();
+            return Self(self.0.map(|x| x * by), self.1 * by);
+        }
         Self(self.0.map(|x| times(x, by.abs())), times(self.1, by.abs()))
     }
 
@@ -158,6 +165,9 @@ impl Majorant {
 
     /// Of a vector of three.
     pub(crate) fn length(parts: &[Self; 3]) -> Self {
+        if parts.iter().all(Self::is_still) {
+            return Self::still(DVec3::from_array([0, 1, 2].map(|i| parts[i].0[0])).length());
+        }
         let long = |of: &dyn Fn(&Self) -> f64| DVec3::from_array([0, 1, 2].map(|i| of(&parts[i])));
         Self(
             std::array::from_fn(|k| long(&|part| part.0[k]).length()),
@@ -177,6 +187,22 @@ impl Majorant {
             return Self::by_orders(out);
         }
         let slopes: [f64; ORDERS] = std::array::from_fn(|i| i as f64 * self.0[i]);
+        // Lines and cubics have no more than so many orders.
+        if self.0[2..].iter().all(|&x| x == 0.0) {
+            for k in 1..ORDERS {
+                out[k] = slopes[1] * out[k - 1] * INVERSE[k];
+            }
+            return Self::by_orders(out);
+        }
+        if self.0[4..].iter().all(|&x| x == 0.0) && self.0[3].is_finite() {
+            out[1] = slopes[1];
+            out[2] = (slopes[1] * out[1] + slopes[2]) * INVERSE[2];
+            for k in 3..ORDERS {
+                let sum = slopes[1] * out[k - 1] + slopes[2] * out[k - 2] + slopes[3] * out[k - 3];
+                out[k] = sum * INVERSE[k];
+            }
+            return Self::by_orders(out);
+        }
         for (k, inverse) in INVERSE.iter().enumerate().skip(1) {
             let sum: f64 = match self.is_known() {
                 true => (1..=k).map(|i| slopes[i] * out[k - i]).sum(),
