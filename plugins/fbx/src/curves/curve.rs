@@ -150,15 +150,12 @@ impl<'a> Curve<'a> {
     }
 
     /// What lies between key `at` and the next one, where it is cubic.
-    pub(super) fn piece(&mut self, at: usize, key: &Keyframe, next: &Keyframe) -> Piece {
-        match self.piece {
-            Some((known, piece)) if known == at => piece,
-            _ => {
-                let piece = Piece::of(key, next, next.time - key.time);
-                self.piece = Some((at, piece));
-                piece
-            }
+    pub(super) fn piece(&mut self, at: usize, key: &Keyframe, next: &Keyframe) -> &Piece {
+        if self.piece.as_ref().is_none_or(|(known, _)| *known != at) {
+            self.piece = None;
         }
+        let made = || (at, Piece::of(key, next, next.time - key.time));
+        &self.piece.get_or_insert_with(made).1
     }
 
     /// The last key that `time` is not before.
