@@ -16,8 +16,9 @@ use std::collections::BTreeMap;
 /// Products of vertices and spans between keys of a clip that a bound may cost so many times more of; where there are more, it is less near.
 const BOUNDED: usize = 100_000;
 
-/// A distance that does not matter, metres.
-const NOTHING: f64 = 1e-8;
+/// A distance that does not matter, as a share of what keys may be off by: some tenths of a micrometre as a rule, less than what
+/// 32 bits lose of a place some metres away.
+const NOTHING: f64 = 5e-3;
 
 /// Vertices of one mesh whose weights are not the file's.
 pub(crate) struct Refitted {
@@ -41,7 +42,7 @@ pub(crate) fn weight_error(
     refitted: &Refitted,
     model: &Model,
     takes: &[Take],
-    budget: &Budget,
+    (max_error, budget): (f64, &Budget),
 ) -> Result<f64, FbxError> {
     let vertices = vertices(refitted, model);
     let shells = Shells::of(model);
@@ -77,7 +78,8 @@ pub(crate) fn weight_error(
             rest.clone(),
         );
         budget.must(stretches.len() * each / VERTICES, "the weights of a skin")?;
-        farthest = farthest.max(bounded(&stretches, &mut poser, farthest, budget));
+        let known = (farthest, NOTHING * max_error);
+        farthest = farthest.max(bounded(&stretches, &mut poser, known, budget));
     }
     Ok(farthest)
 }
@@ -96,9 +98,14 @@ const WORK: (usize, usize) = (1_000_000, 100);
 /// Places of vertices that are as much work as a pose of a node.
 const VERTICES: usize = 20;
 
-/// A bound of the largest distance in a clip; what is above `expected` is of interest.
-fn bounded(stretches: &[Stretch], poser: &mut Poser, expected: f64, budget: &Budget) -> f64 {
-    let mut found = Found::new(expected, NOTHING, f64::INFINITY);
+/// A bound of the largest distance in a clip; what is above `expected` is of interest, and what is below `nothing` is not.
+fn bounded(
+    stretches: &[Stretch],
+    poser: &mut Poser,
+    (expected, nothing): (f64, f64),
+    budget: &Budget,
+) -> f64 {
+    let mut found = Found::new(expected, nothing, f64::INFINITY);
     let each = match poser.groups.len() {
         0 => poser.vertices.len(),
         groups => 4 * groups,
@@ -107,10 +114,17 @@ fn bounded(stretches: &[Stretch], poser: &mut Poser, expected: f64, budget: &Bud
     let left = usize::try_from(budget.left()).unwrap_or(usize::MAX);
     let most = most.min(left.saturating_mul(VERTICES));
     for stretch in stretches {
-        for time in [stretch.begin, stretch.end] {
-            found.key(poser, time);
+        let lasts = stretch.end > stretch.begin;
+        // What lasts is bounded at its ends too, but for both sides of what jumps.
+        for (time, counts) in [
+            (stretch.begin, stretch.jumps || !lasts),
+            (stretch.end, stretch.jumps_after),
+        ] {
+            if counts {
+                found.key(poser, time);
+            }
         }
-        if stretch.end > stretch.begin {
+        if lasts {
             let span = Span {
                 from: stretch.begin,
                 to: stretch.end,
@@ -211,6 +225,8 @@ struct Poser<'a> {
     pose: Pose,
     world: Vec<DAffine3>,
     weights: Vec<f64>,
+    /// The time that all of this is of.
+    posed: Option<f64>,
     rates: Vec<Rates>,
     chains: Vec<Chain>,
     work: usize,
@@ -274,11 +290,15 @@ impl<'a> Poser<'a> {
             pose,
             world,
             weights: rest,
+            posed: None,
             work: 0,
         }
     }
 
     fn to(&mut self, time: f64) {
+        if self.posed.replace(time) == Some(time) {
+            return;
+        }
         self.work += 4 * self.movers.len();
         for (node, curves) in &mut self.curves {
             self.pose[*node] = curves.at(time);

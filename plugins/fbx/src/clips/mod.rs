@@ -26,4 +26,3 @@ pub(crate) use play::{Player, Pose, play};
 pub(crate) use reduce::Reduced;
 pub(crate) use refine::Source;
 pub(crate) use sample::{MorphCurves, Samples, Take};
-pub(crate) use value::Value;

@@ -1,6 +1,6 @@
 //! Playing keys back as glTF's specification says, in f64.
 
-use super::value::{Value, hermite};
+use super::value::{Arc, Value, hermite};
 use crate::model::{Channel, Interpolation, Property, Trs};
 use glam::{DQuat, DVec3};
 
@@ -12,6 +12,8 @@ pub(crate) struct Player<'a> {
     channel: &'a Channel,
     width: usize,
     at: usize,
+    /// The way from a key of a rotation to the next one, and which: many times lie between the same two.
+    arc: Option<(usize, Arc)>,
     /// Scratch for weights.
     weights: Vec<f64>,
 }
@@ -27,8 +29,14 @@ impl<'a> Player<'a> {
             channel,
             width,
             at: 0,
+            arc: None,
             weights: Vec::new(),
         }
+    }
+
+    /// It has one key, of what moves a node.
+    pub(crate) fn stands(&self) -> bool {
+        self.channel.times.len() == 1 && self.channel.property != Property::Weights
     }
 
     /// Numbers of a value.
@@ -40,17 +48,7 @@ impl<'a> Player<'a> {
     /// numbers. Fast where times grow.
     pub(crate) fn at(&mut self, time: f64, out: &mut [f64]) {
         let times = &self.channel.times;
-        let is_after = |at: usize| times.get(at).is_none_or(|&key| f64::from(key) > time);
-        if is_after(self.at) || !is_after(self.at + 1) {
-            // Mostly the next one.
-            self.at = match is_after(self.at) || !is_after(self.at + 2) {
-                true => times
-                    .partition_point(|&key| f64::from(key) <= time)
-                    .saturating_sub(1),
-                false => self.at + 1,
-            };
-        }
-        let at = self.at;
+        let at = self.seek(time);
         let begin = f64::from(times[at]);
         if at + 1 == times.len()
             || time <= begin
@@ -71,6 +69,22 @@ impl<'a> Player<'a> {
         }
     }
 
+    /// The last key that `time` is not before; the first one where it is before all. Fast where times grow.
+    pub(crate) fn seek(&mut self, time: f64) -> usize {
+        let times = &self.channel.times;
+        let is_after = |at: usize| times.get(at).is_none_or(|&key| f64::from(key) > time);
+        if is_after(self.at) || !is_after(self.at + 1) {
+            // Mostly the next one.
+            self.at = match is_after(self.at) || !is_after(self.at + 2) {
+                true => times
+                    .partition_point(|&key| f64::from(key) <= time)
+                    .saturating_sub(1),
+                false => self.at + 1,
+            };
+        }
+        self.at
+    }
+
     fn key(&self, index: usize) -> &'a [f32] {
         &self.channel.values[index * self.width..(index + 1) * self.width]
     }
@@ -89,15 +103,25 @@ impl<'a> Player<'a> {
         }
     }
 
-    fn linear(&self, at: usize, share: f64, out: &mut [f64]) {
+    /// Of a linear channel of rotations: the way from key `at` to the next one.
+    pub(crate) fn arc(&mut self, at: usize) -> &Arc {
+        let known = self.arc.take().filter(|(known, _)| *known == at);
         let (from, to) = (self.key(at), self.key(at + 1));
-        if self.channel.property == Property::Rotation {
+        let made = known.unwrap_or_else(|| {
             let quat =
                 |k: &[f32]| DQuat::from_array([0, 1, 2, 3].map(|i| f64::from(k[i]))).finish();
-            let mixed = DQuat::on_line(&DQuat::line(&quat(from), &quat(to)), share);
+            (at, DQuat::line(&quat(from), &quat(to)))
+        });
+        &self.arc.insert(made).1
+    }
+
+    fn linear(&mut self, at: usize, share: f64, out: &mut [f64]) {
+        if self.channel.property == Property::Rotation {
+            let mixed = DQuat::on_line(self.arc(at), share);
             out.copy_from_slice(&mixed.to_array());
             return;
         }
+        let (from, to) = (self.key(at), self.key(at + 1));
         for (i, out) in out.iter_mut().enumerate() {
             let (from, to) = (f64::from(from[i]), f64::from(to[i]));
             *out = from + (to - from) * share;

@@ -202,13 +202,12 @@ impl<'a> Work<'a> {
     pub(super) fn error(&self, choices: &[Choice], options: &Options) -> f64 {
         let channels: Vec<&Channel> = choices.iter().map(|choice| &choice.channel).collect();
         let parts = in_parts(self.samples.grid.len(), self.threads(options), |range| {
-            let mut players: Vec<Player> = channels
-                .iter()
-                .map(|channel| Player::new(channel))
-                .collect();
             let (mut pose, mut world) = (self.rest.clone(), Vec::new());
+            // What has one key is where that says at all times.
+            let all = channels.iter().map(|channel| Player::new(channel));
+            let (mut still, mut players): (Vec<_>, Vec<_>) = all.partition(Player::stands);
+            play(&mut still, 0.0, &mut pose, |_, _| ());
             self.shells.world(&pose, &mut world);
-            let mut truth = vec![DAffine3::IDENTITY; self.rest.len()];
             let mut farthest = 0.0_f64;
             for i in range {
                 let time = f64::from(self.samples.grid.labels[i]);
@@ -218,11 +217,11 @@ impl<'a> Work<'a> {
                 });
                 self.shells
                     .world_where(&pose, &mut world, |node| self.moving[node]);
-                for (slot, &node) in self.moved.iter().enumerate() {
-                    truth[node] = self.truth[i * self.moved.len() + slot];
-                }
-                farthest =
-                    farthest.max(self.shells.distance(&truth, &world, &self.moving) + morphed);
+                let truth = &self.truth[i * self.moved.len()..];
+                let apart = self.moved.iter().zip(truth);
+                let apart =
+                    apart.map(|(&node, truth)| self.shells.apart(node, truth, &world[node]));
+                farthest = farthest.max(apart.fold(0.0, f64::max).sqrt() + morphed);
             }
             farthest
         });

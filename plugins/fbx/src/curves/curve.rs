@@ -35,6 +35,45 @@ pub(crate) struct Curve<'a> {
     /// Ticks of the file's clock in a second.
     ticks: f64,
     at: usize,
+    /// What lies between the key of this number and the next one: many times do.
+    piece: Option<(usize, Piece)>,
+}
+
+/// A Bézier curve from one key to the next: its four values, and where in time the two between lie, as shares of the way from
+/// their own ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Piece {
+    pub(super) values: [f64; 4],
+    pub(super) out: f64,
+    pub(super) into: f64,
+}
+
+impl Piece {
+    fn of(key: &Keyframe, next: &Keyframe, length: f64) -> Self {
+        let (out, out_slope) = reach(key.right, length);
+        let (into, into_slope) = reach(next.left, length);
+        let (a, d) = (key.value, next.value);
+        Self {
+            values: [a, a + out_slope * out, d - into_slope * into, d],
+            out,
+            into,
+        }
+    }
+
+    /// Time goes evenly along it.
+    pub(super) fn is_even(&self) -> bool {
+        self.out == 1.0 / 3.0 && self.into == 1.0 / 3.0
+    }
+
+    fn at(&self, share: f64) -> f64 {
+        let t = match self.is_even() {
+            true => share,
+            false => solve(self.out, 1.0 - self.into, share),
+        };
+        let u = 1.0 - t;
+        let [a, b, c, d] = self.values;
+        u * u * u * a + 3.0 * u * t * (u * b + t * c) + t * t * t * d
+    }
 }
 
 impl<'a> Curve<'a> {
@@ -50,7 +89,13 @@ impl<'a> Curve<'a> {
             after: Beyond::from(&curve.post_extrapolation),
             ticks: if ticks > 0.0 { ticks } else { 46_186_158_000.0 },
             at: 0,
+            piece: None,
         })
+    }
+
+    /// It never leaves one value.
+    pub(super) fn stands(&self) -> bool {
+        self.keys.len() == 1
     }
 
     #[cfg(test)]
@@ -65,6 +110,7 @@ impl<'a> Curve<'a> {
             after: stays,
             ticks: 46_186_158_000.0,
             at: 0,
+            piece: None,
         }
     }
 
@@ -99,8 +145,17 @@ impl<'a> Curve<'a> {
             Interpolation::ConstantPrev => key.value,
             Interpolation::ConstantNext => next.value,
             Interpolation::Linear => key.value + (next.value - key.value) * share,
-            Interpolation::Cubic => cubic(key, next, length, share),
+            Interpolation::Cubic => self.piece(at, key, next).at(share),
         }
+    }
+
+    /// What lies between key `at` and the next one, where it is cubic.
+    pub(super) fn piece(&mut self, at: usize, key: &Keyframe, next: &Keyframe) -> &Piece {
+        if self.piece.as_ref().is_none_or(|(known, _)| *known != at) {
+            self.piece = None;
+        }
+        let made = || (at, Piece::of(key, next, next.time - key.time));
+        &self.piece.get_or_insert_with(made).1
     }
 
     /// The last key that `time` is not before.
@@ -217,19 +272,6 @@ pub(super) fn reach(tangent: ufbx::Tangent, length: f64) -> (f64, f64) {
     }
 }
 
-fn cubic(key: &Keyframe, next: &Keyframe, length: f64, share: f64) -> f64 {
-    let (out, out_slope) = reach(key.right, length);
-    let (into, into_slope) = reach(next.left, length);
-    let t = match (out == 1.0 / 3.0, into == 1.0 / 3.0) {
-        (true, true) => share,
-        _ => solve(out, 1.0 - into, share),
-    };
-    let u = 1.0 - t;
-    let (a, d) = (key.value, next.value);
-    let (b, c) = (a + out_slope * out, d - into_slope * into);
-    u * u * u * a + 3.0 * u * t * (u * b + t * c) + t * t * t * d
-}
-
 /// Where a Bézier curve's time, through 0, `a`, `b` and 1, is `x`.
 pub(super) fn solve(a: f64, b: f64, x: f64) -> f64 {
     let time = |t: f64| {
@@ -309,6 +351,7 @@ mod tests {
             after: how(after),
             ticks: 46_186_158_000.0,
             at: 0,
+            piece: None,
         }
     }
 

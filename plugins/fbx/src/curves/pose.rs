@@ -25,6 +25,10 @@ pub(crate) struct NodeCurves<'a> {
     pub(super) rotation_pivot: Value<'a>,
     pub(super) scale_offset: Value<'a>,
     pub(super) scale_pivot: Value<'a>,
+    /// How it is turned, where that is the same at all times.
+    stands: Option<DQuat>,
+    /// Any of these four is not 0, or moves.
+    pub(super) has_pivots: bool,
     pub(super) order: Value<'a>,
     /// The scale that the node's helper has, if it has one.
     pub(super) taken: Option<Value<'a>>,
@@ -73,10 +77,12 @@ impl<'a> NodeCurves<'a> {
     }
 
     fn with(layers: &Layers<'a>, node: &'a Node) -> Self {
-        let value = |name| Value::of(layers, &node.element, name, DVec3::ZERO);
-        let scale = |node| scale(layers, node);
+        let value = |name| Value::of(layers, &node.element, name, DVec3::ZERO).settled();
+        let scale = |node| scale(layers, node).settled();
         let (helpers, parent_helps) = helpers(node, scale);
-        Self {
+        let mut out = Self {
+            stands: None,
+            has_pivots: false,
             node,
             translation: value("Lcl Translation"),
             rotation: value("Lcl Rotation"),
@@ -95,7 +101,24 @@ impl<'a> NodeCurves<'a> {
             helpers,
             parent_helps,
             last: Trs::IDENTITY,
+        };
+        let turns = [
+            &out.rotation,
+            &out.before.angles,
+            &out.after.angles,
+            &out.order,
+        ];
+        if !turns.into_iter().any(Value::moves) {
+            out.stands = Some(out.turned(0.0));
         }
+        let pivots = [
+            &out.rotation_offset,
+            &out.rotation_pivot,
+            &out.scale_offset,
+            &out.scale_pivot,
+        ];
+        out.has_pivots = !pivots.into_iter().all(Value::is_nothing);
+        out
     }
 
     /// Where it is at `time`, seconds on the file's clock. What is no transform leaves it where it was.
@@ -112,14 +135,29 @@ impl<'a> NodeCurves<'a> {
         self.last = rest_of(self.node);
     }
 
+    /// Its scale is the same at all times.
+    pub(crate) fn keeps_scale(&self) -> bool {
+        let helped = self.node.is_scale_helper && self.helpers.iter().any(Value::moves);
+        !self.scale.moves() && !helped
+    }
+
     pub(super) fn rotation_order(&mut self, time: f64) -> RotationOrder {
         rotation_order(self.order.at(time, Meaning::Plain).x as i64)
+    }
+
+    /// How its pre-rotation, its rotation and its post-rotation turn it.
+    fn turned(&mut self, time: f64) -> DQuat {
+        let order = self.rotation_order(time);
+        let angles = self.rotation.at(time, Meaning::Angles(order));
+        match self.node.use_rotation_space {
+            true => self.before.at(time) * turn(angles, order) * self.after.at(time).conjugate(),
+            false => turn(angles, RotationOrder::Xyz),
+        }
     }
 
     fn pose(&mut self, time: f64) -> Trs {
         let node = self.node;
         let plain = Meaning::Plain;
-        let order = self.rotation_order(time);
         let (mut rotation, mut scale) = (DQuat::IDENTITY, DVec3::ONE);
         let mut helped = DVec3::ONE;
         let above = self.helpers.len() - usize::from(self.parent_helps);
@@ -131,25 +169,24 @@ impl<'a> NodeCurves<'a> {
             scale *= node.adjust_post_scale;
         }
         let own = self.scale.at(time, Meaning::Scale);
-        let about_pivot = match &mut self.taken {
-            Some(taken) => taken.at(time, Meaning::Scale),
-            None => own,
-        };
-        let pivot = self.scale_pivot.at(time, plain);
-        let turned_at = self.rotation_pivot.at(time, plain);
         scale *= own;
-        let mut place = pivot - pivot * about_pivot + self.scale_offset.at(time, plain) - turned_at;
-        let angles = self.rotation.at(time, Meaning::Angles(order));
-        let turned = match node.use_rotation_space {
-            true => self.before.at(time) * turn(angles, order) * self.after.at(time).conjugate(),
-            false => turn(angles, RotationOrder::Xyz),
+        let turned = match self.stands {
+            Some(turned) => turned,
+            None => self.turned(time),
         };
         rotation = turned * rotation;
-        if place != DVec3::ZERO {
-            place = turned * place;
+        let mut place = self.translation.at(time, plain);
+        if self.has_pivots {
+            let about_pivot = match &mut self.taken {
+                Some(taken) => taken.at(time, Meaning::Scale),
+                None => own,
+            };
+            let pivot = self.scale_pivot.at(time, plain);
+            let turned_at = self.rotation_pivot.at(time, plain);
+            let offset = self.scale_offset.at(time, plain);
+            let swung = turned * (pivot - pivot * about_pivot + offset - turned_at);
+            place = swung + (turned_at + self.rotation_offset.at(time, plain) + place);
         }
-        let translation = self.translation.at(time, plain);
-        place += turned_at + self.rotation_offset.at(time, plain) + translation;
         if let Some(helper) = self.helpers.get_mut(above) {
             place *= helped * helper.at(time, Meaning::Scale);
         }
@@ -287,7 +324,7 @@ impl<'a> BlendWeight<'a> {
         let name = "DeformPercent";
         let or = DVec3::splat(channel.weight * 100.0);
         Self {
-            percent: Value::of(layers, &channel.element, name, or),
+            percent: Value::of(layers, &channel.element, name, or).settled(),
         }
     }
 

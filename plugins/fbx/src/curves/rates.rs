@@ -21,6 +21,9 @@ const AROUND: f64 = 0.5;
 /// A degree, as half of an angle in radians.
 const HALF_DEGREE: f64 = std::f64::consts::PI / 360.0;
 
+/// A degree in radians.
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
 impl Curve<'_> {
     /// Over a span on the file's clock.
     pub(crate) fn over(&mut self, over: Over) -> Number {
@@ -83,15 +86,14 @@ impl Curve<'_> {
             Interpolation::ConstantPrev | Interpolation::ConstantNext => Number::still(value),
             Interpolation::Linear => line(value, (next.value - key.value) * (e - s)),
             Interpolation::Cubic => {
-                let (out, out_slope) = reach(key.right, length);
-                let (into, into_slope) = reach(next.left, length);
-                let (a, d) = (key.value, next.value);
-                let values = [a, a + out_slope * out, d - into_slope * into, d];
-                let moves = match (out == 1.0 / 3.0, into == 1.0 / 3.0) {
-                    (true, true) => cubic(part(values, s, e)),
-                    _ => {
-                        let (p, q) = (solve(out, 1.0 - into, s), solve(out, 1.0 - into, e));
-                        let time = part([0.0, out, 1.0 - into, 1.0], p, q);
+                let piece = self.piece(at, key, next);
+                let values = piece.values;
+                let moves = match piece.is_even() {
+                    true => cubic(part(values, s, e)),
+                    false => {
+                        let (a, b) = (piece.out, 1.0 - piece.into);
+                        let (p, q) = (solve(a, b, s), solve(a, b, e));
+                        let time = part([0.0, a, b, 1.0], p, q);
                         let time = time.map(|x| (x - time[0]) / (time[3] - time[0]));
                         cubic_over_time(time, part(values, p, q))
                     }
@@ -169,7 +171,7 @@ impl Weight<'_> {
 }
 
 impl Part<'_> {
-    fn own(&mut self, over: Over) -> [Number; 3] {
+    fn own_over(&mut self, over: Over) -> [Number; 3] {
         [0, 1, 2].map(|axis| match &mut self.curves[axis] {
             Some(curve) => curve.over(over),
             None => Number::still(self.default[axis]),
@@ -232,7 +234,7 @@ impl Value<'_> {
         let scale = scale && !self.plain;
         let mut sum = self.fixed.to_array().map(Number::still);
         for part in &mut self.parts {
-            let own = part.own(over);
+            let own = part.own_over(over);
             if matches!(part.mode, Mode::Base | Mode::Override) {
                 sum = own;
                 continue;
@@ -250,6 +252,18 @@ impl Value<'_> {
         sum
     }
 
+    /// Of the sum of its three angles, radians, where these are those of one layer and no mixture: turning about one axis after
+    /// the other has the majorant of turning by their sum, since products of exponentials are those of sums.
+    fn sum_over(&mut self, over: Over) -> Option<Majorant> {
+        let own = match &mut self.parts[..] {
+            [] => return Some(Majorant::ZERO),
+            [part] if matches!(part.mode, Mode::Base | Mode::Override) => part.own_over(over),
+            _ => return None,
+        };
+        let [x, y, z] = own.map(|number| number.moves);
+        Some(x.plus(&y).plus(&z).scaled(DEGREE))
+    }
+
     /// The majorant of the unit quaternion that its angles come to.
     pub(crate) fn turned_over(&mut self, over: Over, order: RotationOrder) -> Majorant {
         let mut sum = Turned::Angles(self.fixed.to_array().map(Number::still));
@@ -259,7 +273,7 @@ impl Value<'_> {
         for (number, part) in self.parts.iter_mut().enumerate() {
             let whole_rotations = part.whole_rotations && !self.plain;
             let jumps_matter = last.is_some_and(|last| number <= last);
-            let own = part.own(over);
+            let own = part.own_over(over);
             if matches!(part.mode, Mode::Base | Mode::Override) {
                 sum = Turned::Angles(own);
                 continue;
@@ -419,39 +433,31 @@ impl NodeCurves<'_> {
             helped = by(&helped, &helper.over(over, true));
         }
         let own = self.scale.over(over, true);
-        let about = match &mut self.taken {
-            Some(taken) => taken.over(over, true),
-            None => own,
-        };
-        let pivot = self.scale_pivot.over(over, false);
-        let turned_at = self.rotation_pivot.over(over, false);
-        let offset = self.scale_offset.over(over, false);
-        let place = [0, 1, 2].map(|i| {
-            pivot[i]
-                .minus(&pivot[i].product(&about[i]))
-                .plus(&offset[i])
-                .minus(&turned_at[i])
-        });
-        let turned = match node.use_rotation_space {
-            true if changes => Majorant::within(1.0, 2.0),
-            true => self.rotation.turned_over(over, order),
-            false => self.rotation.turned_over(over, RotationOrder::Xyz),
-        };
-        let spin = match node.use_rotation_space {
-            true => {
-                let before = self.before.over(over).product(&turned);
-                before.product(&self.after.over(over)).near(2.0)
-            }
-            false => turned,
-        };
-        // A quaternion turns a vector from both sides.
-        let spin = spin.product(&spin).near(2.0);
+        let spin = self.spin_over(over, order, changes);
         let lengths = |parts: &[Number; 3]| Majorant::length(&parts.map(|number| number.moves));
-        let swung = spin.product(&lengths(&place));
-        let around = self.rotation_offset.over(over, false);
         let translation = self.translation.over(over, false);
-        let shift = [0, 1, 2].map(|i| turned_at[i].plus(&around[i]).plus(&translation[i]));
-        let mut places = swung.plus(&lengths(&shift));
+        let mut places = match self.has_pivots {
+            false => lengths(&translation),
+            true => {
+                let about = match &mut self.taken {
+                    Some(taken) => taken.over(over, true),
+                    None => own,
+                };
+                let pivot = self.scale_pivot.over(over, false);
+                let turned_at = self.rotation_pivot.over(over, false);
+                let offset = self.scale_offset.over(over, false);
+                let place = [0, 1, 2].map(|i| {
+                    pivot[i]
+                        .minus(&pivot[i].product(&about[i]))
+                        .plus(&offset[i])
+                        .minus(&turned_at[i])
+                });
+                let swung = spin.product(&lengths(&place));
+                let around = self.rotation_offset.over(over, false);
+                let shift = [0, 1, 2].map(|i| turned_at[i].plus(&around[i]).plus(&translation[i]));
+                swung.plus(&lengths(&shift))
+            }
+        };
         if let Some(helper) = self.helpers.get_mut(above) {
             let all = by(&helped, &helper.over(over, true));
             places = places.product(&largest(&all));
@@ -470,6 +476,35 @@ impl NodeCurves<'_> {
             turn: spin,
             scale: sizes,
         }
+    }
+}
+
+impl NodeCurves<'_> {
+    /// The majorant of the matrix that turns it; `changes` says that its order does.
+    fn spin_over(&mut self, over: Over, order: RotationOrder, changes: bool) -> Majorant {
+        let around = self.node.use_rotation_space;
+        let stands = !around || !self.before.angles.moves() && !self.after.angles.moves();
+        if stands
+            && !changes
+            && order != RotationOrder::Spheric
+            && let Some(sum) = self.rotation.sum_over(over)
+        {
+            return sum.rotation();
+        }
+        let turned = match around {
+            true if changes => Majorant::within(1.0, 2.0),
+            true => self.rotation.turned_over(over, order),
+            false => self.rotation.turned_over(over, RotationOrder::Xyz),
+        };
+        let spin = match around {
+            true => {
+                let before = self.before.over(over).product(&turned);
+                before.product(&self.after.over(over)).near(2.0)
+            }
+            false => turned,
+        };
+        // A quaternion turns a vector from both sides.
+        spin.product(&spin).near(2.0)
     }
 }
 
@@ -562,6 +597,20 @@ mod tests {
                 [angles(turn(three(t), order), order)[axis]]
             });
         }
+    }
+
+    #[test]
+    fn turning_about_three_axes_is_turning_by_their_sum() {
+        let angles = [line(32.5, 10.0), line(-20.0, -16.0), line(65.0, -12.0)];
+        let (_, quaternion) = Turned::Angles(angles).whole(RotationOrder::Xyz);
+        let matrix = quaternion.product(&quaternion);
+        let [x, y, z] = angles.map(|number| number.moves);
+        let sum = x.plus(&y).plus(&z).scaled(DEGREE).rotation();
+        for (order, (a, b)) in matrix.0.iter().zip(&sum.0).enumerate() {
+            // Some forty roundings of f64.
+            assert!((a - b).abs() <= 1e-14 * a, "order {order}: {a} and {b}");
+        }
+        assert!((matrix.1 - sum.1).abs() <= 1e-14);
     }
 
     #[test]

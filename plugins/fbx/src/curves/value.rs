@@ -77,6 +77,25 @@ impl<'a> Value<'a> {
         !self.parts.is_empty()
     }
 
+    /// It is 0 at all times.
+    pub(super) fn is_nothing(&self) -> bool {
+        !self.moves() && self.fixed == DVec3::ZERO
+    }
+
+    /// The same, where the lowest layers that stand for all before them and never leave a value are that value: many programs
+    /// give every property a curve.
+    pub(super) fn settled(mut self) -> Self {
+        let stands = |part: &&Part| {
+            let mut curves = part.curves.iter().flatten();
+            matches!(part.mode, Mode::Base | Mode::Override) && curves.all(Curve::stands)
+        };
+        let low = self.parts.iter().take_while(stands).count();
+        for mut part in self.parts.drain(..low) {
+            self.fixed = part.own(0.0);
+        }
+        self
+    }
+
     /// What it is at `time`, seconds on the file's clock.
     pub(crate) fn at(&mut self, time: f64, meaning: Meaning) -> DVec3 {
         let meaning = if self.plain { Meaning::Plain } else { meaning };
@@ -97,13 +116,19 @@ pub(crate) fn fixed(element: &Element, name: &str, or: DVec3) -> DVec3 {
 }
 
 impl Part<'_> {
-    fn upon(&mut self, sum: DVec3, time: f64, meaning: Meaning) -> DVec3 {
+    /// What it says itself.
+    fn own(&mut self, time: f64) -> DVec3 {
         let mut own = self.default;
         for (axis, curve) in self.curves.iter_mut().enumerate() {
             if let Some(curve) = curve {
                 own[axis] = curve.at(time);
             }
         }
+        own
+    }
+
+    fn upon(&mut self, sum: DVec3, time: f64, meaning: Meaning) -> DVec3 {
+        let own = self.own(time);
         if matches!(self.mode, Mode::Base | Mode::Override) {
             return own;
         }

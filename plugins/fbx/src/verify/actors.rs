@@ -35,8 +35,12 @@ pub(super) struct Actors<'a> {
     /// The same of the end of the last span.
     end: Vec<(DAffine3, DMat3)>,
     swings: Vec<DMat3>,
+    /// The farthest of all nodes' shells.
+    nodes: f64,
     /// No morph target moves.
     is_plain: bool,
+    /// Neither in the file nor by the keys does any scale change.
+    keeps_scales: bool,
     /// Scratch of [`Actors::rate`].
     rates: [Vec<Rates>; 2],
     chains: [Vec<Chain>; 2],
@@ -68,14 +72,17 @@ impl<'a> Actors<'a> {
         shells.world(&rest, &mut true_world);
         shells.world(&written, &mut world);
         let curves = source.take.moving.iter();
+        let curves: Vec<(usize, NodeCurves)> = curves
+            .map(|&node| (node, source.take.curves(&layers, node)))
+            .collect();
         let mut played = written;
         let (mut still, mut players, mut channels) = (Vec::new(), Vec::new(), Vec::new());
         for channel in &clip.channels {
-            let stands = channel.times.len() == 1 && channel.property != Property::Weights;
-            if stands {
-                still.push(Player::new(channel));
+            let player = Player::new(channel);
+            if player.stands() {
+                still.push(player);
             } else {
-                players.push(Player::new(channel));
+                players.push(player);
                 channels.push(channel);
             }
         }
@@ -104,13 +111,14 @@ impl<'a> Actors<'a> {
             end: Vec::new(),
             posed: None,
             swings: vec![DMat3::ZERO; count],
+            nodes: 0.0,
             is_plain: morphs.is_empty(),
             rates: [vec![Rates::UNKNOWN; count], vec![Rates::UNKNOWN; count]],
             chains: [vec![Chain::ROOT; count], vec![Chain::ROOT; count]],
             work: 0,
-            curves: curves
-                .map(|&node| (node, source.take.curves(&layers, node)))
-                .collect(),
+            keeps_scales: curves.iter().all(|(_, curves)| curves.keeps_scale())
+                && channels.iter().all(|c| c.property != Property::Scale),
+            curves,
             morphs: source
                 .take
                 .meshes
@@ -200,7 +208,7 @@ impl<'a> Actors<'a> {
 
     /// The farthest of all points, as they are off.
     fn farthest(&mut self, floor: f64) -> f64 {
-        let mut farthest = floor * floor;
+        let mut farthest = 0.0_f64;
         for &node in &self.movers {
             let (shift, swing) = (self.off[node].translation, &self.swings[node]);
             for axis in [swing.x_axis, swing.y_axis, swing.z_axis] {
@@ -210,7 +218,8 @@ impl<'a> Actors<'a> {
                 farthest = farthest.max(far);
             }
         }
-        let mut farthest = farthest.sqrt().max(floor);
+        self.nodes = farthest.sqrt();
+        let mut farthest = self.nodes.max(floor);
         for (body, weights) in &self.bodies {
             let body = &self.all.0[*body];
             let (model, off) = (self.source.model, &self.off);
@@ -230,14 +239,14 @@ impl<'a> Actors<'a> {
             self.rates[0][*node] = curves.over(over);
         }
         let label = over.since(self.begin);
-        for channel in &self.channels {
+        for (channel, player) in self.channels.iter().zip(&mut self.players) {
             let rates = &mut self.rates[1][channel.node];
             match channel.property {
                 Property::Translation => {
-                    rates.translation = played::vector(channel, label).0;
+                    rates.translation = played::vector(channel, player, label).0;
                 }
-                Property::Rotation => rates.turn = played::turn(channel, label),
-                Property::Scale => rates.scale = played::vector(channel, label).1,
+                Property::Rotation => rates.turn = played::turn(channel, player, label),
+                Property::Scale => rates.scale = played::vector(channel, player, label).1,
                 Property::Weights => {}
             }
         }
@@ -312,10 +321,11 @@ impl<'a> Actors<'a> {
                     morph.curves.over(over, &mut parts);
                     morphs[0] = sum(&parts);
                 }
-                let weigh = |c: &&&Channel| c.property == Property::Weights && c.node == body.node;
-                if let Some(channel) = self.channels.iter().find(weigh) {
+                let weigh = |c: &&Channel| c.property == Property::Weights && c.node == body.node;
+                let mut all = self.channels.iter().zip(&mut self.players);
+                if let Some((channel, player)) = all.find(|(channel, _)| weigh(channel)) {
                     parts.clear();
-                    played::numbers(channel, label, &mut parts);
+                    played::numbers(channel, player, label, &mut parts);
                     morphs[1] = sum(&parts);
                 }
             }
@@ -349,6 +359,10 @@ impl Subject for Actors<'_> {
             self.swings[node] = DMat3::from_cols(swing(0), swing(1), swing(2));
         }
         self.farthest(floor)
+    }
+
+    fn about(&self) -> f64 {
+        self.nodes
     }
 
     fn keep(&mut self, index: usize) {
@@ -408,10 +422,17 @@ impl Subject for Actors<'_> {
             to,
             slack: 1e-7 * (to - self.begin).abs() + 1e-9,
         };
-        self.pose(over.middle());
+        // Of the poses only lengths of axes are asked, which are the same at all times where no scale changes.
+        let any = self.posed.is_some() && self.keeps_scales && self.is_plain;
+        if !any {
+            self.pose(over.middle());
+        }
         self.work += 8 * self.movers.len();
         self.locals(over);
         self.chains();
+        if any && !self.movers.iter().all(|&node| self.chains[0][node].keeps) {
+            self.pose(over.middle());
+        }
         let mut out = Majorant::ZERO;
         for &node in &self.movers {
             let shell = self.shell(node);

@@ -49,8 +49,18 @@ const SLACK: [f64; 2] = [1.06, 1.5];
 /// A first look has as many times as bring the rest below this share of the largest error, the same two.
 const ROUGH: [f64; 2] = [0.15, 0.3];
 
+/// Fewer times do first where the rest is below this share of what lies between the largest error and [`ALIKE`] times the
+/// largest of the span before.
+const FEW: f64 = 0.8;
+
+/// By how much more a span may be off than the one before it is taken to be.
+const ALIKE: f64 = 1.25;
+
 /// The same for a second look.
 const FINE: f64 = 0.01;
+
+/// Before that the rest may be so much of what a first look left between what it saw and what is enough.
+const NEARER: f64 = 0.7;
 
 /// By how much keys beside each other may be off is no more than this share.
 const SKEWED: f64 = 0.004;
@@ -68,6 +78,10 @@ const DEPTH: u32 = 30;
 pub(crate) trait Subject {
     /// The largest error at a time; what is less than `floor` may be said to be `floor`.
     fn look(&mut self, time: f64, floor: f64) -> f64;
+    /// What the last look saw, about, also where that is less than its floor.
+    fn about(&self) -> f64 {
+        f64::INFINITY
+    }
     /// Keeps what the last look saw, as number `index` of a span's.
     fn keep(&mut self, _index: usize) {}
     /// What was kept as number `index` is that of the next span's begin too.
@@ -128,7 +142,10 @@ impl Span {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Open {
     bound: f64,
+    /// Of it, what lies between places; the rest is what the majorant leaves.
+    seen: f64,
     span: Span,
+    rate: Majorant,
 }
 
 impl Eq for Open {}
@@ -170,6 +187,8 @@ pub(crate) struct Found {
     pub(crate) looks: usize,
     /// What the look at the end of the last span found.
     end: Option<End>,
+    /// The largest error in the span before, about.
+    before: f64,
     /// How fast what is off may change in the span before, a second; `None` where there is none.
     speed: Option<f64>,
     /// Seconds of spans whose bounds stand because work came to its limit.
@@ -293,6 +312,7 @@ impl Found {
             }
             let floor = most;
             let error = self.look(subject, time, span.within, floor);
+            self.before = self.before.max(subject.about());
             most = most.max(error);
             subject.keep(index);
             if index == last && places.ends {
@@ -325,13 +345,18 @@ impl Found {
     }
 
     /// Bounds a span, or puts it aside.
-    fn settle(&mut self, span: Span, bound: f64) {
+    fn settle(&mut self, span: Span, rate: Majorant, bound: f64, rest: f64) {
         let bound = if bound.is_nan() { f64::INFINITY } else { bound };
         let done = bound <= self.enough(span.within);
         let kind = &mut self.kinds[usize::from(span.within)];
         match done {
             true => kind.bound = kind.bound.max(bound),
-            false => kind.open.push(Open { bound, span }),
+            false => kind.open.push(Open {
+                bound,
+                seen: bound - rest,
+                span,
+                rate,
+            }),
         }
     }
 
@@ -381,10 +406,24 @@ impl Found {
         while let Some(span) = queue.pop_front() {
             let rate = known.take();
             let rate = rate.unwrap_or_else(|| subject.rate(span.from, span.to));
-            let near =
-                ROUGH[usize::from(span.within)] * self.enough(span.within).max(self.expected);
+            let kind = usize::from(span.within);
+            let before = std::mem::take(&mut self.before);
+            let rough = ROUGH[kind] * self.enough(span.within).max(self.expected);
+            // Where less was seen in the span before, few places may show that this one is below what was seen elsewhere.
+            let few = FEW * (self.seen()[kind] - ALIKE * before);
             let all = Places::all(span.ends);
-            let places = match all.iter().find(|places| places.rest(&rate) <= near) {
+            let of = |near: f64| all.iter().find(|places| places.rest(&rate) <= near);
+            let tried = of(rough.max(few)).map(|places| {
+                let rest = places.rest(&rate);
+                (self.bound(subject, &span, places, rest), rest)
+            });
+            if let Some((bound, rest)) = tried
+                && (rest <= rough || bound <= self.enough(span.within))
+            {
+                self.settle(span, rate, bound, rest);
+                continue;
+            }
+            let places = match of(rough) {
                 Some(places) => places,
                 // Where no derivative is known, and where there is no work left, it is the way from the middle that counts.
                 None if !rate.0[1].is_finite()
@@ -394,12 +433,14 @@ impl Found {
                     &all[0]
                 }
                 None => {
+                    self.before = self.before.max(before);
                     queue.extend(span.halves());
                     continue;
                 }
             };
-            let bound = self.bound(subject, &span, places, places.rest(&rate));
-            self.settle(span, bound);
+            let rest = places.rest(&rate);
+            let bound = self.bound(subject, &span, places, rest);
+            self.settle(span, rate, bound, rest);
         }
     }
 
@@ -421,42 +462,56 @@ impl Found {
     pub(crate) fn finish(&mut self, subject: &mut impl Subject, most: usize) {
         for within in [false, true] {
             let kind = usize::from(within);
-            while let Some(Open { bound, span }) = self.kinds[kind].open.pop() {
-                let is_last = bound <= self.enough(within);
+            while let Some(open) = self.kinds[kind].open.pop() {
+                let is_last = open.bound <= self.enough(within);
                 if is_last || subject.work() >= most {
                     // All others are below it.
-                    self.prove(within, bound);
+                    self.prove(within, open.bound);
                     if !is_last {
-                        let open = self.kinds[kind].open.drain().map(|open| open.span);
-                        self.loose += open
-                            .chain([span])
-                            .map(|span| span.to - span.from)
+                        let others = self.kinds[kind].open.drain();
+                        self.loose += others
+                            .chain([open])
+                            .map(|open| open.span.to - open.span.from)
                             .sum::<f64>();
                     }
                     break;
                 }
-                self.second(subject, span, bound, most);
+                self.second(subject, &open, most);
             }
             self.kinds[kind].open.clear();
         }
     }
 
-    fn second(&mut self, subject: &mut impl Subject, span: Span, bound: f64, most: usize) {
-        let rate = subject.rate(span.from, span.to);
-        let near = FINE * self.seen()[usize::from(span.within)] + self.nothing / 4.0;
-        let mut all = Places::all(span.ends).iter();
-        let Some(places) = all.find(|places| places.rest(&rate) <= near) else {
+    fn second(&mut self, subject: &mut impl Subject, open: &Open, most: usize) {
+        let Open { span, rate, .. } = open;
+        let mut best = open.bound;
+        let fine = FINE * self.seen()[usize::from(span.within)] + self.nothing / 4.0;
+        // Where what was seen is well below what is enough, less will do first.
+        let near = NEARER * (self.enough(span.within) - open.seen);
+        let all = Places::all(span.ends);
+        let of = |near: f64| all.iter().find(|places| places.rest(rate) <= near);
+        let (first, last) = (of(near).filter(|_| near > fine), of(fine));
+        if let Some(places) = first
+            && last.is_none_or(|last| last.count() > places.count())
+        {
+            best = best.min(self.bound(subject, span, places, places.rest(rate)));
+            if best <= self.enough(span.within) {
+                self.prove(span.within, best);
+                return;
+            }
+        }
+        let Some(places) = last else {
             match span.can_be_halved() {
                 true => {
                     let halves = span.halves().into_iter();
                     halves.for_each(|half| self.split(subject, half, None, most));
                 }
-                false => self.prove(span.within, bound),
+                false => self.prove(span.within, best),
             }
             return;
         };
-        let rest = places.rest(&rate);
-        let mut best = bound.min(self.bound(subject, &span, places, rest));
+        let rest = places.rest(rate);
+        best = best.min(self.bound(subject, span, places, rest));
         let degree = places.count() - 1;
         if degree > 0 && best > self.enough(span.within) {
             // What is off is no polynomial of what was kept, or its hull is too wide: it is looked at in as many places.

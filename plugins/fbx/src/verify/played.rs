@@ -1,9 +1,9 @@
 //! Majorants of keys as they are played, over a span between keys.
 
-use crate::clips::Value;
+use crate::clips::Player;
 use crate::curves::{Majorant, ORDERS, Over, cubic, part};
 use crate::model::{Channel, Interpolation, Property};
-use glam::{DQuat, DVec4};
+use glam::DVec4;
 
 /// Numbers of a value.
 fn width(channel: &Channel) -> usize {
@@ -23,79 +23,76 @@ enum Stretch {
     Across,
 }
 
-fn stretch(channel: &Channel, over: Over) -> Stretch {
+fn stretch(channel: &Channel, player: &mut Player, over: Over) -> Stretch {
     let times = &channel.times;
     let middle = over.middle();
-    let next = times.partition_point(|&time| f64::from(time) <= middle);
-    if next == 0 {
-        return Stretch::Still(0);
+    let last = player.seek(middle);
+    if f64::from(times[last]) > middle
+        || last + 1 == times.len()
+        || channel.interpolation == Interpolation::Step
+    {
+        return Stretch::Still(last);
     }
-    if next == times.len() || channel.interpolation == Interpolation::Step {
-        return Stretch::Still(next - 1);
-    }
-    let (begin, end) = (f64::from(times[next - 1]), f64::from(times[next]));
+    let (begin, end) = (f64::from(times[last]), f64::from(times[last + 1]));
     if over.from < begin - over.slack || over.to > end + over.slack {
         return Stretch::Across;
     }
     let share = |time: f64| ((time - begin) / (end - begin)).clamp(0.0, 1.0);
-    Stretch::Moves(next - 1, share(over.from), share(over.to))
+    Stretch::Moves(last, share(over.from), share(over.to))
 }
 
-/// The majorants of each number of a channel; seconds from the clip's begin.
-pub(super) fn numbers(channel: &Channel, over: Over, out: &mut Vec<Majorant>) {
+/// The majorants of each number of a channel, and of its player; seconds from the clip's begin.
+pub(super) fn numbers(channel: &Channel, player: &mut Player, over: Over, out: &mut Vec<Majorant>) {
+    let stretch = stretch(channel, player, over);
+    let each = (0..width(channel)).map(|number| each(channel, &stretch, over, number));
+    out.extend(each);
+}
+
+fn each(channel: &Channel, stretch: &Stretch, over: Over, number: usize) -> Majorant {
     let width = width(channel);
-    let value = |key: usize, which: usize, number: usize| {
-        let values = if channel.interpolation == Interpolation::Cubic {
-            3
-        } else {
-            1
-        };
-        let which = which.min(values - 1);
+    let cubics = channel.interpolation == Interpolation::Cubic;
+    // A cubic's key has a tangent on each side of its value.
+    let (values, middle) = if cubics { (3, 1) } else { (1, 0) };
+    let value = |key: usize, which: usize| {
         f64::from(channel.values[(key * values + which) * width + number])
     };
-    let middle = usize::from(channel.interpolation == Interpolation::Cubic);
-    match stretch(channel, over) {
+    match *stretch {
         Stretch::Across => {
             let key = |time: f64| channel.times.partition_point(|&key| f64::from(key) <= time);
             let touched =
                 key(over.from).saturating_sub(1)..(key(over.to) + 1).min(channel.times.len());
-            out.extend((0..width).map(|i| {
-                let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-                let mut take = |x: f64| (low, high) = (low.min(x), high.max(x));
-                for at in touched.clone() {
-                    let here = value(at, middle, i);
-                    take(here);
-                    if middle == 0 {
-                        continue;
-                    }
-                    // Tangents reach over a third of the time to the next key, or less.
-                    let time =
-                        |at: usize| f64::from(channel.times[at.min(channel.times.len() - 1)]);
-                    take(here + value(at, 2, i) * (time(at + 1) - time(at)) / 3.0);
-                    take(here - value(at, 0, i) * (time(at) - time(at.saturating_sub(1))) / 3.0);
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            let mut take = |x: f64| (low, high) = (low.min(x), high.max(x));
+            for at in touched {
+                let here = value(at, middle);
+                take(here);
+                if !cubics {
+                    continue;
                 }
-                Majorant::within(low.abs().max(high.abs()), high - low)
-            }));
+                // Tangents reach over a third of the time to the next key, or less.
+                let time = |at: usize| f64::from(channel.times[at.min(channel.times.len() - 1)]);
+                take(here + value(at, 2) * (time(at + 1) - time(at)) / 3.0);
+                take(here - value(at, 0) * (time(at) - time(at.saturating_sub(1))) / 3.0);
+            }
+            Majorant::within(low.abs().max(high.abs()), high - low)
         }
-        Stretch::Still(key) => {
-            out.extend((0..width).map(|i| Majorant::still(value(key, middle, i))));
-        }
-        Stretch::Moves(key, begin, end) => out.extend((0..width).map(|i| {
-            let (a, d) = (value(key, middle, i), value(key + 1, middle, i));
-            if middle == 0 {
+        Stretch::Still(key) => Majorant::still(value(key, middle)),
+        Stretch::Moves(key, begin, end) => {
+            let (a, d) = (value(key, middle), value(key + 1, middle));
+            if !cubics {
                 return Majorant::moving(a.abs().max(d.abs()), (d - a) * (end - begin));
             }
             let length = f64::from(channel.times[key + 1]) - f64::from(channel.times[key]);
-            let (leave, arrive) = (value(key, 2, i) * length, value(key + 1, 0, i) * length);
+            let (leave, arrive) = (value(key, 2) * length, value(key + 1, 0) * length);
             let points = [a, a + leave / 3.0, d - arrive / 3.0, d];
             cubic(part(points, begin, end))
-        })),
+        }
     }
 }
 
-/// The majorant of the matrix of a channel of rotations.
-pub(super) fn turn(channel: &Channel, over: Over) -> Majorant {
-    match stretch(channel, over) {
+/// The majorant of the matrix of a channel of rotations, and of its player.
+pub(super) fn turn(channel: &Channel, player: &mut Player, over: Over) -> Majorant {
+    match stretch(channel, player, over) {
         Stretch::Across => Majorant::within(1.0, 2.0),
         Stretch::Still(_) => Majorant::still(1.0),
         Stretch::Moves(key, begin, end) => match channel.interpolation {
@@ -114,11 +111,7 @@ pub(super) fn turn(channel: &Channel, over: Over) -> Majorant {
                 sphere([0, 1, 2, 3].map(|i| DVec4::from_array(parts.map(|part| part[i]))))
             }
             _ => {
-                let quat = |key: usize| {
-                    let numbers = &channel.values[key * 4..key * 4 + 4];
-                    DQuat::from_array([0, 1, 2, 3].map(|i| f64::from(numbers[i]))).finish()
-                };
-                let half = DQuat::line(&quat(key), &quat(key + 1)).angle();
+                let half = player.arc(key).angle();
                 Majorant::moving(0.0, 2.0 * half * (end - begin)).rotation()
             }
         },
@@ -168,13 +161,13 @@ fn sphere(points: [DVec4; 4]) -> Majorant {
     out.near(2.0)
 }
 
-/// Majorants of the length of a channel of three numbers, and of the largest of them.
-pub(super) fn vector(channel: &Channel, over: Over) -> (Majorant, Majorant) {
+/// Majorants of the length of a channel of three numbers and its player, and of the largest of them.
+pub(super) fn vector(channel: &Channel, player: &mut Player, over: Over) -> (Majorant, Majorant) {
     debug_assert!(channel.property != Property::Rotation);
-    let mut parts = Vec::with_capacity(3);
-    numbers(channel, over, &mut parts);
-    match parts[..] {
-        [x, y, z] => (Majorant::length(&[x, y, z]), x.max(&y).max(&z)),
-        _ => (Majorant::UNKNOWN, Majorant::UNKNOWN),
+    if width(channel) != 3 {
+        return (Majorant::UNKNOWN, Majorant::UNKNOWN);
     }
+    let stretch = stretch(channel, player, over);
+    let parts @ [x, y, z] = [0, 1, 2].map(|number| each(channel, &stretch, over, number));
+    (Majorant::length(&parts), x.max(&y).max(&z))
 }
