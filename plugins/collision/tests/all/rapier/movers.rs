@@ -64,6 +64,12 @@ fn a_mover_pushes_a_stone_as_hard_as_it_may() {
     assert!(walked > 2.0 && walked < rolled, "{walked} behind {rolled}");
     let (weak, _) = pushed(Some(1.0));
     assert!(weak < rolled - 0.3, "{weak} of {rolled}");
+    // The mover's own stand-in touches the stone, but nothing pushes: no number is no more than nothing is.
+    let nothing = pushed(Some(0.0));
+    assert!(nothing.0 < weak, "{nothing:?} {weak}");
+    for force in [-400.0, f32::NAN] {
+        assert_eq!(pushed(Some(force)), nothing, "{force} N");
+    }
 }
 
 #[test]
