@@ -8,7 +8,8 @@ use bevy::prelude::*;
 use bevy_rapier3d::prelude::{Collider as RapierCollider, Friction, RigidBody};
 use dolomite::collision::rapier::{GroundTiles, MeetsMovers, RapierBridgePlugin};
 use dolomite::collision::{
-    Blocker, Collider, CollisionSystems, TreeKind, TreeSettings, TriangleMesh, TriangleTree,
+    BetweenSteps, Blocker, Collider, CollisionSystems, TreeKind, TreeSettings, TriangleMesh,
+    TriangleTree,
 };
 use dolomite::terrain::{Ground, Terrain};
 
@@ -143,6 +144,7 @@ fn spawn(commands: &mut Commands, thing: Thing, terrain: &Terrain) {
                 entity.insert(Collider(Arc::new(TriangleTree::new(mesh, settings))));
             }
             entity.insert((
+                BetweenSteps::default(),
                 Lift {
                     low: place.translation.y,
                     rise,
@@ -156,6 +158,7 @@ fn spawn(commands: &mut Commands, thing: Thing, terrain: &Terrain) {
         }
         Thing::Stone { radius, .. } => {
             entity.insert((
+                BetweenSteps::default(),
                 RigidBody::Dynamic,
                 RapierCollider::ball(radius),
                 Friction::coefficient(0.9),

@@ -8,8 +8,8 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_rapier3d::prelude::RapierContextSimulation;
 use dolomite::DolomiteMinimalPlugins;
-use dolomite::collision::CharacterBody;
 use dolomite::collision::rapier::BridgeCounters;
+use dolomite::collision::{BetweenSteps, CharacterBody};
 use dolomite_game::input::PlayerInput;
 use dolomite_game::play::SimulationPlugin;
 use dolomite_game::play::figure::Figure;
@@ -140,9 +140,12 @@ fn a_lift_is_walked_onto_and_ridden() {
     let mut app = game("lift", lift);
     let low = |app: &mut App| {
         let world = app.world_mut();
-        let mut lifts = world.query::<(&Lift, &Transform)>();
-        let (lift, place) = lifts.single(world).expect("there is one lift");
-        place.translation.y - lift.low
+        let mut lifts = world.query::<(&Lift, &Transform, &BetweenSteps)>();
+        let (lift, place, steps) = lifts.single(world).expect("there is one lift");
+        // Frames are steps here: it is drawn where it was one step ago, as the figure is.
+        let now = steps.now().unwrap_or(*place).translation.y;
+        assert!((0.0..=1.0 / 64.0 + 1e-5).contains(&(now - place.translation.y).abs()));
+        now - lift.low
     };
     let mut highest = 0.0_f64;
     for step in 0..500 {

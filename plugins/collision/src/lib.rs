@@ -18,8 +18,8 @@ pub use motion::{
     advance_all,
 };
 pub use plugin::{
-    Blocker, CharacterBody, Collider, CollisionCounters, CollisionPlugin, CollisionSystems,
-    MoveState, MoveWish, Trigger, TriggerKind, TriggerMessage,
+    BetweenSteps, Blocker, CharacterBody, Collider, CollisionCounters, CollisionPlugin,
+    CollisionSystems, MoveState, MoveWish, Trigger, TriggerKind, TriggerMessage,
 };
 pub use sweep::{Contact, SweepError, sweep};
 pub use tree::{Nearest, RayHit, TreeKind, TreeSettings, TriangleTree};

@@ -4,8 +4,9 @@ pub mod case;
 mod tally;
 
 use crate::csv::{ErrorNumbers, Row};
+use crate::plot::{Axes, Chart, Curve};
 use crate::studies::beside::{NOTE, SWEEPS, SweepMethod, Touch};
-use crate::study::{Asked, Options, Report, Study};
+use crate::study::{Asked, Figure, Options, Report, Study};
 use bevy::math::DVec3;
 use dolomite_collision::{Ellipsoid, sweep};
 use dolomite_testkit::hostile::{self, KINDS};
@@ -125,6 +126,9 @@ fn ours(case: &Sweep) -> Touch {
         .map(|contact| (contact.time, contact.normal))
 }
 
+/// What the first row of a kind and method is about.
+const TIME: &str = "time of contact";
+
 /// Sweeps of a kind that are timed.
 const TIMED: usize = 4096;
 
@@ -187,10 +191,11 @@ fn run(options: &Options) -> Report {
     for ((name, _), total) in methods.iter().zip(&totals) {
         summary.insert((*name).into(), total.to_json());
     }
+    let figure = figure(&rows, &methods);
     Report {
         study: STUDY.name,
         rows,
-        figures: Vec::new(),
+        figures: vec![figure],
         notes: vec![
             format!(
                 "a contact is missed where the least distance of the way is below the radius by {DOUBT:e} of it, and \
@@ -222,9 +227,46 @@ fn row_pair(kind: usize, method: &str, tally: &Tally, ns: f64) -> [Row; 2] {
         device: "one core".into(),
     };
     [
-        row("time of contact", "of the way", &tally.times),
+        row(TIME, "of the way", &tally.times),
         row("normal", "rad", &tally.normals),
     ]
+}
+
+/// Kind by kind, what 99 % of the times of contact of each method err by less than.
+fn figure(rows: &[Row], methods: &[SweepMethod]) -> Figure {
+    let of = |method: &str| {
+        let own = rows
+            .iter()
+            .filter(move |row| row.method == method && row.quantity == TIME);
+        // A logarithm of no error is none: the rounding of one stands for it.
+        let error = |row: &Row| row.error.map(|error| error.p99.max(f64::EPSILON));
+        (1..)
+            .zip(own)
+            .filter_map(move |(kind, row)| Some((f64::from(kind), error(row)?)))
+            .collect::<Vec<_>>()
+    };
+    let names = (0..KINDS).map(|kind| format!("{} {}", kind + 1, hostile::name(kind)));
+    Figure {
+        name: "sweep_times".into(),
+        caption: format!(
+            "Errors of the time of contact that 99 % stay below, kind by kind: {}.",
+            names.collect::<Vec<_>>().join(", ")
+        ),
+        chart: Chart {
+            title: "Time of contact".into(),
+            x_label: "kind of sweep".into(),
+            y_label: "error of 99 %, parts of the way".into(),
+            axes: Axes::Logarithmic,
+            curves: (0..)
+                .zip(methods)
+                .map(|(colour, (name, _))| Curve {
+                    name: (*name).into(),
+                    colour,
+                    points: of(name),
+                })
+                .collect(),
+        },
+    }
 }
 
 #[cfg(test)]
@@ -238,7 +280,8 @@ mod tests {
             repeats: 1,
             ..Options::default()
         };
-        let summary = run(&options).summary;
+        let report = run(&options);
+        let summary = report.summary;
         let ours = &summary["ours"];
         assert_eq!(
             (&ours["missed"], &ours["invented"]),
@@ -254,6 +297,13 @@ mod tests {
         for (name, _) in SWEEPS {
             let time = summary[name]["time_max"].as_f64().unwrap();
             assert!(time > 1e-9, "{summary}");
+        }
+        // Every kind has its place in the figure, and ours lies below the others.
+        let curves = &report.figures[0].chart.curves;
+        for other in &curves[1..] {
+            assert_eq!((curves[0].points.len(), other.points.len()), (KINDS, KINDS));
+            let above = curves[0].points.iter().zip(&other.points);
+            assert!(above.filter(|(ours, other)| ours.1 < other.1).count() >= KINDS / 2);
         }
     }
 }

@@ -24,7 +24,7 @@ pub use step::{Scratch, advance, advance_all};
 pub use world::{Body, Pose, Touch, World};
 
 use crate::geometry::Feature;
-use crate::sweep::FARTHEST;
+use crate::sweep::{FARTHEST, UnitSpace};
 use bevy::math::DVec3;
 use thiserror::Error;
 
@@ -51,16 +51,20 @@ impl Mover {
     }
 }
 
+/// Most of [`MoveSettings::step_height`] and [`MoveSettings::snap`] together, in radii along up. A mover is raised so
+/// far and set down again, and its place up there is rounded by 1e-16 of that: a hundredth of the [`GAP`] that it keeps.
+pub const HIGHEST: f64 = 1e8;
+
 /// How movers move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveSettings {
     /// Away from the ground, of length 1.
     pub up: DVec3,
-    /// The cosine of the steepest slope that is stood on; steeper ones are walls to who moves into them.
+    /// The cosine of the steepest slope that is stood on, 0 to 1; steeper ones are walls to who moves into them.
     pub walkable: f64,
-    /// The highest step that is climbed, metres; 0 for none.
+    /// The highest step that is climbed, metres; 0 for none. With `snap` at most [`HIGHEST`] radii.
     pub step_height: f64,
-    /// How far below a mover that stood ground still holds it, metres.
+    /// How far below a mover that stood ground still holds it, metres; 0 for no farther than it touches.
     pub snap: f64,
     /// Most advances of a slide, from 1 on: what is left of the wish after them is dropped.
     pub iterations: u32,
@@ -89,12 +93,26 @@ impl MoveSettings {
         level >= self.walkable || (level > 0.0 && touch.face.dot(self.up) >= self.walkable)
     }
 
-    fn is_valid(&self) -> bool {
-        (self.up.length_squared() - 1.0).abs() < 1e-6
-            && self.walkable.is_finite()
-            && self.step_height.is_finite()
-            && self.snap.is_finite()
-            && self.iterations > 0
+    /// Whether a mover can be moved by them.
+    fn check(&self, space: &UnitSpace) -> Result<(), MoveError> {
+        // Comparisons that no number that is none passes.
+        if !((self.up.length_squared() - 1.0).abs() < 1e-6 && self.iterations > 0) {
+            return Err(MoveError::Settings(self.up));
+        }
+        let heights = [self.step_height, self.snap];
+        let along = (space.to_unit * self.up).length();
+        let right = (0.0..=1.0).contains(&self.walkable)
+            && heights.iter().all(|height| *height >= 0.0)
+            && heights.iter().sum::<f64>() * along <= HIGHEST;
+        if right {
+            Ok(())
+        } else {
+            Err(MoveError::Range {
+                walkable: self.walkable,
+                step_height: self.step_height,
+                snap: self.snap,
+            })
+        }
     }
 }
 
@@ -136,10 +154,20 @@ pub enum MoveError {
     #[error("a wish of {0} m is not finite, or longer than {FARTHEST:e} radii")]
     Wish(DVec3),
     /// Settings without meaning.
-    #[error(
-        "settings with up {0} are not finite, or up is not of length 1, or no advance is allowed"
-    )]
+    #[error("settings with up {0}: that is not of length 1, or no advance is allowed")]
     Settings(DVec3),
+    /// Settings that are out of their range.
+    #[error(
+        "settings with walkable {walkable}, which has to be 0 to 1, step_height {step_height} m and snap {snap} m, which have to be 0 or more and together at most {HIGHEST:e} radii"
+    )]
+    Range {
+        /// [`MoveSettings::walkable`].
+        walkable: f64,
+        /// [`MoveSettings::step_height`].
+        step_height: f64,
+        /// [`MoveSettings::snap`].
+        snap: f64,
+    },
 }
 
 /// What became of a step.

@@ -43,26 +43,28 @@ pub fn advance(
         ..MoveOutcome::default()
     };
     let space = UnitSpace::new(&Ellipsoid::upright(mover.center, mover.radii));
-    let error = match space {
-        Err(_) => MoveError::Mover {
+    let space = space
+        .map_err(|_| MoveError::Mover {
             center: mover.center,
             radii: mover.radii,
-        },
-        Ok(space) if space.check_way(wish).is_err() => MoveError::Wish(wish),
-        Ok(_) if !settings.is_valid() => MoveError::Settings(settings.up),
-        Ok(space) => {
-            let mut step = Step {
-                world,
-                settings,
-                scratch,
-                outcome,
-                space,
-            };
-            step.run(mover, wish);
-            return;
+        })
+        .and_then(|space| {
+            let way = space.check_way(wish);
+            way.map_err(|_| MoveError::Wish(wish))?;
+            settings.check(&space)?;
+            Ok(space)
+        });
+    match space {
+        Err(error) => outcome.error = Some(error),
+        Ok(space) => Step {
+            world,
+            settings,
+            scratch,
+            outcome,
+            space,
         }
-    };
-    outcome.error = Some(error);
+        .run(mover, wish),
+    }
 }
 
 struct Step<'a> {

@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub struct Collider(pub Arc<TriangleTree>);
 
 /// A box around an entity that whoever walks into it slides along. It stands upright: a turn of the entity is not
-/// used. A size that is not finite, or 0 or less along an axis, blocks nothing.
+/// used. A half size above 10¹² m, not finite, or 0 or less along an axis, blocks nothing.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, PartialEq)]
 #[require(Transform)]

@@ -8,16 +8,19 @@
 //! | [`MoveWish`] | you | the way of the next step; taken by it |
 //! | [`MoveState`] | the plugin | where the mover is in f64, what it stands on and touched |
 //! | [`Trigger`] | you | a box that reports who comes, stays and goes, by [`TriggerMessage`] |
+//! | [`BetweenSteps`] | you | what steps move is drawn between them |
 //!
 //! Steps are taken in `FixedUpdate`. Places are those of `Transform` and not of its parents: what takes part in
 //! collision has none. Scale is not used: it belongs into the mesh.
 
+mod between;
 mod bodies;
 mod diagnostics;
 mod forget;
 mod movers;
 mod triggers;
 
+pub use between::BetweenSteps;
 pub use bodies::{Blocker, Collider};
 pub use diagnostics::CollisionCounters;
 pub use movers::{CharacterBody, MoveState, MoveWish};
@@ -39,8 +42,8 @@ pub enum CollisionSystems {
 
 /// Moves every [`CharacterBody`]. Runs under `MinimalPlugins`.
 ///
-/// May be added before or after Bevy's plugins, and more than once. Without a [`CharacterBody`] or [`Trigger`] in the
-/// world none of its systems runs.
+/// May be added before or after Bevy's plugins, and more than once. Without a [`CharacterBody`], [`Trigger`] or
+/// [`BetweenSteps`] in the world none of its systems runs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CollisionPlugin;
 
@@ -50,6 +53,7 @@ impl Plugin for CollisionPlugin {
             return;
         }
         diagnostics::build(app);
+        between::build(app);
         app.init_resource::<bodies::Bodies>()
             .init_resource::<triggers::Inside>()
             .add_message::<TriggerMessage>()

@@ -11,7 +11,7 @@ use bevy::platform::collections::HashSet;
 use bevy::reflect::prelude::*;
 use bevy::transform::components::Transform;
 
-/// An upright box around an entity. A size that is not finite, or 0 or less along an axis, reports nothing.
+/// An upright box around an entity. A half size above 10¹² m, not finite, or 0 or less along an axis, reports nothing.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, PartialEq)]
 #[require(Transform)]

@@ -98,6 +98,10 @@ pub(super) fn push(
         return;
     }
     for (pusher, state) in &movers {
+        // The smaller of no number and of an impulse would be the impulse.
+        if pusher.force.is_nan() || pusher.force <= 0.0 {
+            continue;
+        }
         for (entity, contact) in state.contacts() {
             let Ok(handle) = handles.get(entity) else {
                 continue;

@@ -9,8 +9,9 @@ use bevy::math::Vec3;
 use bevy::time::{Fixed, Time, TimeUpdateStrategy};
 use bevy::transform::components::Transform;
 use dolomite_collision::{
-    Blocker, CharacterBody, Collider, CollisionCounters, CollisionPlugin, CollisionSystems,
-    MoveState, MoveWish, TreeSettings, TriangleTree, Trigger, TriggerKind, TriggerMessage,
+    BetweenSteps, Blocker, CharacterBody, Collider, CollisionCounters, CollisionPlugin,
+    CollisionSystems, MoveState, MoveWish, TreeSettings, TriangleTree, Trigger, TriggerKind,
+    TriggerMessage,
 };
 use std::sync::Arc;
 use std::time::Duration;
@@ -269,6 +270,61 @@ fn what_moved_while_there_was_no_mover_pushes_nobody() {
         .id();
     walk(&mut app, second, Vec3::ZERO, 1);
     assert_eq!(place(&app, second), Vec3::new(0.0, 5.0, 0.0));
+}
+
+/// Steps of a lift, seen from within them.
+#[derive(Resource, Default)]
+struct Seen(Vec<f32>);
+
+/// Four frames a step: a lift is drawn a quarter of its step farther in each, and steps know nothing of it.
+#[test]
+fn what_steps_move_is_drawn_between_them() {
+    const STEP: f32 = 0.5;
+    let mut app = app();
+    app.init_resource::<Seen>();
+    let lift = |mut lifts: Query<&mut Transform, With<Blocker>>, mut seen: ResMut<Seen>| {
+        for mut place in &mut lifts {
+            seen.0.push(place.translation.x);
+            place.translation.x += STEP;
+        }
+    };
+    app.add_systems(FixedUpdate, lift.before(CollisionSystems::Gather));
+    let quarter = Duration::from_millis(4);
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(quarter));
+    let lift = app
+        .world_mut()
+        .spawn((Blocker::default(), BetweenSteps::default()))
+        .id();
+    // Two steps, of which the second is drawn at its start.
+    let drawn: Vec<f32> = (0..24)
+        .map(|_| {
+            app.update();
+            place(&app, lift).x
+        })
+        .collect();
+    let steps = drawn.windows(2).skip(8);
+    for pair in steps {
+        assert!((pair[1] - pair[0] - STEP / 4.0).abs() < 1e-5, "{drawn:?}");
+    }
+    let seen = app.world().resource::<Seen>().0.clone();
+    let expected: Vec<f32> = (0..seen.len()).map(|step| step as f32 * STEP).collect();
+    assert!(seen.len() >= 5, "{seen:?}");
+    assert_eq!(seen, expected);
+    let state = *app.world().get::<BetweenSteps>(lift).expect("it stays");
+    let now = state.now().expect("there were steps").translation.x;
+    assert!((now - seen.len() as f32 * STEP).abs() < 1e-6 && place(&app, lift).x < now);
+    // Put elsewhere outside of a step it is there at once, and goes on from there.
+    let put = |app: &mut App| {
+        let mut place = app.world_mut().get_mut::<Transform>(lift);
+        place.as_mut().expect("it stays").translation.x = 100.0;
+    };
+    put(&mut app);
+    for _ in 0..8 {
+        app.update();
+        let x = place(&app, lift).x;
+        assert!((100.0..101.0).contains(&x), "{x}");
+    }
+    assert!(place(&app, lift).x > 100.0);
 }
 
 /// What ran is asked of a system that would see it.

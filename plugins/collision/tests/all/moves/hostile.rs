@@ -129,6 +129,104 @@ fn bad_movers_are_refused_and_the_others_go_on() {
     assert_eq!((outcomes[0].error, outcomes[0].grounded), (None, false));
 }
 
+/// Steps and reaches that no place can be told over: refused, and the mover stays.
+#[test]
+fn settings_out_of_range_are_refused() {
+    let ground = tree(floor(10, 1.0, |_, _| 0.0));
+    let bodies = [Body::fixed(&ground)];
+    let moved = |settings: MoveSettings| {
+        let mut mover = Mover::new(DVec3::Y, FIGURE);
+        mover.stands_on = Some(0);
+        let mut outcome = MoveOutcome::default();
+        let (world, mut scratch) = (World::new(&bodies), Scratch::default());
+        let wish = DVec3::X * 0.1;
+        advance(
+            &world,
+            &mut mover,
+            wish,
+            &settings,
+            &mut scratch,
+            &mut outcome,
+        );
+        (mover.center, outcome)
+    };
+    let none = [f64::NAN, f64::INFINITY, -f64::INFINITY, -1e300, -0.1];
+    for value in none.into_iter().chain([1e300, f64::MAX, 1e8]) {
+        type Set = fn(&mut MoveSettings, f64);
+        let settings: [Set; 3] = [
+            |settings, value| settings.walkable = value,
+            |settings, value| settings.step_height = value,
+            |settings, value| settings.snap = value,
+        ];
+        for (index, set) in settings.into_iter().enumerate() {
+            let mut settings = MoveSettings::default();
+            set(&mut settings, value);
+            let (center, outcome) = moved(settings);
+            assert!(
+                matches!(outcome.error, Some(MoveError::Range { .. })),
+                "{index} {value}: {outcome:?}"
+            );
+            assert_eq!(center, DVec3::Y);
+            let said = outcome.error.expect("it was just seen").to_string();
+            assert!(said.contains(&value.to_string()), "{value}: {said}");
+        }
+    }
+    // Each by itself would do.
+    let both = MoveSettings {
+        step_height: 5e7,
+        snap: 5e7,
+        ..MoveSettings::default()
+    };
+    assert!(matches!(moved(both).1.error, Some(MoveError::Range { .. })));
+    for up in [DVec3::splat(1e300), DVec3::Y * 1.1, DVec3::NAN] {
+        let settings = MoveSettings {
+            up,
+            ..MoveSettings::default()
+        };
+        assert!(matches!(
+            moved(settings).1.error,
+            Some(MoveError::Settings(_))
+        ));
+    }
+    // The counterpart: what they may be just so.
+    for (walkable, heights) in [(0.0, 0.0), (1.0, 4.4e7)] {
+        let settings = MoveSettings {
+            walkable,
+            step_height: heights,
+            snap: heights,
+            ..MoveSettings::default()
+        };
+        let (center, outcome) = moved(settings);
+        assert_eq!(outcome.error, None, "{walkable} {heights}");
+        assert!((center.x - 0.1).abs() < 1e-9, "{center}");
+    }
+}
+
+/// As high as a step may be: a mover that was up there is set down as exactly as ever.
+#[test]
+fn the_highest_step_keeps_the_gap() {
+    let ground = tree(floor(40, 1.0, |_, _| 0.0));
+    let wall = cuboid([4.0, 1.5, 0.0], [0.5, 1.5, 5.0]);
+    let bodies = [Body::fixed(&ground), Body::fixed(&wall)];
+    let mut walker = Walker::at([0.0, 0.91, 0.0]);
+    (walker.settings.step_height, walker.settings.snap) = (4.4e7, 4.4e7);
+    walker.go(&bodies, DVec3::Y * -0.1);
+    let mut highest = 0.0_f64;
+    for step in 0..100 {
+        let c = walker.go(&bodies, DVec3::new(0.08, -0.02, 0.0));
+        assert!(walker.outcome.grounded, "{step} {c}");
+        for body in &bodies {
+            // Rounding takes some hundredths of the gap.
+            assert_eq!(walker.depth(body), 0.0, "{step} {c}");
+        }
+        highest = highest.max(c.y);
+    }
+    // Over the wall of 3 m, and down on the other side.
+    assert!((highest - 3.9).abs() < 1e-5, "{highest}");
+    let c = walker.mover.center;
+    assert!(c.x > 5.0 && (c.y - 0.9).abs() < 1e-5, "{c}");
+}
+
 fn hash_of_moves(threads: usize) -> u64 {
     ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(threads).build());
     let mut random = Random::new(54);

@@ -2,6 +2,7 @@
 
 use super::*;
 use bevy::math::DVec3;
+use bevy::time::{Fixed, Time, Virtual};
 use dolomite_collision::rapier::{MeetsMovers, Pusher};
 use dolomite_collision::{
     CharacterBody, Collider, MoveState, MoveWish, TreeSettings, TriangleMesh, TriangleTree,
@@ -64,6 +65,52 @@ fn a_mover_pushes_a_stone_as_hard_as_it_may() {
     assert!(walked > 2.0 && walked < rolled, "{walked} behind {rolled}");
     let (weak, _) = pushed(Some(1.0));
     assert!(weak < rolled - 0.3, "{weak} of {rolled}");
+    // The mover's own stand-in touches the stone, but nothing pushes: no number is no more than nothing is.
+    let nothing = pushed(Some(0.0));
+    assert!(nothing.0 < weak, "{nothing:?} {weak}");
+    for force in [-400.0, f32::NAN] {
+        assert_eq!(pushed(Some(force)), nothing, "{force} N");
+    }
+}
+
+/// Steps of an hour: who falls lands, whatever becomes of what Rapier moves, and the next step comes.
+#[test]
+fn steps_of_an_hour_are_survived() {
+    const HOUR: Duration = Duration::from_secs(3600);
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, RapierBridgePlugin))
+        .insert_resource(Time::<Fixed>::from_duration(HOUR))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(HOUR));
+    // Frames of more than a quarter of a second are else cut short.
+    app.world_mut()
+        .resource_mut::<Time<Virtual>>()
+        .set_max_delta(2 * HOUR);
+    app.finish();
+    app.cleanup();
+    app.update();
+    app.world_mut().spawn(ground_tiles(flat, 8));
+    app.world_mut().spawn(Collider(floor()));
+    let figure = (
+        CharacterBody::default(),
+        Pusher::default(),
+        Transform::from_xyz(0.0, 5.0, 0.0),
+    );
+    let mover = app.world_mut().spawn(figure).id();
+    let lies = cube(&mut app, 0.5, Vec3::new(20.0, 0.5, 0.0));
+    ball(&mut app, 0.5, Vec3::new(-20.0, 9.0, 0.0), Vec3::splat(1e4));
+    for step in 0..4 {
+        let fall = -9.81 * HOUR.as_secs_f32().powi(2);
+        app.world_mut()
+            .get_mut::<MoveWish>(mover)
+            .expect("the mover has a wish")
+            .0 = Vec3::Y * fall;
+        app.update();
+        let state = app.world().get::<MoveState>(mover).expect("it stays");
+        assert!(state.grounded(), "{step}: {state:?}");
+        assert!((place(&app, mover).y - 0.9).abs() < 1e-4, "{step}");
+    }
+    let at = place(&app, lies);
+    assert!(at.is_finite(), "{at}");
 }
 
 #[test]
