@@ -30,7 +30,7 @@ fn every_variant_of_the_shader_is_valid() {
         };
         assert_eq!(
             span, 80,
-            "three vectors, four numbers and a level, as in Rust"
+            "three vectors, five numbers and a level, as in Rust"
         );
     }
 }
