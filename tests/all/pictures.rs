@@ -312,13 +312,13 @@ mod gpu {
         let pixels = shown(&mut app, &target, "grass_rank");
         assert_eq!(app.world().get(camera), Some(&VegetationRanks), "lent");
         // The colours of a thousand ranks, and nothing else.
-        let ramp: Vec<_> = (0..=1000).map(|k| ramp(k as f32 / 1000.0)).collect();
+        let colours: Vec<_> = (0..=1000).map(|k| ramp(k as f32 / 1000.0)).collect();
         let (mut grass, mut low, mut high) = (0, 0, 0);
         for (place, pixel) in beside(&pixels) {
             if off(pixel, NOTHING) <= 1.0 {
                 continue;
             }
-            let near = ramp.iter().position(|colour| off(pixel, *colour) <= 1.5);
+            let near = colours.iter().position(|colour| off(pixel, *colour) <= 1.5);
             let share = near.unwrap_or_else(|| panic!("{pixel:?} at {place} is no rank"));
             grass += 1;
             low += u32::from(share < 300);

@@ -145,7 +145,9 @@ fn looks_at(pixel: usize) -> DVec2 {
         (pixel % SIZE[0] as usize) as f64 + 0.5 - 0.5 * width,
         0.5 * height - (pixel / SIZE[0] as usize) as f64 - 0.5,
     );
-    let metre = f64::from(ABOVE) * (std::f64::consts::FRAC_PI_8).tan() / (0.5 * height);
+    // Half of Bevy's usual field of view: an eighth of a half turn.
+    let tangent = std::f64::consts::SQRT_2 - 1.0;
+    let metre = f64::from(ABOVE) * tangent / (0.5 * height);
     DVec2::new(y, x) * metre
 }
 
@@ -183,7 +185,7 @@ fn pixels_have_the_ranks_of_what_stands_there_gpu() {
             let places = places.unwrap_or_else(|| panic!("{rank} stands nowhere near"));
             // A blade reaches as far as it is long, and stands towards the eye by perspective.
             let at = looks_at(k);
-            let reach = f64::from(LENGTH) * (1.0 + at.length() / f64::from(ABOVE - LENGTH));
+            let reach = 0.05 + f64::from(LENGTH) * (1.0 + at.length() / f64::from(ABOVE - LENGTH));
             near += u32::from(places.iter().any(|place| place.distance(at) <= reach));
             ranks.push(rank);
         }
