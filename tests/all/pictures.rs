@@ -158,7 +158,7 @@ mod gpu {
     /// A lamp between walls, on which a box may move.
     fn room(components: impl Bundle) -> Option<(App, Handle<Image>, Entity, Entity)> {
         let mut app = app()?;
-        let (_, target) = camera::camera(&mut app, SIZE, ());
+        let (_, target) = camera::camera(&mut app, SIZE, DeferredLighting::default());
         let world = app.world_mut();
         let mesh = world
             .resource_mut::<Assets<Mesh>>()

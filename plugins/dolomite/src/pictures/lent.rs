@@ -1,5 +1,7 @@
 //! What a picture needs of cameras, for as long as it is shown: a component each, lent and taken back.
 
+use std::marker::PhantomData;
+
 use bevy::app::{App, PostUpdate};
 use bevy::ecs::prelude::*;
 use bevy::ecs::query::QueryFilter;
@@ -48,7 +50,7 @@ impl Lends for VegetationRanks {
 
 /// A camera has it for a picture alone.
 #[derive(Component)]
-struct Lent<T>(std::marker::PhantomData<T>);
+struct Lent<T: Send + Sync + 'static>(PhantomData<T>);
 
 /// Lends what pictures need, while one is shown that needs it.
 pub(super) fn build(app: &mut App) {
@@ -76,7 +78,7 @@ fn lend<T: Lends>(
         let mut camera = commands.entity(camera);
         match &wanted {
             Some(what) if own.is_none() || (lent && own != Some(what)) => {
-                camera.insert((what.clone(), Lent::<T>(std::marker::PhantomData)));
+                camera.insert((what.clone(), Lent::<T>(PhantomData)));
             }
             None if lent => {
                 camera.remove::<(T, Lent<T>)>();

@@ -176,9 +176,9 @@ pub(super) fn begin(world: &mut World) {
 
 /// The shader of `bevy_egui`, which gives it to none but an app.
 fn shader() -> Option<Shader> {
-    let mut app = App::empty();
-    app.insert_sub_app(RenderApp, SubApp::new())
-        .init_resource::<Assets<Shader>>();
+    let mut app = App::new();
+    app.insert_sub_app(RenderApp, SubApp::new());
+    app.init_resource::<Assets<Shader>>();
     app.add_plugins(EguiPlugin::default());
     let mut shaders = app.world_mut().resource_mut::<Assets<Shader>>();
     shaders.remove(EGUI_SHADER_HANDLE.id())

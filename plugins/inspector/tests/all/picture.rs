@@ -76,7 +76,7 @@ mod gpu {
     use crate::drawn::{self, HEIGHT, Target, WIDTH, frames, picture, pipelines};
     use crate::support::say;
 
-    use bevy::camera::{ClearColorConfig, RenderTarget, Viewport};
+    use bevy::camera::{RenderTarget, Viewport};
     use bevy::core_pipeline::prepass::{
         DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass,
     };
@@ -277,7 +277,6 @@ mod gpu {
                     physical_size: half,
                     ..default()
                 }),
-                clear_color: ClearColorConfig::Custom(Color::srgb(1.0, 0.0, 1.0)),
                 ..default()
             },
             (DepthPrepass, DeferredPrepass, Msaa::Off),
@@ -294,11 +293,10 @@ mod gpu {
         let [wall, beside] = halves(&other);
         let expected = distance_grey(AWAY + 3.0, usual.near, usual.far);
         assert_near("the second", wall, Vec3::splat(expected), 1.0);
-        assert_eq!(beside, [255, 0, 255, 255], "beside its part");
         say(&mut app, "views depth off").unwrap();
         frames(&mut app, 3);
-        let [wall, _] = halves(&picture(&mut app));
-        assert_ne!(wall[0], other[(HEIGHT / 2 * WIDTH + WIDTH / 4) as usize][0]);
+        let frame = halves(&picture(&mut app));
+        assert!(frame[0] != wall && frame[1] == beside, "beside its part");
     }
 
     /// Forward, with four samples a pixel: a stranger's camera as it comes.
