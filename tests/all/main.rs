@@ -20,6 +20,7 @@ mod night;
 #[expect(dead_code, reason = "only its body is drawn here")]
 #[path = "../../plugins/character/tests/all/support/person.rs"]
 mod person;
+mod pictures;
 mod quality;
 mod reload;
 mod soldiers;

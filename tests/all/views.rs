@@ -4,6 +4,7 @@ use crate::support::app;
 use crate::support::camera;
 use crate::support::hills::Hills;
 use crate::support::picture;
+use crate::support::views::{assert_is, shown, switch};
 
 use std::time::Duration;
 
@@ -24,7 +25,6 @@ use dolomite::inspector::picture::colours::{
 };
 use dolomite::inspector::picture::legend::{level_at, may_cover, more_at, ramp_at};
 use dolomite::inspector::picture::{FramePicture, PicturePasses};
-use dolomite::inspector::views::FrameViews;
 use dolomite::terrain::Fractal;
 
 const SIZE: UVec2 = UVec2::new(320, 160);
@@ -42,39 +42,8 @@ fn app() -> Option<App> {
     })
 }
 
-/// Switches a view by the table that the console, the panel and the help have.
-fn switch(app: &mut App, name: &str, on: bool) {
-    let views = app.world().resource::<FrameViews>().clone();
-    let view = views.get(name).expect("it is in the table");
-    view.switch(app.world_mut(), on).expect("it is not refused");
-    assert_eq!(view.is_on(app.world()), on);
-}
-
-/// What is seen while a view is on. `DOLOMITE_PICTURES` keeps it in that folder.
-fn shown(app: &mut App, target: &Handle<Image>, name: &str) -> Vec<[u8; 4]> {
-    switch(app, name, true);
-    let image = picture::picture(app, target, 8);
-    if let Some(folder) = std::env::var_os("DOLOMITE_PICTURES") {
-        let file = std::path::Path::new(&folder).join(format!("view-{name}.png"));
-        let kept = image.clone().try_into_dynamic().expect("bytes");
-        kept.to_rgb8()
-            .save(file)
-            .expect("the folder can be written");
-    }
-    let data = image.data.expect("it was read back");
-    data.as_chunks().0.to_vec()
-}
-
 fn at(pixels: &[[u8; 4]], place: UVec2) -> [u8; 4] {
     pixels[(place.y * SIZE.x + place.x) as usize]
-}
-
-/// The colour passes through a target that keeps it by sRGB, and is rounded.
-fn assert_is(pixel: [u8; 4], colour: Vec3, what: &str) {
-    let off = |(channel, expected): (u8, f32)| (f32::from(channel) - 255.0 * expected).abs();
-    let channels = pixel.into_iter().zip(colour.to_array());
-    let off = channels.map(off).fold(0.0, f32::max);
-    assert!(off <= 1.0, "{what}: {pixel:?} for {colour}, off by {off}");
 }
 
 /// Passes of inspections and of pictures, pipelines of both, and how many cameras have an inspection.

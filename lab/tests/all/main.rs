@@ -5,6 +5,7 @@ mod blocks;
 mod detail;
 mod detail_answers;
 mod drawn;
+mod heat;
 mod quadtree;
 mod shadow_ranges;
 mod stage;

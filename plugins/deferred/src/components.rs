@@ -47,3 +47,12 @@ pub struct StillShadows {
     /// When it changes, all faces are drawn again.
     pub redraw: u32,
 }
+
+/// Lights what a camera with [`DeferredLighting`] sees once more, by [`Way::BruteForce`] through all lights of the world, and
+/// keeps in each pixel how far both are apart.
+///
+/// While a camera has it: one full-screen pass through all lights, one that compares, and a texel of the target and 4 bytes a
+/// pixel more; ambient occlusion is looked for once more. Without one there is no pass, no pipeline, no texture.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct LightingDifference;

@@ -21,6 +21,7 @@
 //! |---|---|
 //! | [`DeferredLighting`], [`Way`] | which camera is lit, and how |
 //! | [`StillShadows`] | shadow maps that are drawn where something moved |
+//! | [`LightingDifference`] | how far a camera's picture is from that of the reference |
 //! | [`gbuffer`] | the words of a pixel, as in `shaders/src/deferred/gbuffer.wgsl` |
 //! | [`light`] | point and spot lights as the GPU reads them; which are refused, and why |
 //! | [`cull`] | which of them a view can see |
@@ -43,7 +44,7 @@ pub mod pyramid;
 #[cfg(feature = "render")]
 pub mod render;
 
-pub use components::{DeferredLighting, StillShadows, Way};
+pub use components::{DeferredLighting, LightingDifference, StillShadows, Way};
 pub use model::{ModelError, ShadingModels};
 pub use occlusion::{AmbientOcclusion, OcclusionQuality, OcclusionResolution};
 #[cfg(feature = "render")]

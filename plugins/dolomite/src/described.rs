@@ -6,7 +6,7 @@ mod places;
 use bevy::app::App;
 use dolomite_character::{CharacterCounters, CharacterEye, CharacterJoints, CharacterLod};
 use dolomite_collision::{Blocker, CharacterBody, CollisionCounters, MoveState, Trigger};
-use dolomite_deferred::{AmbientOcclusion, DeferredLighting, StillShadows};
+use dolomite_deferred::{AmbientOcclusion, DeferredLighting, LightingDifference, StillShadows};
 use dolomite_geometry::budget::{Budget, BudgetReport};
 use dolomite_geometry::{GeometryCamera, GeometryStats};
 use dolomite_ground::detail::{DrawnProbes, MakingBudget, TerrainLod};
@@ -229,6 +229,9 @@ fn geometry(app: &mut App) {
     )
     .describe::<BudgetReport>(Description::answer("What a budget does"))
     .describe::<DeferredLighting>(Description::new("Dolomite's lighting in place of Bevy's"))
+    .describe::<LightingDifference>(Description::new(
+        "How far the camera's light is from the reference is found in each pixel",
+    ))
     .describe::<StillShadows>(
         Description::new("A point light's shadow map is drawn where something in its reach moved")
             .field(

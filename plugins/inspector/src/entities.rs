@@ -308,6 +308,8 @@ pub fn describe(world: &World, entity: Entity) -> Result<String, PlaceError> {
                 .and_then(|kind| edit::read(world, &Place::whole(kind, entity)).ok())
                 .or_else(|| component.text.clone())
                 .unwrap_or_default();
+            // What has lines of its own stands below its name.
+            let value = value.trim_end().replace('\n', "\n    ");
             text += &format!("  {} {value}\n", component.name);
         }
     }

@@ -85,8 +85,10 @@ pub struct Totals {
     pub dispatches: Option<f64>,
     /// Triangles and other primitives.
     pub primitives: Option<f64>,
-    /// Bytes of buffers and textures.
+    /// Bytes that are used of buffers, or all of them where a plugin says no more.
     pub bytes: Option<f64>,
+    /// Bytes that are allocated.
+    pub allocated: Option<f64>,
     /// Render and compute passes, milliseconds of the GPU together.
     pub gpu: Option<f64>,
 }
@@ -97,12 +99,13 @@ pub fn totals(store: &DiagnosticsStore) -> Vec<Totals> {
     let mut all: Vec<Totals> = Vec::new();
     for measure in measures(store, "") {
         let name = measure.path.rsplit('/').next().unwrap_or_default();
-        // Of the bytes that are allocated also those of each pool are published, below the sum.
+        // What is published of each view stands below the sum, and is not counted twice.
         let kind = match name {
             "dispatches" => 0,
             "primitives" | "triangles" => 1,
-            "bytes" | "allocated" => 2,
-            "elapsed_gpu" => 3,
+            "bytes" => 2,
+            "allocated" => 3,
+            "elapsed_gpu" => 4,
             _ => continue,
         };
         if all.last().is_none_or(|last| last.group != measure.group) {
@@ -118,6 +121,7 @@ pub fn totals(store: &DiagnosticsStore) -> Vec<Totals> {
             0 => &mut last.dispatches,
             1 => &mut last.primitives,
             2 => &mut last.bytes,
+            3 => &mut last.allocated,
             _ => &mut last.gpu,
         };
         *sum = Some(sum.unwrap_or(0.0) + value);
@@ -125,25 +129,91 @@ pub fn totals(store: &DiagnosticsStore) -> Vec<Totals> {
     all
 }
 
-/// What was left out: diagnostics whose names say so.
+/// What a plugin does in a view, so far as it publishes it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ViewTotals {
+    /// The plugin.
+    pub group: String,
+    /// What of it.
+    pub kind: String,
+    /// The camera, as it is written.
+    pub view: String,
+    /// Passes, and dispatches of compute passes.
+    pub passes: Option<f64>,
+    /// Triangles and other primitives.
+    pub primitives: Option<f64>,
+    /// Bytes of buffers and textures.
+    pub bytes: Option<f64>,
+}
+
+/// What each view has, by plugin: diagnostics of the path `dolomite/PLUGIN/MEASURE/KIND/VIEW`. Views that are gone have
+/// 0 of all, and are left out.
 #[must_use]
-pub fn skipped(store: &DiagnosticsStore) -> Vec<Measure> {
-    const WORDS: [&str; 8] = [
-        "skipped",
-        "culled",
-        "discarded",
-        "hidden",
-        "asleep",
-        "resting",
-        "interpolated",
-        "lowered",
-    ];
-    let mut measures = measures(store, "");
-    measures.retain(|measure| {
-        let name = measure.path.rsplit('/').next().unwrap_or_default();
-        WORDS.contains(&name)
+pub fn view_totals(store: &DiagnosticsStore) -> Vec<ViewTotals> {
+    let mut all: Vec<ViewTotals> = Vec::new();
+    for measure in measures(store, "dolomite/") {
+        let parts: Vec<_> = measure.path.split('/').collect();
+        let (&["dolomite", group, name, kind, view], Some(value)) = (&parts[..], measure.value)
+        else {
+            continue;
+        };
+        let known = |of: &ViewTotals| (&*of.group, &*of.kind, &*of.view) == (group, kind, view);
+        let at = all.iter().position(known).unwrap_or_else(|| {
+            all.push(ViewTotals {
+                group: group.to_owned(),
+                kind: kind.to_owned(),
+                view: view.to_owned(),
+                ..ViewTotals::default()
+            });
+            all.len() - 1
+        });
+        let sum = match name {
+            "passes" | "dispatches" => &mut all[at].passes,
+            "primitives" | "triangles" => &mut all[at].primitives,
+            "bytes" | "allocated" => &mut all[at].bytes,
+            _ => continue,
+        };
+        *sum = Some(sum.unwrap_or(0.0) + value);
+    }
+    all.retain(|of| {
+        let values = [of.passes, of.primitives, of.bytes];
+        values.into_iter().flatten().any(|value| value != 0.0)
     });
-    measures
+    all
+}
+
+/// Names of diagnostics that say that something was left out, and why that is.
+const REASONS: [(&str, &str); 8] = [
+    ("skipped", "nothing that it depends on has changed"),
+    ("culled", "it cannot be seen from here"),
+    (
+        "discarded",
+        "it lies outside of the view, or behind what is drawn",
+    ),
+    ("hidden", "it lies behind what is drawn"),
+    (
+        "asleep",
+        "nothing happened to it: it wakes when something does",
+    ),
+    ("resting", "it is too small in the picture, or out of it"),
+    (
+        "interpolated",
+        "it is small in the picture: every second frame is enough",
+    ),
+    ("lowered", "the pool has no more room: levels so much lower"),
+];
+
+/// What was left out, and why: diagnostics whose names say so.
+#[must_use]
+pub fn skipped(store: &DiagnosticsStore) -> Vec<(Measure, &'static str)> {
+    let all = measures(store, "").into_iter();
+    let with_reason = all.filter_map(|measure| {
+        let name = measure.path.rsplit('/').next().unwrap_or_default();
+        let mut known = REASONS.iter();
+        let (_, reason) = known.find(|(known, _)| *known == name)?;
+        Some((measure, *reason))
+    });
+    with_reason.collect()
 }
 
 /// Times and values that are kept of a diagnostic, seconds before the newest, the oldest first.
@@ -228,6 +298,7 @@ mod tests {
         for (path, values) in [
             ("dolomite/geometry/dispatches", &[1.0, 3.0][..]),
             ("dolomite/geometry/primitives", &[70.0]),
+            ("dolomite/geometry/bytes", &[80.0]),
             ("dolomite/geometry/allocated", &[100.0]),
             ("dolomite/geometry/allocated/Kind/7v0", &[60.0]),
             ("dolomite/logic/asleep", &[4.0]),
@@ -253,18 +324,47 @@ mod tests {
     fn diagnostics_are_listed_once_and_summed_by_plugin() {
         let store = store();
         let all = measures(&store, "");
-        assert_eq!(all.len(), 8);
+        assert_eq!(all.len(), 9);
         assert_eq!(measures(&store, "LOGIC").len(), 1);
         let totals = totals(&store);
         let names: Vec<_> = totals.iter().map(|totals| totals.group.as_str()).collect();
         assert_eq!(names, ["geometry", "render"]);
         assert_eq!(totals[0].dispatches, Some(3.0));
         assert_eq!(totals[0].primitives, Some(70.0));
-        assert_eq!((totals[0].bytes, totals[0].gpu), (Some(100.0), None));
+        assert_eq!((totals[0].bytes, totals[0].gpu), (Some(80.0), None));
+        assert_eq!(totals[0].allocated, Some(100.0));
         assert!(totals[1].gpu.is_some_and(f64::is_nan));
         let skipped = skipped(&store);
-        assert_eq!(skipped[0].path, "dolomite/logic/asleep");
+        assert_eq!(skipped[0].0.path, "dolomite/logic/asleep");
+        assert!(skipped[0].1.contains("nothing happened"), "{skipped:?}");
         assert_eq!(skipped.len(), 1);
+    }
+
+    #[test]
+    fn what_a_view_has_is_summed_by_plugin_and_kind_and_what_is_gone_left_out() {
+        let mut store = store();
+        for (path, value) in [
+            ("dolomite/geometry/primitives/Kind/7v0", 50.0),
+            ("dolomite/geometry/allocated/Kind/9v0", 0.0),
+            ("dolomite/deferred/passes/light/7v0", 2.0),
+            ("dolomite/deferred/passes/light", 9.0),
+            ("dolomite/deferred/other/light/8v0", 9.0),
+        ] {
+            let mut diagnostic = Diagnostic::new(DiagnosticPath::new(path));
+            diagnostic.add_measurement(DiagnosticMeasurement {
+                time: Instant::now(),
+                value,
+            });
+            store.add(diagnostic);
+        }
+        let views = view_totals(&store);
+        let names: Vec<_> = views.iter().map(|of| (&*of.kind, &*of.view)).collect();
+        assert_eq!(names, [("light", "7v0"), ("Kind", "7v0")]);
+        assert_eq!(views[0].passes, Some(2.0));
+        assert_eq!(
+            (views[1].primitives, views[1].bytes, views[1].passes),
+            (Some(50.0), Some(60.0), None)
+        );
     }
 
     #[test]

@@ -43,6 +43,15 @@ impl Default for Vegetation {
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct VegetationView;
 
+/// On a camera with a [`VegetationView`]: the rank of what grows is found in each pixel, into a texture of its own. Of the
+/// candidates of a kind those of the lowest ranks stand where it grows thinly, and are drawn far away.
+///
+/// While a camera has it, what grows in its view is drawn once more: 8 bytes a pixel. Without one there is no pass, no
+/// pipeline, no texture and no buffer. Trees and rocks, which are entities, are not in it.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct VegetationRanks;
+
 /// What the plugin knows of a [`Vegetation`].
 #[derive(Component, Debug, Default)]
 pub struct VegetationState {

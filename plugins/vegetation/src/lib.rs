@@ -60,7 +60,7 @@ pub use band::Band;
 pub use bend::{Press, Presses, PressesGrass};
 pub use blade::{BladeShape, BladeVertex, Own};
 pub use chain::ChainShape;
-pub use components::{Vegetation, VegetationState, VegetationView};
+pub use components::{Vegetation, VegetationRanks, VegetationState, VegetationView};
 pub use density::Growth;
 pub use instances::Instance;
 pub use kind::{Kind, Kinds, Shape};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 
 use crate::bend::{Presses, PressesGrass, gather};
-use crate::components::{Vegetation, VegetationState, VegetationView};
+use crate::components::{Vegetation, VegetationRanks, VegetationState, VegetationView};
 use crate::sets::VegetationSystems;
 use crate::wind::Wind;
 
@@ -26,6 +26,7 @@ impl Plugin for VegetationPlugin {
             .register_type::<PressesGrass>()
             .register_type::<Vegetation>()
             .register_type::<VegetationView>()
+            .register_type::<VegetationRanks>()
             .register_type::<Wind>()
             .configure_sets(
                 PostUpdate,

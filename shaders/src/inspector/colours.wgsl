@@ -43,6 +43,9 @@ fn bounded(radiance: vec3<f32>) -> vec3<f32> {
 
 // No ground, or nothing else that is to be seen: a grey, which no ramp or level has.
 const NOTHING: vec3<f32> = vec3(0.25, 0.25, 0.25);
+// A map that was drawn in this frame, and one that holds what an earlier frame drew.
+const DRAWN: vec3<f32> = vec3(0.902, 0.624, 0.0);
+const KEPT: vec3<f32> = vec3(0.0, 0.447, 0.698);
 // What is beyond a ramp.
 const MORE: vec3<f32> = vec3(0.3, 0.65, 1.0);
 

@@ -3,7 +3,7 @@
 
 #import dolomite::deferred::gbuffer::{decode_color, unpack_bytes, unpack_emissive, unpack_flags, unpack_normal}
 #import dolomite::deferred::pyramid::level
-#import dolomite::inspector::colours::{NOTHING, bounded, distance_grey, encoded_of, heat, level_colour, linear_of, motion_colour, ramp}
+#import dolomite::inspector::colours::{DRAWN, KEPT, NOTHING, bounded, distance_grey, encoded_of, heat, level_colour, linear_of, motion_colour, ramp}
 #import dolomite::inspector::legend::{with_levels, with_ramp}
 
 // `Look` of `picture/render.rs`.
@@ -21,6 +21,8 @@ struct Look {
     // The count that is red.
     most: f32,
     pyramid_level: u32,
+    // Of the reference, the difference at the end of the ramp.
+    difference: f32,
 }
 
 @group(0) @binding(0) var<uniform> look: Look;
@@ -50,6 +52,39 @@ struct Look {
 #endif
 #ifdef LAYERS
 @group(0) @binding(1) var layers: texture_depth_2d_array;
+
+// A bit each of the first 256 layers: drawn in this frame, kept from an earlier one.
+struct Marks {
+    drawn: array<vec4<u32>, 2>,
+    kept: array<vec4<u32>, 2>,
+}
+
+@group(0) @binding(2) var<uniform> marks: Marks;
+
+fn is_marked(bits: array<vec4<u32>, 2>, layer: u32) -> bool {
+    var all = bits;
+    return layer < 256u && ((all[layer >> 7u][(layer >> 5u) & 3u] >> (layer & 31u)) & 1u) == 1u;
+}
+
+// Pixels of the frame around each map that says what became of it.
+const FRAME: f32 = 3.0;
+
+// All layers side by side, as many in a row as in a column. `power`: what the depth is raised to.
+fn maps_at(place: vec2<f32>, power: f32) -> vec3<f32> {
+    let count = u32(textureNumLayers(layers));
+    let side = u32(ceil(sqrt(f32(count))));
+    let cell = (place - look.viewport.xy) / look.viewport.zw * f32(side);
+    let layer = u32(cell.y) * side + u32(cell.x);
+    if layer >= count {
+        return vec3(0.0, 0.0, 0.125);
+    }
+    let within = min(fract(cell), 1.0 - fract(cell)) * look.viewport.zw / f32(side);
+    if min(within.x, within.y) < FRAME {
+        return select(select(NOTHING, KEPT, is_marked(marks.kept, layer)), DRAWN, is_marked(marks.drawn, layer));
+    }
+    let texel = vec2<i32>(fract(cell) * vec2<f32>(textureDimensions(layers)));
+    return vec3(pow(textureLoad(layers, texel, layer, 0), power));
+}
 #endif
 
 // The grey of a depth at a place.
@@ -136,6 +171,18 @@ fn shown(place: vec2<f32>) -> vec3<f32> {
     colour = select(NOTHING, ramp(count / MOST_OVERDRAW), count > 0.0);
     colour = with_ramp(colour, place - look.viewport.xy, look.viewport.zw, MOST_OVERDRAW, false);
 #endif
+#ifdef LIGHT_DIFFERENCE
+    let off = textureLoad(numbers, pixel, 0).r;
+    colour = select(NOTHING, ramp(off / look.difference), off >= 0.0);
+    // In percent.
+    colour = with_ramp(colour, place - look.viewport.xy, look.viewport.zw, 100.0 * look.difference, false);
+#endif
+#ifdef GRASS_RANK
+    // Of the ranks that stand where the kind grows best the share that comes before it.
+    let rank = textureLoad(numbers, pixel, 0).rg;
+    colour = select(NOTHING, ramp(rank.r / rank.g), rank.r >= 0.0);
+    colour = with_ramp(colour, place - look.viewport.xy, look.viewport.zw, 1.0, false);
+#endif
 #ifdef NORMALS
     colour = textureLoad(numbers, pixel, 0).rgb;
 #endif
@@ -151,16 +198,11 @@ fn shown(place: vec2<f32>) -> vec3<f32> {
     colour = heat(f32(words_read[3u + 3u * (tile.y * across + tile.x)]) / look.most);
 #endif
 #ifdef SHADOW_MAPS
-    // All layers side by side, as many in a row as in a column.
-    let count = u32(textureNumLayers(layers));
-    let side = u32(ceil(sqrt(f32(count))));
-    let cell = (place - look.viewport.xy) / look.viewport.zw * f32(side);
-    let layer = u32(cell.y) * side + u32(cell.x);
-    if layer >= count {
-        return vec3(0.0, 0.0, 0.125);
-    }
-    let texel = vec2<i32>(fract(cell) * vec2<f32>(textureDimensions(layers)));
-    colour = vec3(textureLoad(layers, texel, layer, 0));
+    colour = maps_at(place, 1.0);
+#endif
+#ifdef POINT_SHADOW_MAPS
+    // Depth is the near plane over the distance: its fourth root tells apart what is far.
+    colour = maps_at(place, 0.25);
 #endif
     return colour;
 }

@@ -9,6 +9,9 @@
 #import dolomite::vegetation::stem::stem_curve
 #import dolomite::vegetation::straight::{straight_bow, straight_wider}
 #import dolomite::vegetation::types::unpack_record
+#ifdef RANK
+#import dolomite::vegetation::rank::rank_of
+#endif
 #ifdef SHADOW
 #import dolomite::vegetation::surface::Varying
 #else
@@ -103,13 +106,23 @@ fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) instance:
     out.given = vec4(far.yzw, select(0.0, settled_share(look.reach, distance), far.x > 0.0));
     out.across = vec4(across, look.size.w);
     out.layer = record.layer;
+#ifdef RANK
+    out.rank = rank_of(record);
+#endif
     return out;
 #endif
 }
 
 #ifndef SHADOW
+#ifdef RANK
+@fragment
+fn fragment(in: Varying) -> @location(0) vec2<f32> {
+    return in.rank;
+}
+#else
 @fragment
 fn fragment(in: Varying) -> GBuffer {
     return stored(in, view.looks[in.layer], view.sun);
 }
+#endif
 #endif

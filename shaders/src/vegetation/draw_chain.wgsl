@@ -8,6 +8,9 @@
 #import dolomite::vegetation::surface::{GBuffer, Varying, stored}
 #import dolomite::vegetation::types::unpack_record
 #import dolomite::vegetation::wind::water_moved
+#ifdef RANK
+#import dolomite::vegetation::rank::rank_of
+#endif
 
 // Nodes from one row of vertices to the next.
 #ifdef CHAIN_BY_4
@@ -57,10 +60,20 @@ fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) instance:
     out.given = vec4(0.0);
     out.across = vec4(across, look.size.w);
     out.layer = record.layer;
+#ifdef RANK
+    out.rank = rank_of(record);
+#endif
     return out;
 }
 
+#ifdef RANK
+@fragment
+fn fragment(in: Varying) -> @location(0) vec2<f32> {
+    return in.rank;
+}
+#else
 @fragment
 fn fragment(in: Varying) -> GBuffer {
     return stored(in, view.looks[in.layer], view.sun);
 }
+#endif

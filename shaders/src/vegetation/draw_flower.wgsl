@@ -15,6 +15,9 @@
 #import dolomite::vegetation::stem::stem_curve
 #import dolomite::vegetation::surface::{GBuffer, Varying, stored}
 #import dolomite::vegetation::types::unpack_record
+#ifdef RANK
+#import dolomite::vegetation::rank::rank_of
+#endif
 
 // Segments of a stem: two triangles each, but one for the last.
 #ifdef FLOWER_FAR
@@ -97,10 +100,20 @@ fn vertex(@builtin(vertex_index) number: u32, @builtin(instance_index) instance:
     out.tint = vec3(blade_tint(look, record.hash, record.clump, noise, calm), calm);
     out.across = vec4(across, look.size.w);
     out.layer = record.layer;
+#ifdef RANK
+    out.rank = rank_of(record);
+#endif
     return out;
 }
 
+#ifdef RANK
+@fragment
+fn fragment(in: Varying) -> @location(0) vec2<f32> {
+    return in.rank;
+}
+#else
 @fragment
 fn fragment(in: Varying) -> GBuffer {
     return stored(in, view.looks[in.layer], view.sun);
 }
+#endif

@@ -23,6 +23,10 @@ struct Varying {
     // Which kind it is.
     @location(7) @interpolate(flat) layer: u32,
 #endif
+#ifdef RANK
+    // As `rank_of` has it.
+    @location(8) @interpolate(flat) rank: vec2<f32>,
+#endif
 #ifdef MOTION_VECTORS
     @location(5) clip_now: vec4<f32>,
     @location(6) clip_before: vec4<f32>,

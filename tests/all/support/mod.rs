@@ -7,3 +7,4 @@ pub mod display;
 pub mod game;
 pub mod hills;
 pub mod picture;
+pub mod views;

@@ -15,7 +15,7 @@ use bevy::render::render_resource::{PipelineCache, PipelineDescriptor, TextureFo
 use bevy::shader::ShaderDefVal;
 use dolomite::ground::{GroundMaterial, TerrainView};
 use dolomite::terrain::{GroundRect, Layer, Source, Terrain, TerrainData};
-use dolomite::vegetation::{Kinds, Shape, Vegetation, VegetationView};
+use dolomite::vegetation::{Kinds, Shape, Vegetation, VegetationRanks, VegetationView};
 
 use super::variants::Variant;
 
@@ -65,6 +65,9 @@ pub fn draw(app: &mut App) -> Vec<Variant> {
                 RenderTarget::Image(target.into()),
                 Transform::from_xyz(0.0, 80.0, 0.0).looking_to(Vec3::NEG_Y, Vec3::X),
             ));
+            if order == 0 {
+                camera.insert(VegetationRanks);
+            }
             if order % 2 == 1 {
                 camera.insert(NormalPrepass);
             }
@@ -89,9 +92,9 @@ pub fn draw(app: &mut App) -> Vec<Variant> {
     variants
 }
 
-/// Three files of passes; three levels of detail of blades, two of flowers and three of chains in four sorts of views; and
-/// shadows.
-const MOST: usize = 3 + 8 * 4 + 1;
+/// Three files of passes; three levels of detail of blades, two of flowers and three of chains in four sorts of views, and
+/// for their ranks; and shadows.
+const MOST: usize = 3 + 8 * 5 + 1;
 
 /// The pipelines with a shader of vegetation.
 fn asked(app: &App) -> Vec<Variant> {

@@ -8,13 +8,14 @@ use bevy::prelude::*;
 use bevy::render::extract_component::ExtractComponent;
 use bevy::render::sync_component::SyncComponent;
 
+use super::difference::ViewDifference;
 use super::prepare::ViewLighting;
-use crate::components::DeferredLighting;
+use crate::components::{DeferredLighting, LightingDifference};
 use crate::occlusion::AmbientOcclusion;
 
 impl SyncComponent for DeferredLighting {
     // With the component goes all that was made for it, and Bevy's pass is back.
-    type Target = (Self, SkipDeferredLighting, ViewLighting);
+    type Target = (Self, SkipDeferredLighting, ViewLighting, ViewDifference);
 }
 
 impl ExtractComponent for DeferredLighting {
@@ -46,5 +47,19 @@ impl ExtractComponent for AmbientOcclusion {
 
     fn extract_component(occlusion: QueryItem<'_, '_, Self::QueryData>) -> Option<Self> {
         Some(*occlusion)
+    }
+}
+
+impl SyncComponent for LightingDifference {
+    type Target = (Self, ViewDifference);
+}
+
+impl ExtractComponent for LightingDifference {
+    type QueryData = &'static Self;
+    type QueryFilter = With<DeferredLighting>;
+    type Out = Self;
+
+    fn extract_component(difference: QueryItem<'_, '_, Self::QueryData>) -> Option<Self> {
+        Some(*difference)
     }
 }

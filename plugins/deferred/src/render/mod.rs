@@ -3,9 +3,11 @@
 //! A frame, in order: `extract` copies [`DeferredLighting`] and takes Bevy's lighting pass off the view; `gather`
 //! writes the rows of all lights; `prepare` lists what each view sees, chooses its way and makes what that needs, its
 //! pipelines by `pipeline`, which asks Bevy for the layout and the definitions of its own lighting pass and puts our
-//! shaders in their place; `pass` records. Without a camera that has the component there is no buffer, pipeline or pass of ours.
+//! shaders in their place; `pass` records; `difference` compares with the reference. Without a camera that has the
+//! component there is no buffer, pipeline or pass of ours.
 
 mod blinn_phong;
+mod difference;
 mod dither;
 mod extract;
 mod gather;
@@ -28,12 +30,13 @@ use bevy::render::extract_component::ExtractComponentPlugin;
 use bevy::render::{Render, RenderApp, RenderSystems};
 
 pub use blinn_phong::{BlinnPhongMaterial, BlinnPhongPlugin, Lobe};
+pub use difference::ViewDifference;
 pub use dither::DitheredGBufferPlugin;
 pub use prepare::{LightingUniform, TILE, ViewLighting};
 pub use stats::{DeferredStats, ViewStats};
-pub use still::StillStats;
+pub use still::{StillStats, is_kept_face};
 
-use crate::components::{DeferredLighting, StillShadows, Way};
+use crate::components::{DeferredLighting, LightingDifference, StillShadows, Way};
 use crate::model::ShadingModels;
 use crate::occlusion::{AmbientOcclusion, OcclusionQuality, OcclusionResolution};
 
@@ -62,6 +65,7 @@ impl Plugin for DeferredPlugin {
             .register_type::<DeferredLighting>()
             .register_type::<Way>()
             .register_type::<StillShadows>()
+            .register_type::<LightingDifference>()
             .register_type::<AmbientOcclusion>()
             .register_type::<OcclusionQuality>()
             .register_type::<OcclusionResolution>()
@@ -77,6 +81,7 @@ impl Plugin for DeferredPlugin {
             app.add_plugins((
                 ExtractComponentPlugin::<DeferredLighting>::default(),
                 ExtractComponentPlugin::<AmbientOcclusion>::default(),
+                ExtractComponentPlugin::<LightingDifference>::default(),
             ));
         }
     }
@@ -107,15 +112,25 @@ impl Plugin for DeferredPlugin {
             .insert_resource(stats)
             .init_resource::<lights::Lights>()
             .init_resource::<pipeline::Pipelines>()
+            .init_resource::<difference::Comparison>()
             .add_systems(
                 Render,
-                (gather::gather, prepare::prepare)
+                (
+                    gather::gather,
+                    prepare::prepare,
+                    difference::prepare.run_if(any_with_component::<LightingDifference>),
+                )
                     .chain()
                     .in_set(RenderSystems::PrepareResources),
             )
             .add_systems(
                 Core3d,
-                pass::light
+                (
+                    difference::light.run_if(any_with_component::<ViewDifference>),
+                    pass::light,
+                    difference::compare.run_if(any_with_component::<ViewDifference>),
+                )
+                    .chain()
                     .in_set(Core3dSystems::MainPass)
                     .before(main_opaque_pass_3d),
             );

@@ -27,17 +27,17 @@ use crate::choice::Chosen;
 pub struct Hulls(Option<[(Buffer, u32); 2]>);
 
 /// What all passes of a view read.
-struct Reading<'a> {
-    lighting: &'a ViewLighting,
-    lights: Option<&'a Buffer>,
-    ids: &'a TextureView,
-    device: &'a RenderDevice,
-    cache: &'a PipelineCache,
+pub(super) struct Reading<'a> {
+    pub lighting: &'a ViewLighting,
+    pub lights: Option<&'a Buffer>,
+    pub ids: &'a TextureView,
+    pub device: &'a RenderDevice,
+    pub cache: &'a PipelineCache,
 }
 
 impl Reading<'_> {
     /// Our group of the full-screen pass, or of the hulls.
-    fn group(&self, chosen: Option<Chosen>) -> Option<BindGroup> {
+    pub fn group(&self, chosen: Option<Chosen>) -> Option<BindGroup> {
         let lighting = self.lighting;
         let mut entries = vec![
             BindGroupEntry {
@@ -170,7 +170,7 @@ pub fn light(
 }
 
 /// Looks for ambient occlusion, where the camera asks for it; `None` if it should and cannot.
-fn occlude(
+pub(super) fn occlude(
     reading: &Reading,
     (depths, prepass): (&TextureView, &ViewPrepassTextures),
     offset: &ViewUniformOffset,

@@ -1,6 +1,8 @@
 //! What each view is lit with: its list of lights, its way, and the buffers and textures of that way.
 
 use bevy::camera::visibility::RenderLayers;
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
 use bevy::log::warn_once;
 use bevy::prelude::*;
 use bevy::render::camera::ExtractedCamera;
@@ -157,54 +159,58 @@ impl ViewLighting {
     }
 }
 
-/// Adds [`ViewLighting`] to views, and fills it.
-pub fn prepare(
-    mut commands: Commands,
-    mut views: Query<(
-        Entity,
-        &MainEntity,
-        &ExtractedView,
-        &ExtractedCamera,
-        &DeferredLighting,
-        Option<&RenderLayers>,
-        Option<&AmbientOcclusion>,
-        Option<&mut ViewLighting>,
-    )>,
-    lights: Res<Lights>,
-    device: Res<RenderDevice>,
-    queue: Res<RenderQueue>,
-    mut textures: ResMut<TextureCache>,
-    stats: Res<DeferredStats>,
-    mut maker: Maker,
-) {
-    stats.clear();
-    let blends = device.features().contains(WgpuFeatures::FLOAT32_BLENDABLE);
-    let default = RenderLayers::default();
-    for (entity, main, view, camera, setting, layers, occlusion, old) in &mut views {
-        let mut new = ViewLighting::default();
-        let mut old = old;
-        let lighting = old.as_deref_mut().unwrap_or(&mut new);
-        let layers = layers.unwrap_or(&default);
+/// What a view is lit by.
+#[derive(QueryData)]
+pub struct Lit {
+    view: &'static ExtractedView,
+    camera: &'static ExtractedCamera,
+    layers: Option<&'static RenderLayers>,
+    occlusion: Option<&'static AmbientOcclusion>,
+}
+
+/// What fills a [`ViewLighting`].
+#[derive(SystemParam)]
+pub struct Tools<'w> {
+    device: Res<'w, RenderDevice>,
+    queue: Res<'w, RenderQueue>,
+    maker: Maker<'w>,
+}
+
+impl Tools<'_> {
+    fn blends(&self) -> bool {
+        let features = self.device.features();
+        features.contains(WgpuFeatures::FLOAT32_BLENDABLE)
+    }
+}
+
+impl ViewLighting {
+    /// Lists what the view sees, and makes what `way` needs.
+    pub(super) fn fill(
+        &mut self,
+        way: Way,
+        lit: &LitItem,
+        lights: &Lights,
+        tools: &mut Tools,
+        textures: &mut TextureCache,
+    ) {
+        let view = lit.view;
+        let default = RenderLayers::default();
+        let layers = lit.layers.unwrap_or(&default);
         let may = |index: usize| {
             let of_light = lights.layers.get(&(index as u32)).unwrap_or(&default);
             of_light.intersects(layers)
         };
         let sides = Sides::new(view.clip_from_view, view.world_from_view.to_matrix());
-        let sides = (setting.way != Way::BruteForce).then_some(&sides);
-        lighting.listed.fill(&lights.rows, sides, may);
-        let count = lighting.listed.indices.len() as u32;
-        if setting.way == Way::Volumes && !blends {
-            warn_once!(
-                "DeferredLighting: Way::Volumes needs the device feature FLOAT32_BLENDABLE, which is absent; Way::Tiled is taken"
-            );
-        }
-        let chosen = choose(setting.way, count, blends);
+        let sides = (way != Way::BruteForce).then_some(&sides);
+        self.listed.fill(&lights.rows, sides, may);
+        let count = self.listed.indices.len() as u32;
+        let chosen = choose(way, count, tools.blends());
         let size = view.viewport.zw();
-        let uniform = occlusion.and_then(Uniform::new);
+        let uniform = lit.occlusion.and_then(Uniform::new);
         let wanted = Variation {
             chosen,
             suns: lights.suns,
-            casters: lighting.listed.open() < count,
+            casters: self.listed.open() < count,
             culled: chosen == Chosen::Tiled && count >= MANY && size.min_element() > 0,
             occluded: uniform.is_some() && size.min_element() > 0,
         };
@@ -213,25 +219,56 @@ pub fn prepare(
             culled,
             occluded,
             ..
-        } = lighting.take(wanted, view, &mut maker);
-        fill_uniform(lighting, view, chosen);
-        fill_buffers(lighting, chosen, &device, &queue);
-        fill_pyramid(lighting, culled, view, &device);
-        lighting.gathered =
-            (chosen == Chosen::Volumes).then(|| textures.get(&device, gathered_texture(camera)));
-        let last = lighting.occlusion.take();
+        } = self.take(wanted, view, &mut tools.maker);
+        let (device, queue) = (&tools.device, &tools.queue);
+        fill_uniform(self, view, chosen);
+        fill_buffers(self, chosen, device, queue);
+        fill_pyramid(self, culled, view, device);
+        self.gathered =
+            (chosen == Chosen::Volumes).then(|| textures.get(device, gathered_texture(lit.camera)));
+        let last = self.occlusion.take();
         // A variation that is kept until another is compiled reads what it was compiled for, wanted or not.
-        lighting.occlusion = uniform
+        self.occlusion = uniform
             .or_else(|| last.as_ref().map(ViewOcclusion::uniform))
             .filter(|_| occluded)
             .map(|uniform| {
                 let size = size.max(UVec2::ONE);
-                ViewOcclusion::new(uniform, size, last, &device, &mut textures)
+                ViewOcclusion::new(uniform, size, last, device, textures)
             });
+    }
+}
+
+/// Adds [`ViewLighting`] to views, and fills it.
+pub fn prepare(
+    mut commands: Commands,
+    mut views: Query<(
+        Entity,
+        &MainEntity,
+        Lit,
+        &DeferredLighting,
+        Option<&mut ViewLighting>,
+    )>,
+    lights: Res<Lights>,
+    mut textures: ResMut<TextureCache>,
+    stats: Res<DeferredStats>,
+    mut tools: Tools,
+) {
+    stats.clear();
+    for (entity, main, lit, setting, old) in &mut views {
+        let mut new = ViewLighting::default();
+        let mut old = old;
+        let lighting = old.as_deref_mut().unwrap_or(&mut new);
+        if setting.way == Way::Volumes && !tools.blends() {
+            warn_once!(
+                "DeferredLighting: Way::Volumes needs the device feature FLOAT32_BLENDABLE, which is absent; Way::Tiled is taken"
+            );
+        }
+        lighting.fill(setting.way, &lit, &lights, &mut tools, &mut textures);
+        let drawn = lighting.variation.map(|variation| variation.chosen);
         stats.push(ViewStats {
             camera: main.id(),
-            chosen,
-            lights: count,
+            chosen: drawn.unwrap_or(Chosen::Nothing),
+            lights: lighting.listed.indices.len() as u32,
             refused: lights.refused,
             passes: lighting.passes(),
             bytes: lighting.bytes() + lights.buffer.as_ref().map_or(0, |buffer| buffer.size()),

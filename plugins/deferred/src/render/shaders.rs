@@ -23,6 +23,8 @@ pub struct Shaders {
     pub occlusion_trace: Handle<Shader>,
     /// `deferred/occlusion_filter.wgsl`.
     pub occlusion_filter: Handle<Shader>,
+    /// `deferred/difference.wgsl`.
+    pub difference: Handle<Shader>,
     /// Lighting ids of all models.
     pub models: Vec<u8>,
     #[expect(dead_code, reason = "held, never read")]
@@ -77,6 +79,7 @@ pub fn load(app: &mut App) -> Option<Shaders> {
         pyramid_lights: entry("deferred/pyramid_lights.wgsl"),
         occlusion_trace: entry("deferred/occlusion_trace.wgsl"),
         occlusion_filter: entry("deferred/occlusion_filter.wgsl"),
+        difference: entry("deferred/difference.wgsl"),
         models: models.ids().collect(),
         modules,
     })

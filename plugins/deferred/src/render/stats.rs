@@ -59,12 +59,29 @@ const LIGHTS: DiagnosticPath = DiagnosticPath::const_new("dolomite/deferred/ligh
 const PASSES: DiagnosticPath = DiagnosticPath::const_new("dolomite/deferred/passes");
 const BYTES: DiagnosticPath = DiagnosticPath::const_new("dolomite/deferred/bytes");
 
-/// Sums over all views, where diagnostics are kept and a view was lit.
-pub fn publish(stats: Res<DeferredStats>, store: Option<ResMut<DiagnosticsStore>>) {
+/// Sums over all views, where diagnostics are kept and a view was lit; and of each view, where that changed.
+pub fn publish(
+    stats: Res<DeferredStats>,
+    store: Option<ResMut<DiagnosticsStore>>,
+    mut known: Local<Vec<ViewStats>>,
+) {
     let Some(mut store) = store else { return };
     let views = stats.views();
     if views.is_empty() {
         return;
+    }
+    if *known != views {
+        for view in &views {
+            let of_view = [
+                ("passes", f64::from(view.passes)),
+                ("bytes", view.bytes as f64),
+            ];
+            for (what, value) in of_view {
+                let path = format!("dolomite/deferred/{what}/light/{}", view.camera);
+                measure(&mut store, &DiagnosticPath::new(path), value);
+            }
+        }
+        known.clone_from(&views);
     }
     let sums = [
         (
@@ -81,14 +98,18 @@ pub fn publish(stats: Res<DeferredStats>, store: Option<ResMut<DiagnosticsStore>
         ),
     ];
     for (path, sum) in sums {
-        if store.get(&path).is_none() {
-            store.add(Diagnostic::new(path.clone()));
-        }
-        if let Some(diagnostic) = store.get_mut(&path) {
-            diagnostic.add_measurement(bevy::diagnostic::DiagnosticMeasurement {
-                time: bevy::platform::time::Instant::now(),
-                value: sum,
-            });
-        }
+        measure(&mut store, &path, sum);
+    }
+}
+
+fn measure(store: &mut DiagnosticsStore, path: &DiagnosticPath, value: f64) {
+    if store.get(path).is_none() {
+        store.add(Diagnostic::new(path.clone()));
+    }
+    if let Some(diagnostic) = store.get_mut(path) {
+        diagnostic.add_measurement(bevy::diagnostic::DiagnosticMeasurement {
+            time: bevy::platform::time::Instant::now(),
+            value,
+        });
     }
 }

@@ -3,7 +3,7 @@
 use bevy::app::App;
 use dolomite_inspector::entities::ReadComponents;
 use dolomite_inspector::settings::described::{Describe, Description, Field};
-use dolomite_logic::behaviour::ThoughtCounters;
+use dolomite_logic::behaviour::{Behaviours, Leaves, ThoughtCounters, tree_of};
 use dolomite_logic::movement::{Patrol, WalkCounters, WalkSettings, WalkTimes, Walker};
 use dolomite_logic::parts::Shots;
 use dolomite_logic::senses::{Ear, SightCounters, SightSettings};
@@ -25,7 +25,19 @@ pub(super) fn describe(app: &mut App) {
         });
         parts.collect::<Vec<_>>().join(", ")
     })
-    .read_debug::<Mind>()
+    .read_component::<Mind>(|world, mind| {
+        let of = (
+            world.get_resource::<Behaviours>(),
+            world.get_resource::<Names>(),
+            world.get_resource::<Leaves>(),
+        );
+        match of {
+            (Some(behaviours), Some(names), Some(leaves)) => {
+                tree_of(mind, behaviours, names, leaves)
+            }
+            _ => format!("{mind:?}"),
+        }
+    })
     .read_debug::<Attention>()
     .read_debug::<Button>()
     .read_debug::<Lift>()

@@ -3,7 +3,7 @@
 use bevy::app::App;
 use dolomite_city::{City, CityView};
 use dolomite_inspector::settings::described::{Describe, Description, Field};
-use dolomite_vegetation::{PressesGrass, Vegetation, VegetationView, Wind};
+use dolomite_vegetation::{PressesGrass, Vegetation, VegetationRanks, VegetationView, Wind};
 
 use super::{LARGEST, LEAST};
 
@@ -164,6 +164,9 @@ fn growth(app: &mut App) {
             ),
     )
     .describe::<VegetationView>(Description::new("The camera sees what grows"))
+    .describe::<VegetationRanks>(Description::new(
+        "The rank of what grows is found in each pixel of the camera",
+    ))
     .describe::<Wind>(
         Description::new("Wind over a terrain, and the swell of its water")
             .field(

@@ -36,7 +36,7 @@ pub struct GeometryStats {
     pub faults: Vec<GeometryFault>,
 }
 
-/// One producer in one view. Published as `dolomite/geometry/allocated/<kind>/<camera>`.
+/// One producer in one view. Published as `dolomite/geometry/allocated/<kind>/<camera>`, and `primitives` beside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PoolStats {
     /// Name of the producer.
@@ -45,6 +45,8 @@ pub struct PoolStats {
     pub camera: Option<Entity>,
     /// Bytes of buffers, what the producer keeps for the view included.
     pub allocated: u64,
+    /// Triangles of the view, as counted some frames ago.
+    pub primitives: u32,
 }
 
 impl GeometryStats {

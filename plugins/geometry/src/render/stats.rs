@@ -30,13 +30,13 @@ pub(super) fn register(app: &mut App) {
     }
 }
 
-/// Where the bytes of a producer in a view are published.
-fn pool_path(pool: &PoolStats) -> DiagnosticPath {
+/// Where what is counted of a producer in a view is published.
+fn pool_path(pool: &PoolStats, what: &str) -> DiagnosticPath {
     let kind = pool.kind.rsplit("::").next().unwrap_or(pool.kind);
     let whose = pool
         .camera
         .map_or_else(|| "shared".to_owned(), |camera| camera.to_string());
-    DiagnosticPath::new(format!("dolomite/geometry/allocated/{kind}/{whose}"))
+    DiagnosticPath::new(format!("dolomite/geometry/{what}/{kind}/{whose}"))
 }
 
 /// Main world: whether there are counters, or were some until now, which have to become 0.
@@ -69,23 +69,39 @@ pub(super) fn publish(
     for (path, value) in PATHS.into_iter().zip(values) {
         measure(&mut store, &DiagnosticPath::const_new(path), time, value);
     }
-    // Buffers are seldom made: a measurement a change, not one a frame.
+    // A measurement a change, not one a frame: buffers are seldom made, and a view at rest has the same triangles.
     if newest.pools != stats.pools {
-        let is_gone = |old: &&PoolStats| {
-            let same = |new: &PoolStats| (new.kind, new.camera) == (old.kind, old.camera);
-            !newest.pools.iter().any(same)
-        };
-        let gone = stats.pools.iter().filter(is_gone).map(|pool| (pool, 0));
-        let there = newest.pools.iter().map(|pool| (pool, pool.allocated));
-        for (pool, bytes) in there.chain(gone) {
-            let path = pool_path(pool);
-            if store.get(&path).is_none() {
-                store.add(Diagnostic::new(path.clone()).with_max_history_length(1));
+        let same = |a: &PoolStats, b: &PoolStats| (a.kind, a.camera) == (b.kind, b.camera);
+        let is_gone = |old: &&PoolStats| !newest.pools.iter().any(|new| same(new, old));
+        let gone = stats.pools.iter().filter(is_gone).map(|pool| PoolStats {
+            allocated: 0,
+            primitives: 0,
+            ..*pool
+        });
+        for pool in newest.pools.iter().copied().chain(gone) {
+            publish_of_view(&mut store, &pool, "allocated", time, pool.allocated as f64);
+            // What all views share draws nothing.
+            if pool.camera.is_some() {
+                let primitives = f64::from(pool.primitives);
+                publish_of_view(&mut store, &pool, "primitives", time, primitives);
             }
-            measure(&mut store, &path, time, bytes as f64);
         }
     }
     stats.set_if_neq(newest);
+}
+
+fn publish_of_view(
+    store: &mut DiagnosticsStore,
+    pool: &PoolStats,
+    what: &str,
+    time: Instant,
+    value: f64,
+) {
+    let path = pool_path(pool, what);
+    if store.get(&path).is_none() {
+        store.add(Diagnostic::new(path.clone()).with_max_history_length(1));
+    }
+    measure(store, &path, time, value);
 }
 
 fn measure(store: &mut DiagnosticsStore, path: &DiagnosticPath, time: Instant, value: f64) {
@@ -111,6 +127,7 @@ pub(super) fn collect(
                 kind: producer.name,
                 camera: None,
                 allocated: producer.shared_bytes,
+                primitives: 0,
             });
         }
         let moves = producer.traits.moves;
@@ -135,6 +152,7 @@ pub(super) fn collect(
                     kind: producer.name,
                     camera: Some(camera.main),
                     allocated,
+                    primitives: newest.primitives,
                 });
             }
         }
@@ -164,8 +182,9 @@ mod tests {
             kind: "some::module::Kind",
             camera: Entity::from_raw_u32(7),
             allocated: 1,
+            primitives: 0,
         };
-        let path = pool_path(&pool).to_string();
+        let path = pool_path(&pool, "allocated").to_string();
         assert!(
             path.starts_with("dolomite/geometry/allocated/Kind/7"),
             "{path}"

@@ -6,7 +6,7 @@ use clap::{Arg, ArgAction, Command};
 
 use super::{joined, needed, rest, text};
 use crate::console::table::{Mistake, Step, Table};
-use crate::measures::{Watched, measures, skipped, totals};
+use crate::measures::{Watched, measures, skipped, totals, view_totals};
 use crate::views::FrameViews;
 
 pub(super) fn add(table: &mut Table) {
@@ -21,21 +21,33 @@ pub(super) fn add(table: &mut Table) {
                     .help("Sums of dispatches, primitives, bytes and GPU time by plugin"),
             )
             .arg(
+                Arg::new("views")
+                    .long("views")
+                    .action(ArgAction::SetTrue)
+                    .help("Passes, primitives and bytes by view"),
+            )
+            .arg(
                 Arg::new("skipped")
                     .long("skipped")
                     .action(ArgAction::SetTrue)
-                    .help("What was left out"),
+                    .help("What was left out, and why"),
             ),
         |world, matches| {
             let store = store(world)?;
             if matches.get_flag("plugins") {
                 return Ok(Step::Said(sums(store)));
             }
-            let list = if matches.get_flag("skipped") {
-                skipped(store)
-            } else {
-                measures(store, &joined(matches, "filter"))
-            };
+            if matches.get_flag("views") {
+                return Ok(Step::Said(of_views(store)));
+            }
+            if matches.get_flag("skipped") {
+                let lines = skipped(store).into_iter().map(|(measure, reason)| {
+                    let value = measure.value.map_or("-".to_owned(), |v| format!("{v:.0}"));
+                    format!("{:<40} {value:>10}  {reason}\n", measure.path)
+                });
+                return Ok(Step::Said(lines.collect()));
+            }
+            let list = measures(store, &joined(matches, "filter"));
             if list.is_empty() {
                 return Err(Mistake("no such diagnostic".to_owned()));
             }
@@ -108,16 +120,37 @@ fn store(world: &World) -> Result<&DiagnosticsStore, Mistake> {
 
 fn sums(store: &DiagnosticsStore) -> String {
     let mut text = format!(
-        "{:<14} {:>12} {:>14} {:>16} {:>10}\n",
-        "plugin", "dispatches", "primitives", "bytes", "GPU ms"
+        "{:<14} {:>12} {:>14} {:>16} {:>16} {:>10}\n",
+        "plugin", "dispatches", "primitives", "bytes", "allocated", "GPU ms"
     );
     for row in totals(store) {
         let whole = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.0}"));
         let gpu = row.gpu.map_or("-".to_owned(), |v| format!("{v:.3}"));
         text += &format!(
-            "{:<14} {:>12} {:>14} {:>16} {gpu:>10}\n",
+            "{:<14} {:>12} {:>14} {:>16} {:>16} {gpu:>10}\n",
             row.group,
             whole(row.dispatches),
+            whole(row.primitives),
+            whole(row.bytes),
+            whole(row.allocated)
+        );
+    }
+    text
+}
+
+fn of_views(store: &DiagnosticsStore) -> String {
+    let mut text = format!(
+        "{:<10} {:<14} {:<24} {:>8} {:>12} {:>14}\n",
+        "view", "plugin", "of it", "passes", "primitives", "bytes"
+    );
+    for row in view_totals(store) {
+        let whole = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.0}"));
+        text += &format!(
+            "{:<10} {:<14} {:<24} {:>8} {:>12} {:>14}\n",
+            row.view,
+            row.group,
+            row.kind,
+            whole(row.passes),
             whole(row.primitives),
             whole(row.bytes)
         );

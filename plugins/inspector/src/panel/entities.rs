@@ -79,6 +79,11 @@ fn chosen(ui: &mut egui::Ui, world: &mut World, shell: &mut Shell, entity: Entit
                 for component in of_it {
                     let Some(kind) = component.kind.clone() else {
                         match &component.text {
+                            // A tree keeps its columns.
+                            Some(text) if text.contains('\n') => {
+                                ui.label(&component.name);
+                                ui.monospace(text.trim_end())
+                            }
                             Some(text) => ui.label(format!("{} {text}", component.name)),
                             None => ui.weak(&component.name),
                         };

@@ -6,7 +6,7 @@ use bevy_egui::egui;
 
 use super::plot::{line, short};
 use super::state::Shell;
-use crate::measures::{Measure, Watched, history, measures, skipped, totals};
+use crate::measures::{Measure, Watched, history, measures, skipped, totals, view_totals};
 
 /// Most passes that are drawn as bars, the longest first.
 const PASSES: usize = 16;
@@ -37,9 +37,11 @@ pub(super) fn show(ui: &mut egui::Ui, world: &mut World, shell: &Shell) {
     };
     passes(ui, store);
     sums(ui, store);
+    of_views(ui, store);
     egui::CollapsingHeader::new("Skipped").show(ui, |ui| {
-        for measure in skipped(store) {
+        for (measure, reason) in skipped(store) {
             ui.monospace(format!("{}  {}", measure.path, value(&measure)));
+            ui.indent(&measure.path, |ui| ui.weak(reason));
         }
     });
     let open = (!shell.filter.is_empty()).then_some(true);
@@ -119,17 +121,55 @@ fn sums(ui: &mut egui::Ui, store: &DiagnosticsStore) {
         .default_open(true)
         .show(ui, |ui| {
             egui::Grid::new("sums").striped(true).show(ui, |ui| {
-                for name in ["plugin", "dispatches", "primitives", "bytes", "GPU ms"] {
+                for name in [
+                    "plugin",
+                    "dispatches",
+                    "primitives",
+                    "bytes",
+                    "allocated",
+                    "GPU ms",
+                ] {
                     ui.weak(name);
                 }
                 ui.end_row();
                 for row in totals(store) {
                     ui.label(&row.group);
-                    for value in [row.dispatches, row.primitives, row.bytes, row.gpu] {
+                    let values = [
+                        row.dispatches,
+                        row.primitives,
+                        row.bytes,
+                        row.allocated,
+                        row.gpu,
+                    ];
+                    for value in values {
                         ui.monospace(value.map_or_else(|| "-".to_owned(), short));
                     }
                     ui.end_row();
                 }
             });
         });
+}
+
+fn of_views(ui: &mut egui::Ui, store: &DiagnosticsStore) {
+    let views = view_totals(store);
+    if views.is_empty() {
+        return;
+    }
+    egui::CollapsingHeader::new("By view").show(ui, |ui| {
+        egui::Grid::new("views").striped(true).show(ui, |ui| {
+            for name in ["view", "plugin", "of it", "passes", "primitives", "bytes"] {
+                ui.weak(name);
+            }
+            ui.end_row();
+            for row in &views {
+                ui.label(&row.view);
+                ui.label(&row.group);
+                ui.label(&row.kind);
+                for value in [row.passes, row.primitives, row.bytes] {
+                    ui.monospace(value.map_or_else(|| "-".to_owned(), short));
+                }
+                ui.end_row();
+            }
+        });
+    });
 }

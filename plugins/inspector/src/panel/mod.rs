@@ -5,6 +5,7 @@
 //!
 //! | file | concern |
 //! |---|---|
+//! | `run` | `bevy_egui`'s systems, while something is open |
 //! | `shell` | windows and tabs |
 //! | [`state`] | what they remember, and what widgets ask for |
 //! | `values` | a value by reflection as widgets |
@@ -20,6 +21,7 @@ mod entities;
 mod frame;
 mod measures;
 mod plot;
+mod run;
 mod settings;
 mod shell;
 pub mod state;
@@ -31,22 +33,17 @@ use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy::render::RenderApp;
 use bevy::render::render_resource::BlendState;
-use bevy_egui::{
-    EguiGlobalSettings, EguiManagedTextures, EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet,
-    EguiSchedule,
-};
+use bevy_egui::{EguiManagedTextures, EguiPlugin, EguiSchedule};
 
 /// For windows of an app's own in [`InspectorPass`].
 pub use bevy_egui::{EguiContext, egui};
+pub use run::{InspectorInput, InspectorOutput};
 
 use crate::{Inspector, InspectorWants};
 use state::Shell;
 
 /// Behind every other camera.
 const ORDER: isize = 10_000;
-
-/// Frames that `bevy_egui` has after closing, to notice that its context is gone: messages of removals live for two.
-const LINGER: u8 = 3;
 
 /// Where the inspector is drawn: the primary window, or an image of a test.
 #[derive(Resource, Clone, Debug, Default)]
@@ -60,10 +57,6 @@ pub struct InspectorCamera;
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct InspectorPass;
 
-/// `bevy_egui`'s systems run. Counts frames that are left where all is closed.
-#[derive(Resource)]
-struct Runs(u8);
-
 /// The plugin was added to an app without a renderer.
 #[derive(Resource)]
 struct Blind;
@@ -73,29 +66,10 @@ pub(crate) fn build(app: &mut App) {
         app.insert_resource(Blind);
         return;
     }
-    if !app.is_plugin_added::<EguiPlugin>() {
-        app.add_plugins(EguiPlugin::default());
-        // Else the first camera of the app gets a context that nobody asked for.
-        app.world_mut()
-            .resource_mut::<EguiGlobalSettings>()
-            .auto_create_primary_context = false;
-        let runs = || resource_exists::<Runs>;
-        app.configure_sets(
-            PreUpdate,
-            (
-                EguiPreUpdateSet::InitContexts.run_if(runs()),
-                EguiPreUpdateSet::ProcessInput.run_if(runs()),
-                EguiPreUpdateSet::BeginPass.run_if(runs()),
-            ),
-        )
-        .configure_sets(
-            PostUpdate,
-            (
-                EguiPostUpdateSet::EndPass.run_if(runs()),
-                EguiPostUpdateSet::ProcessOutput.run_if(runs()),
-                EguiPostUpdateSet::PostProcessOutput.run_if(runs()),
-            ),
-        );
+    if app.is_plugin_added::<EguiPlugin>() {
+        app.insert_resource(run::Theirs);
+    } else {
+        run::build(app);
     }
     app.init_resource::<InspectorTarget>()
         .init_resource::<Shell>()
@@ -103,76 +77,60 @@ pub(crate) fn build(app: &mut App) {
         .add_systems(InspectorPass, shell::show)
         .add_systems(
             PreUpdate,
-            (
-                open_or_close.run_if(resource_changed::<Inspector>),
-                end.run_if(resource_exists::<Runs>),
-            )
-                .chain()
-                .after(crate::InspectorSystems)
-                .before(EguiPreUpdateSet::InitContexts),
-        );
+            open_or_close
+                .run_if(resource_changed::<Inspector>.or_else(resource_exists::<run::Runs>))
+                .after(crate::InspectorSystems),
+        )
+        .add_systems(PostUpdate, run::output.run_if(resource_exists::<run::Runs>));
 }
 
 pub(crate) fn finish(app: &mut App) {
+    run::finish(app);
     if app.world().contains_resource::<Blind>() && app.get_sub_app(RenderApp).is_some() {
         warn!("the inspector has no panel: add InspectorPlugin after Bevy's DefaultPlugins");
     }
 }
 
-fn open_or_close(
-    mut commands: Commands,
-    inspector: Res<Inspector>,
-    target: Res<InspectorTarget>,
-    cameras: Query<Entity, With<InspectorCamera>>,
-    mut textures: ResMut<EguiManagedTextures>,
-    mut wants: ResMut<InspectorWants>,
-) {
-    let camera = cameras.iter().next();
-    match (inspector.is_open(), camera) {
-        (true, None) => {
-            commands.spawn((
-                InspectorCamera,
-                Name::new("inspector"),
-                Camera2d,
-                Camera {
-                    order: ORDER,
-                    clear_color: ClearColorConfig::Custom(Color::NONE),
-                    output_mode: CameraOutputMode::Write {
-                        blend_state: Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                        clear_color: ClearColorConfig::None,
-                    },
-                    ..default()
-                },
-                Msaa::Off,
-                RenderLayers::none(),
-                target.0.clone(),
-                EguiContext::default(),
-                EguiSchedule::new(InspectorPass),
-            ));
-            commands.insert_resource(Runs(LINGER));
-        }
-        (false, Some(camera)) => {
-            commands.entity(camera).despawn();
-            textures.retain(|(context, _), _| *context != camera);
-            wants.set_if_neq(InspectorWants::default());
-        }
+fn open_or_close(world: &mut World, cameras: &mut QueryState<Entity, With<InspectorCamera>>) {
+    let is_open = world.resource::<Inspector>().is_open();
+    let camera = cameras.iter(world).next();
+    match (is_open, camera) {
+        (true, None) => open(world),
+        (false, Some(camera)) => close(world, camera),
         _ => {}
     }
+    run::input(world, is_open);
 }
 
-/// Lets `bevy_egui` rest some frames after all was closed.
-fn end(
-    mut commands: Commands,
-    inspector: Res<Inspector>,
-    runs: Option<ResMut<Runs>>,
-    cameras: Query<(), With<InspectorCamera>>,
-) {
-    let Some(mut runs) = runs else { return };
-    if inspector.is_open() || !cameras.is_empty() {
-        runs.0 = LINGER;
-    } else if runs.0 > 0 {
-        runs.0 -= 1;
-    } else {
-        commands.remove_resource::<Runs>();
+fn open(world: &mut World) {
+    run::begin(world);
+    let target = world.resource::<InspectorTarget>().0.clone();
+    world.spawn((
+        InspectorCamera,
+        Name::new("inspector"),
+        Camera2d,
+        Camera {
+            order: ORDER,
+            clear_color: ClearColorConfig::Custom(Color::NONE),
+            output_mode: CameraOutputMode::Write {
+                blend_state: Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                clear_color: ClearColorConfig::None,
+            },
+            ..default()
+        },
+        Msaa::Off,
+        RenderLayers::none(),
+        target,
+        EguiContext::default(),
+        EguiSchedule::new(InspectorPass),
+    ));
+}
+
+fn close(world: &mut World, camera: Entity) {
+    world.despawn(camera);
+    if let Some(mut textures) = world.get_resource_mut::<EguiManagedTextures>() {
+        textures.retain(|(context, _), _| *context != camera);
     }
+    let mut wants = world.resource_mut::<InspectorWants>();
+    wants.set_if_neq(InspectorWants::default());
 }

@@ -42,6 +42,12 @@ pub fn heat(share: f32) -> Vec3 {
 /// No ground, or nothing else that is to be seen: a grey, which no ramp or level has.
 pub const NOTHING: Vec3 = Vec3::splat(0.25);
 
+/// The frame of a map that was drawn in this frame.
+pub const DRAWN: Vec3 = Vec3::new(0.902, 0.624, 0.0);
+
+/// The frame of a map that holds what an earlier frame drew.
+pub const KEPT: Vec3 = Vec3::new(0.0, 0.447, 0.698);
+
 /// What is beyond a ramp.
 pub const MORE: Vec3 = Vec3::new(0.3, 0.65, 1.0);
 

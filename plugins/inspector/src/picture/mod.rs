@@ -49,6 +49,8 @@ pub struct FramePicture {
     pub most: f32,
     /// Level of the depth pyramid: its texels are 2 to this power pixels wide. 1 to 16; what a view has not is its last.
     pub level: u32,
+    /// Difference against the reference that is pale yellow, as a share of it, above 0.
+    pub difference: f32,
 }
 
 impl Default for FramePicture {
@@ -60,6 +62,7 @@ impl Default for FramePicture {
             fastest: 32.0,
             most: 32.0,
             level: 4,
+            difference: 0.01,
         }
     }
 }
@@ -144,6 +147,10 @@ pub(crate) fn build(app: &mut App) {
                 .field("far", above("Distance that is black", "m"))
                 .field("fastest", above("Motion of full colour", "px"))
                 .field("most", above("Count that is red", ""))
+                .field(
+                    "difference",
+                    above("Difference that is pale yellow, of 1", ""),
+                )
                 .field(
                     "level",
                     Field::new("Level of the depth pyramid").range(1.0..=16.0),

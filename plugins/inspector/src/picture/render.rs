@@ -12,7 +12,7 @@ use bevy::render::camera::ExtractedCamera;
 use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::render::render_resource::binding_types::uniform_buffer;
 use bevy::render::render_resource::{
-    BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BindingResource,
+    BindGroupEntry, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BindingResource,
     CachedRenderPipelineId, ColorTargetState, ColorWrites, FragmentState, IntoBinding, LoadOp,
     Operations, PipelineCache, RenderPassColorAttachment, RenderPassDescriptor,
     RenderPipelineDescriptor, ShaderStages, ShaderType, StoreOp, TextureFormat, UniformBuffer,
@@ -20,10 +20,10 @@ use bevy::render::render_resource::{
 };
 use bevy::render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy::render::view::{ExtractedView, ViewTarget};
-use bevy::render::{Extract, ExtractSchedule, Render, RenderSystems};
+use bevy::render::{Extract, ExtractSchedule, MainWorld, Render, RenderSystems};
 
 use super::equip::Shown;
-use super::source::{Found, Source, Way, own_pictures};
+use super::source::{Found, Marks, Source, Way, own_pictures};
 use super::{FramePicture, PicturePasses};
 
 /// `Look` in `shaders/src/inspector/picture.wgsl`.
@@ -37,6 +37,7 @@ pub(super) struct Look {
     fastest: f32,
     most: f32,
     pyramid_level: u32,
+    difference: f32,
 }
 
 impl Look {
@@ -62,6 +63,7 @@ impl Look {
             fastest: above(settings.fastest, usual.fastest),
             most: above(settings.most, usual.most),
             pyramid_level: settings.level,
+            difference: above(settings.difference, usual.difference),
         }
     }
 }
@@ -96,7 +98,7 @@ pub(super) fn build(render_app: &mut SubApp, passes: PicturePasses) {
     render_app
         .insert_resource(passes)
         .init_resource::<Pipelines>()
-        .add_systems(ExtractSchedule, extract)
+        .add_systems(ExtractSchedule, extract.run_if(is_shown))
         .add_systems(
             Render,
             (
@@ -113,6 +115,11 @@ pub(super) fn build(render_app: &mut SubApp, passes: PicturePasses) {
                 .after(Core3dSystems::PostProcess)
                 .before(upscaling),
         );
+}
+
+/// Whether something is, or was in the last frame.
+fn is_shown(main: Res<MainWorld>, ours: Option<Res<Shown>>) -> bool {
+    ours.is_some() || main.contains_resource::<Shown>()
 }
 
 /// Takes over what is shown, where that is new.
@@ -176,7 +183,7 @@ fn prepare(
             Source::Normals => prepass.normal.is_some(),
             Source::Motion => prepass.motion_vectors.is_some(),
             // Those are made later in the frame.
-            Source::Texture(_) | Source::Layers(_) | Source::Buffer(_) => true,
+            Source::Texture(_) | Source::Layers(..) | Source::Buffer(_) => true,
         };
         let Some(way) = shown.picture.ways.iter().find(has).copied() else {
             commands.entity(entity).remove::<ViewPicture>();
@@ -215,16 +222,16 @@ fn prepare(
 }
 
 fn layout(way: &Way, many_samples: bool) -> BindGroupLayoutDescriptor {
-    BindGroupLayoutDescriptor::new(
-        "dolomite_picture",
-        &BindGroupLayoutEntries::sequential(
-            ShaderStages::FRAGMENT,
-            (
-                uniform_buffer::<Look>(false),
-                way.source.layout(many_samples),
-            ),
-        ),
-    )
+    let look = uniform_buffer::<Look>(false);
+    let read = way.source.layout(many_samples);
+    let (stages, label) = (ShaderStages::FRAGMENT, "dolomite_picture");
+    if let Source::Layers(..) = way.source {
+        let all = (look, read, uniform_buffer::<Marks>(false));
+        BindGroupLayoutDescriptor::new(label, &BindGroupLayoutEntries::sequential(stages, all))
+    } else {
+        let both = (look, read);
+        BindGroupLayoutDescriptor::new(label, &BindGroupLayoutEntries::sequential(stages, both))
+    }
 }
 
 /// Definitions that the shader is compiled with.
@@ -299,7 +306,7 @@ fn found(source: Source, view: EntityRef) -> Option<Found> {
         Source::Depth => prepass?.depth.as_ref(),
         Source::Normals => prepass?.normal.as_ref(),
         Source::Motion => prepass?.motion_vectors.as_ref(),
-        Source::Texture(get) | Source::Layers(get) => return get(view).map(Found::Texture),
+        Source::Texture(get) | Source::Layers(get, _) => return get(view).map(Found::Texture),
         Source::Buffer(get) => return get(view).map(Found::Buffer),
     };
     Some(Found::Texture(attachment?.texture.default_view.clone()))
@@ -308,7 +315,7 @@ fn found(source: Source, view: EntityRef) -> Option<Found> {
 fn show(
     world: &World,
     view: ViewQuery<(Entity, &ExtractedCamera, &ViewTarget, &ViewPicture)>,
-    cache: Res<PipelineCache>,
+    (cache, queue): (Res<PipelineCache>, Res<RenderQueue>),
     passes: Res<PicturePasses>,
     mut ctx: RenderContext,
 ) {
@@ -324,10 +331,25 @@ fn show(
         Found::Texture(view) => view.into_binding(),
         Found::Buffer(buffer) => buffer.as_entire_binding(),
     };
+    // What became of the layers is known when all views of lights are.
+    let marks = match picture.way.source {
+        Source::Layers(_, marks) => {
+            let mut marks = UniformBuffer::from(marks(world, entity));
+            marks.set_label(Some("dolomite_picture_marks"));
+            marks.write_buffer(ctx.render_device(), &queue);
+            Some(marks)
+        }
+        _ => None,
+    };
+    let marks = marks.as_ref().and_then(UniformBuffer::binding);
+    let entries: Vec<_> = (0..)
+        .zip([look, read].into_iter().chain(marks))
+        .map(|(binding, resource)| BindGroupEntry { binding, resource })
+        .collect();
     let group = ctx.render_device().create_bind_group(
         "dolomite_picture",
         &cache.get_bind_group_layout(&layout(&picture.way, picture.many_samples)),
-        &BindGroupEntries::sequential((look, read)),
+        &entries,
     );
     passes.add();
     let diagnostics = ctx.diagnostic_recorder();

@@ -1,12 +1,14 @@
 //! What a picture reads, and in which ways it is made.
 
-use bevy::ecs::world::EntityRef;
+use bevy::ecs::entity::Entity;
+use bevy::ecs::world::{EntityRef, World};
+use bevy::math::UVec4;
 use bevy::render::render_resource::binding_types::{
     storage_buffer_read_only, texture_2d, texture_2d_multisampled, texture_depth_2d,
     texture_depth_2d_multisampled,
 };
 use bevy::render::render_resource::{
-    BindGroupLayoutEntryBuilder, BindingType, Buffer, IntoBindGroupLayoutEntryBuilder,
+    BindGroupLayoutEntryBuilder, BindingType, Buffer, IntoBindGroupLayoutEntryBuilder, ShaderType,
     TextureSampleType, TextureView, TextureViewDimension,
 };
 
@@ -55,10 +57,43 @@ pub enum Source {
     Motion,
     /// Floats of a texture of the view's entity in the render world.
     Texture(fn(EntityRef) -> Option<TextureView>),
-    /// All layers of a depth texture.
-    Layers(fn(EntityRef) -> Option<TextureView>),
+    /// All layers of a depth texture, and what became of them in this frame, by the render world and the view.
+    Layers(
+        fn(EntityRef) -> Option<TextureView>,
+        fn(&World, Entity) -> Marks,
+    ),
     /// Words of a buffer.
     Buffer(fn(EntityRef) -> Option<Buffer>),
+}
+
+/// What became of the layers of a texture in a frame: a bit each of the first 256.
+#[derive(ShaderType, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Marks {
+    drawn: [UVec4; 2],
+    kept: [UVec4; 2],
+}
+
+impl Marks {
+    /// Layers that have a bit.
+    pub const LAYERS: u32 = 256;
+
+    /// The layer was drawn in this frame.
+    pub fn drawn(&mut self, layer: u32) {
+        set(&mut self.drawn, layer);
+    }
+
+    /// It holds what an earlier frame drew.
+    pub fn kept(&mut self, layer: u32) {
+        set(&mut self.kept, layer);
+    }
+}
+
+/// Layers beyond the last bit have none.
+fn set(bits: &mut [UVec4; 2], layer: u32) {
+    if layer < Marks::LAYERS {
+        let word = (layer / 32) as usize;
+        bits[word / 4][word % 4] |= 1 << (layer % 32);
+    }
 }
 
 /// What was found of a source in a view.
@@ -78,7 +113,7 @@ impl Source {
             Self::Words => "WORDS",
             Self::Depth => "DEPTHS",
             Self::Normals | Self::Motion | Self::Texture(_) => "NUMBERS",
-            Self::Layers(_) => "LAYERS",
+            Self::Layers(..) => "LAYERS",
             Self::Buffer(_) => "COUNTS",
         }
     }
@@ -97,7 +132,7 @@ impl Source {
             (Self::Depth, true) => texture_depth_2d_multisampled(),
             (Self::Normals | Self::Motion, true) => texture_2d_multisampled(floats),
             (Self::Normals | Self::Motion | Self::Texture(_), _) => texture_2d(floats),
-            (Self::Layers(_), _) => BindingType::Texture {
+            (Self::Layers(..), _) => BindingType::Texture {
                 sample_type: TextureSampleType::Depth,
                 view_dimension: TextureViewDimension::D2Array,
                 multisampled: false,
@@ -166,4 +201,23 @@ pub(super) fn own_pictures() -> Vec<Picture> {
             way(Source::Motion, "MOTION"),
         ),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layer_has_a_bit_and_those_beyond_the_last_have_none() {
+        let mut marks = Marks::default();
+        for layer in [0, 33, 255, 256, 4000] {
+            marks.drawn(layer);
+        }
+        marks.kept(128);
+        assert_eq!(
+            marks.drawn,
+            [UVec4::new(1, 2, 0, 0), UVec4::new(0, 0, 0, 1 << 31)]
+        );
+        assert_eq!(marks.kept, [UVec4::ZERO, UVec4::new(1, 0, 0, 0)]);
+    }
 }

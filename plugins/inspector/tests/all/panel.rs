@@ -4,12 +4,17 @@ use crate::support::{Fog, add_fog};
 use crate::drawn::{self, HEIGHT, Target, differing, frames, picture, pipelines};
 
 use bevy::camera::RenderTarget;
+use bevy::core_pipeline::{Core2d, Core3d};
+use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel, Schedules};
 use bevy::prelude::*;
-use bevy_egui::{
-    EguiContext, EguiInput, EguiManagedTextures, EguiPostUpdateSet, EguiPreUpdateSet, egui,
-};
+use bevy::render::{Render, RenderApp};
+use bevy_egui::render::EguiPipeline;
+use bevy_egui::render::systems::{EguiRenderData, EguiTransforms};
+use bevy_egui::{EguiContext, EguiInput, EguiManagedTextures, EguiPlugin, egui};
 use dolomite_inspector::panel::state::{Shell, Tab};
-use dolomite_inspector::panel::{InspectorCamera, InspectorPass, InspectorTarget};
+use dolomite_inspector::panel::{
+    InspectorCamera, InspectorInput, InspectorOutput, InspectorPass, InspectorTarget,
+};
 use dolomite_inspector::settings::edit::undo;
 use dolomite_inspector::{Console, Inspector, InspectorPlugin, InspectorWants};
 
@@ -26,23 +31,9 @@ fn app() -> Option<App> {
         .add_plugins(InspectorPlugin);
     add_fog(&mut app);
     let count = |mut ran: ResMut<Ran>| ran.0 += 1;
-    app.add_systems(
-        PreUpdate,
-        (
-            count.in_set(EguiPreUpdateSet::InitContexts),
-            count.in_set(EguiPreUpdateSet::ProcessInput),
-            count.in_set(EguiPreUpdateSet::BeginPass),
-        ),
-    )
-    .add_systems(
-        PostUpdate,
-        (
-            count.in_set(EguiPostUpdateSet::EndPass),
-            count.in_set(EguiPostUpdateSet::ProcessOutput),
-            count.in_set(EguiPostUpdateSet::PostProcessOutput),
-        ),
-    )
-    .add_systems(InspectorPass, count);
+    app.add_systems(InspectorInput, count)
+        .add_systems(InspectorOutput, count)
+        .add_systems(InspectorPass, count);
     let target = RenderTarget::Image(app.world().resource::<Target>().0.clone().into());
     app.insert_resource(InspectorTarget(target.clone()))
         .insert_resource(ClearColor(Color::srgb(0.1, 0.5, 0.2)));
@@ -74,8 +65,89 @@ fn hand(app: &mut App, events: Vec<egui::Event>) {
     frames(app, 1);
 }
 
+/// How many systems of `bevy_egui` a schedule has.
+fn systems_of_egui(world: &World, schedule: impl ScheduleLabel) -> usize {
+    let label: InternedScheduleLabel = schedule.intern();
+    let schedules = world.resource::<Schedules>();
+    let schedule = schedules.get(label).expect("it is there");
+    let systems = schedule.systems().expect("it ran");
+    systems
+        .filter(|(_, system)| system.name().to_string().contains("bevy_egui::"))
+        .count()
+}
+
+/// Pixels that the panel changes, in a stranger's app with `bevy_egui` of its own.
+fn drawn_beside_egui(first: bool) -> Option<usize> {
+    let mut app = drawn::app()?;
+    if first {
+        app.add_plugins((EguiPlugin::default(), InspectorPlugin));
+    } else {
+        app.add_plugins((InspectorPlugin, EguiPlugin::default()));
+    }
+    let count = |mut ran: ResMut<Ran>| ran.0 += 1;
+    app.init_resource::<Ran>().add_systems(InspectorPass, count);
+    let target = RenderTarget::Image(app.world().resource::<Target>().0.clone().into());
+    app.insert_resource(InspectorTarget(target.clone()));
+    app.finish();
+    app.cleanup();
+    app.world_mut().spawn((Camera3d::default(), target));
+    frames(&mut app, 5);
+    let before = picture(&mut app);
+    open(&mut app, true, false);
+    frames(&mut app, 5);
+    let ran = app.world().resource::<Ran>().0;
+    frames(&mut app, 4);
+    assert_eq!(app.world().resource::<Ran>().0 - ran, 4, "once a frame");
+    Some(differing(&before, &picture(&mut app)))
+}
+
 mod gpu {
     use super::*;
+
+    #[test]
+    fn closed_none_of_eguis_systems_is_in_a_frame_and_it_lets_go_of_all_that_it_made() {
+        let Some(mut app) = app() else { return };
+        frames(&mut app, 3);
+        let world = app.world();
+        assert_eq!(systems_of_egui(world, PreUpdate), 0);
+        assert_eq!(systems_of_egui(world, Update), 0);
+        assert_eq!(systems_of_egui(world, PostUpdate), 0);
+        assert_eq!(systems_of_egui(world, Last), 0);
+        assert!(!world.contains_resource::<EguiManagedTextures>());
+        let has = |app: &App| {
+            let world = app.sub_app(RenderApp).world();
+            [
+                world.contains_resource::<EguiPipeline>(),
+                world.contains_resource::<EguiRenderData>(),
+                world.contains_resource::<EguiTransforms>(),
+            ]
+        };
+        assert_eq!(has(&app), [false; 3]);
+        let render = app.sub_app(RenderApp).world();
+        // A schedule that runs for every view and every face of a shadow map.
+        assert_eq!(systems_of_egui(render, Core3d), 0);
+        // Behind a condition: they are found, so that names can be.
+        assert_eq!(systems_of_egui(render, Render), 4);
+        open(&mut app, true, false);
+        frames(&mut app, 3);
+        assert_eq!(has(&app), [true; 3]);
+        let render = app.sub_app(RenderApp).world();
+        assert_eq!(systems_of_egui(render, Core2d), 2);
+        open(&mut app, false, false);
+        frames(&mut app, 8);
+        // A description of layouts stays, which is no object of the device.
+        assert_eq!(has(&app), [true, false, false]);
+    }
+
+    #[test]
+    fn an_app_may_have_egui_of_its_own_before_and_after() {
+        for first in [true, false] {
+            let Some(count) = drawn_beside_egui(first) else {
+                return;
+            };
+            assert!(count > 10_000, "{first}: {count} pixels");
+        }
+    }
 
     #[test]
     fn closed_it_does_nothing_and_opened_it_is_drawn_over_the_picture() {
@@ -89,7 +161,8 @@ mod gpu {
 
         open(&mut app, true, false);
         frames(&mut app, 5);
-        assert!(app.world().resource::<Ran>().0 >= 30, "the count can count");
+        // Three a frame; there is no context before the camera is.
+        assert!(app.world().resource::<Ran>().0 >= 12, "the count can count");
         assert_eq!(contexts(&mut app), 1);
         assert_eq!(pipelines(&app, "egui_pipeline"), 1);
         let opened = picture(&mut app);

@@ -30,7 +30,7 @@ fn every_variant_of_the_shader_is_valid() {
         };
         assert_eq!(
             span, 80,
-            "three vectors, four numbers and a level, as in Rust"
+            "three vectors, five numbers and a level, as in Rust"
         );
     }
 }
@@ -76,13 +76,14 @@ mod gpu {
     use crate::drawn::{self, HEIGHT, Target, WIDTH, frames, picture, pipelines};
     use crate::support::say;
 
-    use bevy::camera::RenderTarget;
+    use bevy::camera::{RenderTarget, Viewport};
     use bevy::core_pipeline::prepass::{
         DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass,
     };
     use bevy::math::ops;
     use bevy::pbr::DefaultOpaqueRendererMethod;
     use bevy::prelude::*;
+    use bevy::render::render_resource::TextureFormat;
     use dolomite_inspector::InspectorPlugin;
     use dolomite_inspector::picture::colours::{distance_grey, encoded_of, motion_colour};
     use dolomite_inspector::picture::{FramePicture, PicturePasses};
@@ -259,6 +260,43 @@ mod gpu {
         say(&mut app, "views motion off").unwrap();
         frames(&mut app, 3);
         assert_eq!(prepasses(&mut app), (true, false), "taken back");
+    }
+
+    /// Two cameras with images of their own, of which one sees half of it: a picture is shown over each, as that one sees
+    /// it, and nothing beside its part.
+    #[test]
+    fn every_camera_shows_the_picture_as_it_sees_it() {
+        let Some(mut app) = app(true) else { return };
+        let image = Image::new_target_texture(WIDTH, HEIGHT, TextureFormat::Rgba8UnormSrgb, None);
+        let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
+        let half = UVec2::new(WIDTH / 2, HEIGHT);
+        app.world_mut().spawn((
+            Camera3d::default(),
+            Camera {
+                viewport: Some(Viewport {
+                    physical_size: half,
+                    ..default()
+                }),
+                ..default()
+            },
+            (DepthPrepass, DeferredPrepass, Msaa::Off),
+            RenderTarget::Image(image.clone().into()),
+            // Three metres farther away, before the middle of the wall's left part.
+            Transform::from_xyz(-10.0, 0.0, 3.0),
+        ));
+        let usual = FramePicture::default();
+        let [wall, _] = shown(&mut app, "depth");
+        let expected = distance_grey(AWAY, usual.near, usual.far);
+        assert_near("the first", wall, Vec3::splat(expected), 1.0);
+        app.insert_resource(Target(image));
+        let other = picture(&mut app);
+        let [wall, beside] = halves(&other);
+        let expected = distance_grey(AWAY + 3.0, usual.near, usual.far);
+        assert_near("the second", wall, Vec3::splat(expected), 1.0);
+        say(&mut app, "views depth off").unwrap();
+        frames(&mut app, 3);
+        let frame = halves(&picture(&mut app));
+        assert!(frame[0] != wall && frame[1] == beside, "beside its part");
     }
 
     /// Forward, with four samples a pixel: a stranger's camera as it comes.

@@ -103,6 +103,14 @@ impl Leaves {
         self.numbers.get(name).copied()
     }
 
+    /// The name of a leaf.
+    #[must_use]
+    pub fn name(&self, number: u16) -> Option<&str> {
+        let mut all = self.numbers.iter();
+        let (name, _) = all.find(|(_, known)| **known == number)?;
+        Some(name)
+    }
+
     /// A leaf takes the place of one of the same name.
     pub(super) fn add(&mut self, name: &str, system: LeafSystem) {
         if let Some(&number) = self.numbers.get(name) {

@@ -6,6 +6,7 @@
 //! | [`BehaviourAppExt`] | adds leaves, which are systems, and behaviours, which are texts or files |
 //! | [`LeafBatch`] | everybody who is at a leaf |
 //! | [`Behaviours`] | what was read, and why something was not |
+//! | [`tree_of`] | the tree of an agent as text, with what runs |
 //!
 //! The nodes of a tree: `Sequence`, `Select`, `Choose` (by scores), `Not`, `Anyway`, `Repeat`, `Cooldown`, `Limit`,
 //! `If`, `Set`, `Wait`, `Send`, `Say`, `Do`, `DoWith`, `Use`. The README says what each does.
@@ -16,6 +17,7 @@ mod leaf;
 mod machine;
 mod mind;
 mod program;
+mod shown;
 mod spec;
 mod store;
 mod think;
@@ -25,6 +27,7 @@ pub use error::{BehaviourError, Reason};
 pub use leaf::{LeafBatch, LeafCall, Leaves, Parameters, Phase};
 pub use mind::{BehaviourId, Mind, Status};
 pub use program::Program;
+pub use shown::tree_of;
 pub use spec::Curve;
 pub use store::{BehaviourAppExt, BehaviourMessage, Behaviours, add_behaviour, load_behaviour};
 pub use think::ThoughtCounters;

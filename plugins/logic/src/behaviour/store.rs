@@ -68,6 +68,12 @@ impl Behaviours {
         self.entries.get(usize::from(behaviour.0))?.error.as_ref()
     }
 
+    /// Name, program and edition of a behaviour.
+    pub(super) fn entry(&self, behaviour: BehaviourId) -> Option<(&str, &Program, u32)> {
+        let entry = self.entries.get(usize::from(behaviour.0))?;
+        Some((&entry.name, &entry.program, entry.edition))
+    }
+
     /// Programs by number, with their editions.
     pub(super) fn programs(&self) -> impl Iterator<Item = (&Arc<Program>, u32)> {
         self.entries

@@ -3,7 +3,7 @@
 use crate::support::{app, milliseconds, said, steps};
 use bevy::app::{App, Update};
 use bevy::ecs::prelude::*;
-use dolomite_logic::behaviour::{BehaviourMessage, Behaviours, Reason, compile};
+use dolomite_logic::behaviour::{BehaviourMessage, Behaviours, Leaves, Reason, compile, tree_of};
 use dolomite_logic::{
     Asleep, Attention, BehaviourAppExt, Key, LeafBatch, Mind, Names, Phase, Status, Values,
 };
@@ -50,6 +50,53 @@ fn spawn(app: &mut App, trees: &str) -> Entity {
         .add_behaviour("test", &text)
         .unwrap_or_else(|error| panic!("{error}"));
     app.world_mut().spawn(Mind::new(id)).id()
+}
+
+/// The agent's tree as people see it.
+fn shown(app: &App, agent: Entity) -> String {
+    let world = app.world();
+    tree_of(
+        world.get::<Mind>(agent).expect("it has a mind"),
+        world.resource::<Behaviours>(),
+        world.resource::<Names>(),
+        world.resource::<Leaves>(),
+    )
+}
+
+#[test]
+fn a_tree_is_shown_as_it_runs() {
+    let mut app = with_leaves();
+    let trees =
+        r#"Select([Sequence([If("x", Above(0.5)), Do("a")]), Sequence([Do("b"), Wait(2.0)])])"#;
+    let agent = spawn(&mut app, trees);
+    let before = shown(&app, agent);
+    assert!(before.starts_with("test: between two rounds"), "{before}");
+    steps(&mut app, 2);
+    let lines = |text: &str| text.lines().skip(1).map(str::to_owned).collect::<Vec<_>>();
+    let second = [
+        "> Select",
+        "    Sequence",
+        ">   Sequence",
+        ">     Do b",
+        "      Wait 2 s",
+    ];
+    assert_eq!(lines(&shown(&app, agent)), second);
+    set(&mut app, agent, "x", 1.0);
+    steps(&mut app, 2);
+    let first = [
+        "> Select",
+        ">   Sequence",
+        "      If x above 0.5",
+        ">     Do a",
+        "    Sequence",
+    ];
+    assert_eq!(lines(&shown(&app, agent)), first);
+    // Read again, its numbers are those of another tree.
+    let text = "(values: {}, root: \"r\", trees: {\"r\": Do(\"c\")})";
+    app.add_behaviour("test", text).expect("a good text");
+    let anew = shown(&app, agent);
+    assert_eq!(lines(&anew), ["  Do c"], "{anew}");
+    assert!(anew.contains("begins anew"), "{anew}");
 }
 
 fn set(app: &mut App, agent: Entity, name: &str, to: f32) {

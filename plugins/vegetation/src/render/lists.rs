@@ -95,6 +95,13 @@ pub fn draw_defs(list: usize, normals: bool, motion: bool) -> Vec<&'static str> 
     [level, normals, motion].into_iter().flatten().collect()
 }
 
+/// Definitions with which a list is drawn for the ranks of what stands.
+#[must_use]
+pub fn rank_defs(list: usize) -> Vec<&'static str> {
+    let level = LIST[list].def;
+    level.into_iter().chain(["RANK"]).collect()
+}
+
 /// Definitions with which shadows of blades are drawn.
 pub const SHADOW_DEFS: [&str; 2] = ["SHADOW", "BLADE_OF_3"];
 

@@ -20,6 +20,8 @@
 //! **Shapes** have lists of records of their own (`lists`), one a level of detail, and an indirect draw each. What no kind
 //! uses has no pipeline.
 //!
+//! **Ranks** (`ranks`) are found in each pixel of cameras that ask for it, for a picture of them.
+//!
 //! **Where blades end** the ground shows their far field (`far`), fitted to them by a task.
 //!
 //! Nothing exists until there are a `Vegetation` with kinds that are drawn, and a camera with a `VegetationView`.
@@ -35,6 +37,7 @@ mod pass;
 mod pipeline;
 mod prepare;
 mod published;
+pub mod ranks;
 pub mod record;
 pub mod rings;
 mod state;
@@ -75,6 +78,7 @@ pub(crate) fn finish(app: &mut App) {
     let Some(shaders) = pipeline::VegetationShaders::load(app) else {
         return;
     };
+    ranks::build(app);
     let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
         return;
     };

@@ -21,7 +21,7 @@ use bevy::shader::{Shader, ShaderDefVal};
 use dolomite_geometry::render::{ModuleShaders, pipeline_fault, shader_asset};
 
 use super::layout::{BladeView, GrowParams, LISTS};
-use super::lists::{BLADES, LIST, SHADOW_DEFS, draw_defs};
+use super::lists::{BLADES, LIST, SHADOW_DEFS, draw_defs, rank_defs};
 use super::record::{PASSES, Second};
 
 /// The shaders, as assets.
@@ -191,6 +191,34 @@ impl VegetationPipelines {
     /// The draws into shadow maps, once they are there.
     pub fn shadows<'a>(&self, cache: &'a PipelineCache) -> Option<&'a RenderPipeline> {
         cache.get_render_pipeline(self.shadow?)
+    }
+
+    /// What draws a list for its ranks into a texture of this format, behind the view's depths; `kinds` is its group 1.
+    pub fn ranks(
+        &self,
+        list: usize,
+        kinds: &BindGroupLayoutDescriptor,
+        format: TextureFormat,
+    ) -> RenderPipelineDescriptor {
+        let mut descriptor = self.descriptor(list, DrawKey::default());
+        let defs: Vec<ShaderDefVal> = rank_defs(list).into_iter().map(Into::into).collect();
+        descriptor.label = Some("vegetation_ranks".into());
+        descriptor.layout.push(kinds.clone());
+        descriptor.vertex.shader_defs.clone_from(&defs);
+        if let Some(fragment) = &mut descriptor.fragment {
+            fragment.shader_defs = defs;
+            fragment.targets = vec![Some(ColorTargetState {
+                format,
+                blend: None,
+                write_mask: ColorWrites::ALL,
+            })];
+        }
+        if let Some(depth) = &mut descriptor.depth_stencil {
+            // What was drawn is drawn again, by another pipeline, which may round otherwise.
+            depth.depth_write_enabled = Some(false);
+            depth.bias.constant = 64;
+        }
+        descriptor
     }
 
     fn descriptor(&self, list: usize, key: DrawKey) -> RenderPipelineDescriptor {

@@ -14,6 +14,8 @@ mod functions;
 mod images;
 #[cfg(feature = "render")]
 mod place;
+#[cfg(feature = "render")]
+mod ranks;
 mod rings;
 #[cfg(feature = "render")]
 mod roots;

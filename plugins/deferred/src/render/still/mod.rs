@@ -10,6 +10,7 @@ mod skip;
 mod stats;
 mod watch;
 
+pub use skip::is_kept_face;
 pub use stats::StillStats;
 
 use bevy::light::SimulationLightSystems;

@@ -66,6 +66,12 @@ pub fn wanted(kept: Res<Kept>) -> bool {
     kept.some || !kept.maps.is_empty()
 }
 
+/// Whether a face keeps what its map holds in this frame.
+#[must_use]
+pub fn is_kept_face(face: &RootNonCameraView) -> bool {
+    face.0 == StillFace.intern()
+}
+
 /// Of all faces of shadow maps that are no camera's.
 pub fn skip(
     mut faces: Query<(&LightEntity, &ExtractedView, &mut RootNonCameraView)>,
