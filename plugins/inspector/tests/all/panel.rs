@@ -10,7 +10,9 @@ use bevy::prelude::*;
 use bevy::render::{Render, RenderApp};
 use bevy_egui::render::EguiPipeline;
 use bevy_egui::render::systems::{EguiRenderData, EguiTransforms};
-use bevy_egui::{EguiContext, EguiInput, EguiManagedTextures, EguiPlugin, egui};
+use bevy_egui::{
+    EguiContext, EguiInput, EguiManagedTextures, EguiPlugin, EguiPrimaryContextPass, egui,
+};
 use dolomite_inspector::panel::state::{Shell, Tab};
 use dolomite_inspector::panel::{
     InspectorCamera, InspectorInput, InspectorOutput, InspectorPass, InspectorTarget,
@@ -85,7 +87,10 @@ fn drawn_beside_egui(first: bool) -> Option<usize> {
         app.add_plugins((InspectorPlugin, EguiPlugin::default()));
     }
     let count = |mut ran: ResMut<Ran>| ran.0 += 1;
-    app.init_resource::<Ran>().add_systems(InspectorPass, count);
+    app.init_resource::<Ran>()
+        .add_systems(InspectorPass, count)
+        // Who has it draws with it: bevy_egui 0.42 fails at the first camera of an app without a system there.
+        .add_systems(EguiPrimaryContextPass, || {});
     let target = RenderTarget::Image(app.world().resource::<Target>().0.clone().into());
     app.insert_resource(InspectorTarget(target.clone()));
     app.finish();
