@@ -123,7 +123,7 @@ fn found(app: &mut App, camera: Entity) -> Vec<[f32; 2]> {
     let lines = bytes.chunks_exact(row as usize);
     let lines = lines.map(|line| &line[..8 * SIZE[0] as usize]);
     lines
-        .flat_map(|line| bytemuck::pod_collect_to_vec::<u8, [f32; 2]>(line))
+        .flat_map(bytemuck::pod_collect_to_vec::<u8, [f32; 2]>)
         .collect()
 }
 
