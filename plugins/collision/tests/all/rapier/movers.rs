@@ -99,7 +99,7 @@ fn steps_of_an_hour_are_survived() {
     let lies = cube(&mut app, 0.5, Vec3::new(20.0, 0.5, 0.0));
     ball(&mut app, 0.5, Vec3::new(-20.0, 9.0, 0.0), Vec3::splat(1e4));
     for step in 0..4 {
-        let fall = -9.81 * HOUR.as_secs_f32().powi(2);
+        let fall = -9.81 * HOUR.as_secs_f32() * HOUR.as_secs_f32();
         app.world_mut()
             .get_mut::<MoveWish>(mover)
             .expect("the mover has a wish")
