@@ -1,6 +1,8 @@
 //! Collision: volumes, trees of triangles, watertight rays, swept ellipsoids.
 
 pub mod geometry;
+#[cfg(feature = "terrain")]
+pub mod ground;
 pub mod mesh;
 pub mod motion;
 pub mod plugin;
@@ -19,7 +21,7 @@ pub use motion::{
 };
 pub use plugin::{
     BetweenSteps, Blocker, CharacterBody, Collider, CollisionCounters, CollisionPlugin,
-    CollisionSystems, MoveState, MoveWish, Trigger, TriggerKind, TriggerMessage,
+    CollisionSystems, MeetsMovers, MoveState, MoveWish, Trigger, TriggerKind, TriggerMessage,
 };
 pub use sweep::{Contact, SweepError, sweep};
 pub use tree::{Nearest, RayHit, TreeKind, TreeSettings, TriangleTree};

@@ -8,7 +8,7 @@
 //! | [`TerrainPlugin`](terrain::TerrainPlugin) | [`terrain`] | heights, slopes and height queries from noise and height maps, in f64 | no |
 //! | [`CharacterPlugin`](character::CharacterPlugin) | [`character`] | animated figures with feet on the ground, sampled as large as they are seen | no |
 //! | [`CrowdPlugin`](character::render::CrowdPlugin) | [`character`] | crowds drawn from a palette of poses, 16 bytes a figure | yes |
-//! | [`CollisionPlugin`](collision::CollisionPlugin) | [`collision`] | movers that slide over triangles, blockers, triggers; with the feature `rapier` ground under Rapier's bodies | no |
+//! | [`CollisionPlugin`](collision::CollisionPlugin) | [`collision`] | movers that slide over triangles and ground, blockers, triggers; with the feature `rapier` ground under Rapier's bodies | no |
 //! | [`LogicPlugin`](logic::LogicPlugin) | [`logic`] | values and actions, lifts and doors, behaviours as data, senses, crowds | no |
 //! | [`SoundPlugin`](sound::SoundPlugin) | [`sound`] | emitters and one-shots in space, voices by priority; with the feature `device` on the system's device | no |
 //! | [`FbxPlugin`](fbx::FbxPlugin) | [`fbx`] | `load("hero.fbx")`, with the sub-assets of Bevy's glTF loader | no |

@@ -33,12 +33,19 @@ impl Default for Blocker {
     }
 }
 
+/// Movers meet what this is on, stand on it and are pushed by it: with the feature `terrain`, ground as
+/// `GroundTiles`; with `rapier`, a body of Rapier's by its own shape. Round shapes are met as polyhedra whose corners lie on them; shapes of
+/// several parts as their box. Removed again, or without the body's collider, nothing is met any more.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Default, Clone)]
+pub struct MeetsMovers;
+
 /// The triangles of a blocker.
 #[derive(Component)]
-pub(super) struct BlockerTree(Arc<TriangleTree>);
+pub(crate) struct BlockerTree(Arc<TriangleTree>);
 
 /// One body of this step.
-pub(super) struct Placed {
+pub(crate) struct Placed {
     pub entity: Entity,
     pub tree: Arc<TriangleTree>,
     pub before: Pose,
@@ -47,7 +54,7 @@ pub(super) struct Placed {
 
 /// All bodies, by entity.
 #[derive(Resource, Default)]
-pub(super) struct Bodies {
+pub(crate) struct Bodies {
     pub placed: Vec<Placed>,
     /// The last step's.
     last: Vec<Placed>,
@@ -109,7 +116,7 @@ fn pose(transform: &Transform, turned: bool) -> Pose {
 }
 
 /// Where bodies were and are.
-pub(super) fn gather(
+pub(crate) fn gather(
     mut bodies: ResMut<Bodies>,
     colliders: Query<(Entity, &Collider, &Transform)>,
     blockers: Query<(Entity, &BlockerTree, &Transform), (With<Blocker>, Without<Collider>)>,
@@ -132,5 +139,6 @@ pub(super) fn gather(
     for (entity, tree, transform) in &blockers {
         add(entity, &tree.0, pose(transform, false));
     }
-    placed.sort_unstable_by_key(|body| body.entity);
+    // Ground has several bodies of one entity, which keep their order.
+    placed.sort_by_key(|body| body.entity);
 }

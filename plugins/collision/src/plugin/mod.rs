@@ -9,6 +9,7 @@
 //! | [`MoveState`] | the plugin | where the mover is in f64, what it stands on and touched |
 //! | [`Trigger`] | you | a box that reports who comes, stays and goes, by [`TriggerMessage`] |
 //! | [`BetweenSteps`] | you | what steps move is drawn between them |
+//! | `GroundTiles`, [`MeetsMovers`] | you | ground that movers meet: the module `ground`, with the feature `terrain` |
 //!
 //! Steps are taken in `FixedUpdate`. Places are those of `Transform` and not of its parents: what takes part in
 //! collision has none. Scale is not used: it belongs into the mesh.
@@ -21,8 +22,12 @@ mod movers;
 mod triggers;
 
 pub use between::BetweenSteps;
-pub use bodies::{Blocker, Collider};
+pub use bodies::{Blocker, Collider, MeetsMovers};
+#[cfg(feature = "terrain")]
+pub(crate) use bodies::{Bodies, Placed, gather};
 pub use diagnostics::CollisionCounters;
+#[cfg(feature = "terrain")]
+pub(crate) use movers::go;
 pub use movers::{CharacterBody, MoveState, MoveWish};
 pub use triggers::{Trigger, TriggerKind, TriggerMessage};
 
@@ -60,6 +65,7 @@ impl Plugin for CollisionPlugin {
             .register_type::<Blocker>()
             .register_type::<CharacterBody>()
             .register_type::<CollisionCounters>()
+            .register_type::<MeetsMovers>()
             .register_type::<MoveWish>()
             .register_type::<Trigger>()
             .configure_sets(
@@ -90,6 +96,8 @@ impl Plugin for CollisionPlugin {
                         .run_if(any_with_component::<Trigger>.or_else(triggers::occupied)),
                 ),
             );
+        #[cfg(feature = "terrain")]
+        crate::ground::build(app);
     }
 
     fn is_unique(&self) -> bool {

@@ -67,6 +67,26 @@ impl MoveState {
         self.touched.iter().copied().zip(&self.outcome.contacts)
     }
 
+    /// Where its centre is, of an entity whose transform is this.
+    pub(crate) fn place(&self, transform: &Transform) -> DVec3 {
+        if self.is_placed(transform) {
+            self.center
+        } else {
+            transform.translation.as_dvec3()
+        }
+    }
+
+    /// Whether the transform is what was written last.
+    pub(crate) fn is_placed(&self, transform: &Transform) -> bool {
+        self.written == Some(transform.translation)
+    }
+
+    /// It is here from now on, and drawn there.
+    pub(crate) const fn put(&mut self, center: DVec3, drawn: Vec3) {
+        self.center = center;
+        self.written = Some(drawn);
+    }
+
     /// Why it did not move.
     #[must_use]
     pub const fn error(&self) -> Option<MoveError> {
@@ -76,7 +96,7 @@ impl MoveState {
 
 /// Lists that steps use again.
 #[derive(Default)]
-pub(super) struct Lists {
+pub(crate) struct Lists {
     entities: Vec<(Entity, MoveSettings)>,
     movers: Vec<Mover>,
     wishes: Vec<DVec3>,
@@ -84,7 +104,7 @@ pub(super) struct Lists {
 }
 
 /// One step of all movers.
-pub(super) fn go(
+pub(crate) fn go(
     bodies: Res<Bodies>,
     mut query: Query<(
         Entity,
@@ -101,9 +121,7 @@ pub(super) fn go(
     lists.wishes.clear();
     lists.outcomes.clear();
     for (entity, body, wish, mut state, transform) in &mut query {
-        if state.written != Some(transform.translation) {
-            state.center = transform.translation.as_dvec3();
-        }
+        state.center = state.place(&transform);
         state.before = state.center;
         state.wished = wish.0;
         lists.entities.push((entity, body.settings));
@@ -156,12 +174,11 @@ pub(super) fn go(
         touched.extend(outcome.contacts.iter().map(|contact| of(contact.body)));
         state.stands_on = mover.stands_on.map(of);
         if state.outcome.error.is_none() {
-            state.center = mover.center;
             let rounded = mover.center.as_vec3();
             if transform.translation != rounded {
                 transform.translation = rounded;
             }
-            state.written = Some(rounded);
+            state.put(mover.center, rounded);
         }
         if wish.0 != Vec3::ZERO {
             wish.0 = Vec3::ZERO;

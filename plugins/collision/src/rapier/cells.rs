@@ -4,7 +4,7 @@
 //! counted from the north-west corner of its cell and from a whole metre of height near it. Contacts with it are worked
 //! out with coordinates of the size of a cell, wherever in the world it lies.
 
-use super::diagonals::Diagonals;
+use crate::ground::Diagonals;
 use bevy::math::{IVec2, Vec3};
 use bevy_rapier3d::parry::shape::{Triangle, TrianglePseudoNormals};
 

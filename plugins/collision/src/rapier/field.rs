@@ -8,7 +8,7 @@
 //! knows how to ask it; where it does not they are those of these tiles.
 
 use super::cells::{Lattice, Part, around};
-use super::diagonals::Diagonals;
+use crate::ground::{Diagonals, GroundTiles};
 use bevy::math::{IVec2, Vec3};
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
 use bevy_rapier3d::parry::mass_properties::MassProperties;
@@ -194,6 +194,31 @@ impl Shape for TileShape {
 
     fn as_composite_shape(&self) -> Option<&dyn CompositeShape> {
         Some(self)
+    }
+}
+
+impl GroundTiles {
+    /// The samples of a tile and of one step around it, those of a column along Z together.
+    pub(super) fn samples(&self, tile: IVec2) -> Arc<[f32]> {
+        let cells = self.cells() as i32;
+        let first = tile * cells;
+        let side = -1..around(cells) - 1;
+        let columns = side
+            .clone()
+            .flat_map(|x| side.clone().map(move |z| IVec2::new(x, z)));
+        columns.map(|at| self.sample(first + at)).collect()
+    }
+
+    /// A tile of these samples.
+    pub(super) fn shape(&self, tile: IVec2, samples: Arc<[f32]>) -> TileShape {
+        let cells = self.cells() as i32;
+        TileShape::new(samples, cells, self.step(), tile * cells, self.diagonals())
+    }
+
+    /// Where the middle of a tile lies.
+    pub(super) fn place(&self, tile: IVec2) -> Vec3 {
+        let middle = (tile.as_dvec2() + 0.5) * f64::from(self.side());
+        Vec3::new(middle.x as f32, 0.0, middle.y as f32)
     }
 }
 

@@ -2,21 +2,13 @@
 
 use super::counters::BridgeCounters;
 use crate::mesh::{MeshError, TriangleMesh};
-use crate::plugin::Collider;
+use crate::plugin::{Collider, MeetsMovers};
 use crate::tree::{TreeKind, TreeSettings, TriangleTree};
 use bevy::ecs::prelude::*;
 use bevy::math::{DVec3, Vec3};
-use bevy::reflect::prelude::*;
 use bevy_rapier3d::geometry::Collider as RapierCollider;
 use bevy_rapier3d::parry::shape::{Shape, TypedShape};
 use std::sync::Arc;
-
-/// On a body of Rapier's: movers meet its own shape, stand on it and are pushed by it. Round shapes are met as
-/// polyhedra whose corners lie on them; shapes of several parts as their box. Removed again, or without the body's
-/// collider, nothing is met any more.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
-#[reflect(Component, Default, Clone)]
-pub struct MeetsMovers;
 
 /// On a body whose [`Collider`] is of this module's making.
 #[derive(Component)]

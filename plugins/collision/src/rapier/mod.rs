@@ -15,20 +15,17 @@ mod bodies;
 mod cells;
 mod contacts;
 mod counters;
-mod diagonals;
 mod dispatch;
 mod field;
-mod heights;
 mod meet;
 mod push;
 mod surface;
 mod surfaces;
 mod tiles;
 
+pub use crate::ground::{Diagonals, GroundTiles, TileError};
+pub use crate::plugin::MeetsMovers;
 pub use counters::BridgeCounters;
-pub use diagonals::Diagonals;
-pub use heights::{GroundTiles, TileError};
-pub use meet::MeetsMovers;
 pub use push::Pusher;
 
 use crate::plugin::{CollisionPlugin, CollisionSystems};
@@ -72,8 +69,7 @@ impl Plugin for RapierBridgePlugin {
             add_rapier(app);
         }
         counters::build(app);
-        app.register_type::<MeetsMovers>()
-            .register_type::<Pusher>()
+        app.register_type::<Pusher>()
             .init_resource::<tiles::Tiles>()
             .init_resource::<surfaces::Surfaces>()
             .configure_sets(

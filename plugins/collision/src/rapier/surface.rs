@@ -8,7 +8,7 @@
 
 use super::cells::around;
 use super::cells::{Lattice, Part};
-use super::heights::GroundTiles;
+use crate::ground::GroundTiles;
 use bevy::math::{DVec2, IRect, IVec2, Vec3};
 use bevy::platform::collections::HashMap;
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};

@@ -3,8 +3,8 @@
 //! It is no entity's: contacts name the ground. Rapier's events panic where a collider is gone that they speak of, so
 //! that one whose ground is gone is disabled, and used again for the next.
 
-use super::heights::GroundTiles;
 use super::surface::Surface;
+use crate::ground::GroundTiles;
 use bevy::ecs::prelude::*;
 use bevy::platform::collections::HashMap;
 use bevy_rapier3d::parry::shape::SharedShape;

@@ -7,8 +7,8 @@
 
 use super::bodies::{Bodies, BodyBox};
 use super::counters::BridgeCounters;
-use super::heights::GroundTiles;
 use super::surfaces::{Components, Material, Surfaces};
+use crate::ground::GroundTiles;
 use bevy::ecs::prelude::*;
 use bevy::math::{DVec2, IRect, IVec2};
 use bevy::platform::collections::{HashMap, HashSet};

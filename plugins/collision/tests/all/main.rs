@@ -2,6 +2,8 @@
 //! `cargo nextest run -p dolomite_collision NAME::` runs one module.
 
 mod fit;
+#[cfg(feature = "terrain")]
+mod ground;
 mod moves;
 mod plugin;
 #[cfg(feature = "rapier")]

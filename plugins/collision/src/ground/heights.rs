@@ -1,26 +1,26 @@
-//! Tiles of the ground as height fields: where their samples lie, and which way their cells are cut.
+//! Tiles of the ground: where their samples lie, and which way their cells are cut.
 //!
 //! Samples stand on one lattice for the whole world, so that neighbours share those of their border to the bit: the
 //! distance of samples is a power of two, and places of samples are exact in f32 up to 2²⁴ of them from the origin.
 
-use super::cells::around;
 use super::diagonals::Diagonals;
-use super::field::TileShape;
 use bevy::ecs::prelude::*;
-use bevy::math::{DVec2, IVec2, Vec3};
+use bevy::math::{DVec2, IVec2};
 use bevy::transform::components::Transform;
 use dolomite_terrain::Ground;
 use std::fmt;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Ground that Rapier's bodies meet: tiles of it come where bodies are awake, and go.
+/// Ground that is met as triangles between samples of it: by movers, where this entity has
+/// [`MeetsMovers`](crate::MeetsMovers), and with the feature `rapier` by Rapier's bodies. Tiles of it come where movers are and
+/// bodies are awake, and go.
 ///
 /// Contacts and collision events name this entity. Its `Friction`, `Restitution`, `CollisionGroups` and `SolverGroups`
 /// are those of the ground.
 ///
 /// Another ground, written into this component, is met from the next step on: bodies on what has changed wake, and
-/// those that would be inside are lifted by as much as the ground rose.
+/// those that would be inside are lifted by as much as the ground rose; movers below it are put onto it.
 #[derive(Component, Clone)]
 #[require(Transform)]
 pub struct GroundTiles {
@@ -138,56 +138,39 @@ impl GroundTiles {
         IVec2::new(cell.x.div_euclid(cells), cell.y.div_euclid(cells))
     }
 
-    /// The height of a sample, as Rapier has it, metres. What is not finite is 0: a hole would let bodies fall.
+    /// The height of a sample, metres, as Rapier has it; movers have it in parts of 2⁻¹⁶ m. What is not finite is 0: a hole would let bodies fall.
     #[must_use]
     pub fn sample(&self, at: IVec2) -> f32 {
         let height = self.ground.height(at.as_dvec2() * f64::from(self.step)) as f32;
         if height.is_finite() { height } else { 0.0 }
     }
 
-    /// The height of the surface that Rapier's bodies meet, metres: that of the triangle over a place; `None` where
+    /// The height of the surface that is met, metres: that of the triangle over a place; `None` where
     /// samples are not exact.
     #[must_use]
     pub fn surface(&self, xz: DVec2) -> Option<f64> {
         let cell = self.cell(xz)?;
         let at = xz / f64::from(self.step) - cell.as_dvec2();
         let corner = |x: i32, z: i32| f64::from(self.sample(cell + IVec2::new(x, z)));
-        let (nw, ne, sw, se) = (corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1));
-        let (x, z) = (at.x, at.y);
-        // The plane of the corner on this side of the diagonal and of the diagonal's ends.
-        let height = if self.diagonals.falls(cell) {
-            if x >= z {
-                ne + (nw - ne) * (1.0 - x) + (se - ne) * z
-            } else {
-                sw + (se - sw) * x + (nw - sw) * (1.0 - z)
-            }
-        } else if x + z <= 1.0 {
-            nw + (ne - nw) * x + (sw - nw) * z
+        let corners = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+        Some(over_cell(self.diagonals.falls(cell), at, corners))
+    }
+}
+
+/// The height of a cell's triangles at a place in it, (x, z) of 0 to 1, between the heights of its corners: north-west,
+/// north-east, south-west, south-east.
+pub(super) fn over_cell(falls: bool, at: DVec2, [nw, ne, sw, se]: [f64; 4]) -> f64 {
+    let (x, z) = (at.x, at.y);
+    // The plane of the corner on this side of the diagonal and of the diagonal's ends.
+    if falls {
+        if x >= z {
+            ne + (nw - ne) * (1.0 - x) + (se - ne) * z
         } else {
-            se + (sw - se) * (1.0 - x) + (ne - se) * (1.0 - z)
-        };
-        Some(height)
-    }
-
-    /// The samples of a tile and of one step around it, those of a column along Z together.
-    pub(super) fn samples(&self, tile: IVec2) -> Arc<[f32]> {
-        let first = tile * self.cells as i32;
-        let side = -1..around(self.cells as i32) - 1;
-        let columns = side
-            .clone()
-            .flat_map(|x| side.clone().map(move |z| IVec2::new(x, z)));
-        columns.map(|at| self.sample(first + at)).collect()
-    }
-
-    /// A tile of these samples.
-    pub(super) fn shape(&self, tile: IVec2, samples: Arc<[f32]>) -> TileShape {
-        let cells = self.cells as i32;
-        TileShape::new(samples, cells, self.step, tile * cells, self.diagonals)
-    }
-
-    /// Where the middle of a tile lies.
-    pub(super) fn place(&self, tile: IVec2) -> Vec3 {
-        let middle = (tile.as_dvec2() + 0.5) * f64::from(self.side());
-        Vec3::new(middle.x as f32, 0.0, middle.y as f32)
+            sw + (se - sw) * x + (nw - sw) * (1.0 - z)
+        }
+    } else if x + z <= 1.0 {
+        nw + (ne - nw) * x + (sw - nw) * z
+    } else {
+        se + (sw - se) * (1.0 - x) + (ne - se) * (1.0 - z)
     }
 }
