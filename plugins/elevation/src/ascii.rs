@@ -8,7 +8,7 @@ use crate::error::ElevationError;
 use crate::georeference::Registration;
 use crate::grid::{Grid, check_size};
 use crate::input::Input;
-use crate::lattice::{Lattice, Own};
+use crate::lattice::{First, Lattice, Own};
 use crate::number::{LONGEST, number};
 use crate::samples::Elevation;
 use crate::sidecars::Numbers;
@@ -185,7 +185,7 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
         nodata: header.nodata.into_iter().collect(),
         ..Numbers::default()
     };
-    let numbers = sidecars.numbers(1, own);
+    let numbers = sidecars.numbers(1, own, First::File);
     let (nodata, scale) = (&numbers.nodata[..], numbers.scaled());
     let own = (nodata, scale);
     let too_wide = || damaged("key ncols".to_owned(), "a row is too long".to_owned());
@@ -281,6 +281,10 @@ struct Place(Option<Lattice>);
 impl Own for Place {
     fn lattice(&self) -> Result<Option<Lattice>, ElevationError> {
         Ok(self.0)
+    }
+
+    fn first(&self) -> First {
+        First::File
     }
 
     fn tag(&self) -> &'static str {

@@ -4,7 +4,7 @@ use crate::about::{FileKind, NumberType};
 use crate::error::ElevationError;
 use crate::georeference::{Crs, Registration};
 use crate::input::Input;
-use crate::lattice::{Lattice, Own};
+use crate::lattice::{First, Lattice, Own};
 use crate::options::{ByteOrder, Raw};
 use crate::raw;
 use crate::samples::Elevation;
@@ -82,6 +82,10 @@ impl Own for Degree {
 
     fn registration(&self) -> Option<Registration> {
         Some(Registration::Point)
+    }
+
+    fn first(&self) -> First {
+        First::File
     }
 
     fn tag(&self) -> &'static str {

@@ -89,6 +89,17 @@ pub(crate) fn refused(file: &str, tag: &str, reason: String, command: &str) -> E
     }
 }
 
+/// What goes first where a file and the `.aux.xml` beside it say different things: in GDAL 3.9.3, asked file by file, a TIFF
+/// takes what is beside it, an ESRI ASCII grid, an HGT file and a PNG what they say themselves
+/// (`findings/gdal_aux_over_some_formats.sh`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum First {
+    /// The `.aux.xml`.
+    Beside,
+    /// The file.
+    File,
+}
+
 /// What a file itself says of where its samples lie. Asked for as far as nothing else goes before it.
 pub(crate) trait Own {
     /// Columns and rows on the ground.
@@ -104,6 +115,11 @@ pub(crate) trait Own {
     /// What a sample stands for.
     fn registration(&self) -> Option<Registration> {
         None
+    }
+
+    /// Whether it goes before an `.aux.xml` beside it.
+    fn first(&self) -> First {
+        First::Beside
     }
 
     /// What tells its place, for errors.

@@ -7,7 +7,7 @@ use crate::about::{FileKind, NumberType};
 use crate::error::ElevationError;
 use crate::grid::{Grid, check_size};
 use crate::input::Input;
-use crate::lattice::Nowhere;
+use crate::lattice::{First, Nowhere};
 use crate::options::{NoData, Options};
 use crate::samples::Elevation;
 use crate::sidecars::Numbers;
@@ -101,7 +101,7 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
         nodata,
         ..Numbers::default()
     };
-    let numbers = sidecars.numbers(options.band.unwrap_or(1), own);
+    let numbers = sidecars.numbers(options.band.unwrap_or(1), own, First::File);
     let (nodata, scale) = (&numbers.nodata[..], numbers.scaled());
     let row_bytes = (u64::from(size[0]) * (channels.count * bits) as u64).div_ceil(8);
     let raw = row_bytes.saturating_mul(u64::from(size[1]));

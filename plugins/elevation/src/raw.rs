@@ -43,7 +43,7 @@ pub(crate) fn read_with(
     place: &dyn Own,
 ) -> Result<Elevation, ElevationError> {
     let sidecars = std::mem::take(&mut input.sidecars);
-    let numbers = sidecars.numbers(1, own);
+    let numbers = sidecars.numbers(1, own, place.first());
     let (nodata, scale) = (&numbers.nodata[..], numbers.scaled());
     let is_scaled = scale != (1.0, 0.0);
     let (number, size) = told(input.file, input.bytes, raw)?;

@@ -5,6 +5,7 @@ use crate::error::{ElevationError, read_error};
 use crate::gaps::MaskBeside;
 use crate::grid::{Feed, MOST_SAMPLES};
 use crate::input::{Input, Source, ending};
+use crate::lattice::First;
 use crate::options::{NoData, Options, Raw};
 use crate::progress::ElevationProgress;
 use crate::samples::Elevation;
@@ -89,7 +90,12 @@ impl Elevation {
         };
         with_input(path, &any, Feed::default(), |mut input| {
             let kind = found(&mut input)?;
-            let beside = |band| input.sidecars.numbers(band, Numbers::default()).unit;
+            let beside = |band| {
+                input
+                    .sidecars
+                    .numbers(band, Numbers::default(), First::Beside)
+                    .unit
+            };
             let (unit, of_band) = (beside(1), beside(options.band.unwrap_or(1)));
             Ok(match &kind {
                 Found::Raw(told) => {

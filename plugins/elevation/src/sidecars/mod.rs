@@ -1,8 +1,10 @@
 //! What stands beside a map and counts for it: GDAL's `.aux.xml`, a world file, a `.prj`, a mask. In the map's own folder alone.
 //!
-//! Which goes first is GDAL's order. Of the place: `.aux.xml`, what the file says itself, the world file. Of the coordinate system:
-//! `.aux.xml`, the file itself, `.prj`, a guess. Of no data, scale and unit: the file itself, then `.aux.xml`. A mask in the file goes
-//! before one beside it. What is not asked for is not read, but for the `.aux.xml`.
+//! Which goes first is GDAL's order, which is not one for all kinds ([`First`]). Beside a TIFF, of the place: `.aux.xml`, what the file
+//! says itself, the world file; of the coordinate system: `.aux.xml`, the file itself, `.prj`, a guess; of no data, of scale and
+//! offset as a pair, and of the unit: `.aux.xml`, then the file itself. Of any other kind what the file says itself goes before
+//! `.aux.xml`, and the `.prj` beside a file that tells its place too. A mask in the file goes before one beside it. What is not asked for is
+//! not read, but for the `.aux.xml`.
 
 mod find;
 mod pam;
@@ -12,6 +14,7 @@ mod xml;
 
 use crate::about::About;
 use crate::error::{ElevationError, read_error};
+use crate::lattice::First;
 use find::{Found, find};
 use pam::{Band, Pam};
 use std::fs::File;
@@ -112,8 +115,8 @@ impl Sidecars {
         self.mask.as_deref()
     }
 
-    /// What is known of a band, from 1: what the file says itself goes first.
-    pub fn numbers(&self, band: u32, own: Numbers) -> Numbers {
+    /// What is known of a band, from 1.
+    pub fn numbers(&self, band: u32, own: Numbers, first: First) -> Numbers {
         let Band {
             nodata,
             scale,
@@ -121,27 +124,25 @@ impl Sidecars {
             unit,
         } = self.said.band(band);
         let mut numbers = own;
-        let mut note = |words: &str| {
-            let called = &self.called;
-            numbers
-                .notes
-                .push(format!("{called} beside it says {words}"));
-        };
-        if let Some(nodata) = nodata.filter(|_| numbers.nodata.is_empty()) {
+        let mut notes = Vec::new();
+        let mut note = |words: &str| notes.push(format!("{} beside it says {words}", self.called));
+        let counts = |is_told: bool| first == First::Beside || !is_told;
+        if let Some(nodata) = nodata.filter(|_| counts(!numbers.nodata.is_empty())) {
             note("which number stands for no data");
-            numbers.nodata.push(nodata);
+            numbers.nodata = vec![nodata];
         }
-        if numbers.scale.is_none() && (scale.is_some() || offset.is_some()) {
+        if (scale.is_some() || offset.is_some()) && counts(numbers.scale.is_some()) {
             let both = (scale.unwrap_or(1.0), offset.unwrap_or(0.0));
-            if both != (1.0, 0.0) {
+            if both != numbers.scaled() {
                 note("its scale and offset");
             }
             numbers.scale = Some(both);
         }
-        if numbers.unit.is_none() && unit.is_some() {
+        if unit.is_some() && counts(numbers.unit.is_some()) {
             note("the unit of its heights");
             numbers.unit = unit;
         }
+        numbers.notes.append(&mut notes);
         if let Some(root) = &self.said.stranger {
             numbers.notes.push(format!(
                 "{} beside it is not GDAL's, its root is <{root}>: nothing of it counts",

@@ -1,10 +1,12 @@
 //! Where a map lies: what it says itself and what stands beside it, in GDAL's order.
+//!
+//! Of files that go first ([`First::File`]) nothing beside them is asked where they tell their place.
 
 use super::{MOST_PRJ, Sidecars, bytes_of, called, world};
 use crate::crs::{by_text, guessed};
 use crate::error::ElevationError;
 use crate::georeference::{Crs, Registration};
-use crate::lattice::{Lattice, Own, refused};
+use crate::lattice::{First, Lattice, Own, refused};
 use crate::options::Options;
 use crate::samples::Elevation;
 
@@ -51,7 +53,11 @@ impl Sidecars {
             let said = self.said.registration.or_else(|| own.registration());
             said.unwrap_or(Registration::Area)
         };
-        if let Some(numbers) = self.said.transform {
+        let itself = match own.first() {
+            First::File => own.lattice()?,
+            First::Beside => None,
+        };
+        if let Some(numbers) = self.said.transform.filter(|_| itself.is_none()) {
             let tag = format!("<GeoTransform> in {}", self.called);
             // GDAL's own counts from a corner, whatever a sample stands for.
             let lattice = Lattice::upright(numbers, 0.5, registration());
@@ -63,7 +69,11 @@ impl Sidecars {
                 own: false,
             }));
         }
-        if let Some(lattice) = own.lattice()? {
+        let itself = match itself {
+            Some(itself) => Some(itself),
+            None => own.lattice()?,
+        };
+        if let Some(lattice) = itself {
             return Ok(Some(Laid {
                 lattice,
                 tag: own.tag().to_owned(),
@@ -113,7 +123,9 @@ impl Sidecars {
                 name: text.chars().take(60).collect(),
             }),
         };
-        if let Some(text) = &self.said.srs {
+        let says_itself = own.first() == First::File && laid.own;
+        let is_named = says_itself && (self.prj.is_some() || own.crs()?.is_some());
+        if let Some(text) = self.said.srs.as_ref().filter(|_| !is_named) {
             let crs = named(text, format!("<SRS> in {}", self.called))?;
             notes.push(format!(
                 "{} beside it names its coordinate system",

@@ -23,6 +23,7 @@ use crate::about::{FileKind, Head};
 use crate::error::ElevationError;
 use crate::grid::{Grid, check_size};
 use crate::input::{Input, Source};
+use crate::lattice::First;
 use crate::options::NoData;
 use crate::samples::Elevation;
 use crate::sidecars::Numbers;
@@ -73,7 +74,7 @@ pub(crate) fn head(input: &mut Input<'_>) -> Result<Head, ElevationError> {
         unit: metadata.unit.or(Keys::read(&mut tiff, &failure)?.vertical),
         ..Numbers::default()
     };
-    let unit = input.sidecars.numbers(band + 1, own).unit;
+    let unit = input.sidecars.numbers(band + 1, own, First::Beside).unit;
     Ok(Head::new(kind(found.big), layout.size, layout.number, unit))
 }
 
@@ -122,7 +123,7 @@ pub(crate) fn read(input: &mut Input<'_>) -> Result<Elevation, ElevationError> {
         unit: metadata.unit.or(keys.vertical),
         ..Numbers::default()
     };
-    let numbers = sidecars.numbers(band + 1, own);
+    let numbers = sidecars.numbers(band + 1, own, First::Beside);
     // Who says that every number is a height means it; who asks for the band that tells where there is data gets it.
     let gaps = options.nodata != NoData::None;
     let alpha = layout.alpha.filter(|&alpha| gaps && alpha != band);

@@ -12,7 +12,7 @@ use crate::error::{ElevationError, read_error};
 use crate::extremes::is_customary;
 use crate::grid::Feed;
 use crate::input::Input;
-use crate::lattice::Nowhere;
+use crate::lattice::{First, Nowhere};
 use crate::looks::Looks;
 use crate::nodata::{Marks, named};
 use crate::options::{Options, Raw};
@@ -374,7 +374,7 @@ fn raw_about(
     let mut map = Elevation::new(name, settled, (FileKind::Raw, size, number));
     map.about.packing = raw::packing(told.order);
     let sidecars = Sidecars::of(Path::new(name))?;
-    let numbers = sidecars.numbers(1, Numbers::default());
+    let numbers = sidecars.numbers(1, Numbers::default(), First::Beside);
     numbers.tell(&mut map.about);
     sidecars.place(&mut map, (name, options), &Nowhere)?;
     Ok(map.about)

@@ -247,15 +247,59 @@ fn gdals_own_goes_before_the_file_and_the_file_before_a_world_file() {
     folder.write("r.tif.aux.xml", pam(TRANSFORM));
     let map = read(&path, &Options::default());
     assert_eq!(map.georeference.expect("it is told").step, [10.0, 20.0]);
-    // Of a grid of text and of HGT too; with points the place is a corner's all the same.
-    let path = folder.copy("i16-gdal.asc", "t");
+    // With points the place is a corner's all the same.
+    let path = folder.copy("u16-gdal.png", "p");
     let metadata = "<Metadata><MDI key=\"AREA_OR_POINT\">Point</MDI></Metadata>";
-    folder.write("t.asc.aux.xml", pam(&format!("{TRANSFORM}{metadata}")));
+    folder.write("p.png.aux.xml", pam(&format!("{TRANSFORM}{metadata}")));
     let place = read(&path, &Options::default())
         .georeference
         .expect("it is told");
     assert_eq!(place.first, [410_005.0, 5_099_990.0]);
     assert_eq!(place.registration, Registration::Point);
+}
+
+/// What GDAL 3.9.3 says of both: an ESRI ASCII grid and an HGT file keep their own place and no data.
+#[test]
+fn a_grid_of_text_and_an_hgt_file_go_before_gdals_own() {
+    let folder = Folder::new("own-order");
+    let inner =
+        "<PAMRasterBand band=\"1\"><NoDataValue>7</NoDataValue><Scale>2</Scale></PAMRasterBand>";
+    let grid = "ncols 3\nnrows 2\nxllcorner 100\nyllcorner 180\ncellsize 10\nNODATA_value -9999\n1 2 7\n4 5 -9999\n";
+    let path = folder.write("t.asc", grid);
+    folder.write("t.asc.aux.xml", pam(&format!("{TRANSFORM}{inner}")));
+    let map = read(&path, &Options::default());
+    let place = map.georeference.as_ref().expect("it says so itself");
+    assert_eq!((place.first, place.step), ([105.0, 195.0], [10.0, 10.0]));
+    assert_eq!(
+        (map.about.nodata.len(), map.about.nodata[0].0),
+        (1, -9999.0)
+    );
+    // Of scale neither kind says anything itself.
+    assert!(crate::same(
+        &map.samples,
+        &[2.0, 4.0, 14.0, 8.0, 10.0, f32::NAN]
+    ));
+    // Its coordinate system is that of the `.prj`, and without one that of GDAL's own.
+    let feet =
+        "<SRS>PROJCS[&quot;feet&quot;,GEOGCS[&quot;x&quot;],UNIT[&quot;foot&quot;,0.3048]]</SRS>";
+    folder.write("t.asc.aux.xml", pam(feet));
+    let name = |path: &Path| {
+        let map = read(path, &Options::default());
+        map.georeference.expect("it is told").crs.name().to_owned()
+    };
+    assert_eq!(name(&path), "feet (feet)");
+    folder.write("t.prj", PLANE);
+    assert_ne!(name(&path), "feet (feet)");
+    let path = folder.write("N46E015.hgt", vec![0_u8; 2 * 1201 * 1201]);
+    folder.write(
+        "N46E015.hgt.aux.xml",
+        pam(&format!("{TRANSFORM}{inner}{feet}")),
+    );
+    let map = read(&path, &Options::default());
+    let place = map.georeference.expect("its name says so");
+    assert_eq!(place.first, [15.0, 47.0]);
+    assert!(matches!(place.crs, Crs::Degrees { .. }));
+    assert_eq!((map.about.scale, map.about.unit_metres), (2.0, Some(1.0)));
 }
 
 /// Tiles of a game's editor, each with its world file, are one map.

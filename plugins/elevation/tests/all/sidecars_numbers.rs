@@ -81,25 +81,42 @@ fn no_data_scale_and_unit_from_gdals_own() {
 }
 
 #[test]
-fn what_the_file_says_of_its_numbers_goes_first() {
+fn what_stands_beside_a_tiff_goes_before_what_it_says_of_its_numbers() {
     let folder = Folder::new("first");
     let path = folder.copy("h16-gdal-nodata.tif", "a");
     let bare = read(&path, &Options::default());
-    folder.write("a.tif.aux.xml", band("<NoDataValue>7</NoDataValue>"));
-    let map = read(&path, &Options::default());
+    let own = bare.about.nodata[0].0;
+    folder.write("a.tif.aux.xml", band("<NoDataValue>7777.5</NoDataValue>"));
+    // Its own number is a height then, which it cannot be; who says so gets it.
+    assert!(Elevation::read(&path, &Options::default()).is_err());
+    let all = Options {
+        nodata: NoData::Value(own),
+        ..Options::default()
+    };
+    let map = read(&path, &all);
     assert!(same(&map.samples, &bare.samples));
-    assert_eq!(map.about, bare.about);
+    assert!(map.about.nodata.iter().any(|nodata| nodata.0 == 7777.5));
     let path = folder.copy("i16-gdal-scaled.tif", "b");
     let bare = read(&path, &Options::default());
     assert_ne!(bare.about.scale, 1.0);
-    let inner = "<Offset>5</Offset><Scale>7</Scale><UnitType>ft</UnitType>";
-    folder.write("b.tif.aux.xml", band(inner));
-    let map = read(&path, &Options::default());
-    assert!(same(&map.samples, &bare.samples));
-    assert_eq!(
-        map.about.unit_metres,
-        bare.about.unit_metres.or(Some(0.3048))
-    );
+    // Scale and offset are a pair: of one that is told alone the other is none.
+    for (inner, pair) in [
+        ("<Offset>5</Offset><Scale>7</Scale>", (7.0, 5.0)),
+        ("<Scale>7</Scale>", (7.0, 0.0)),
+        ("<Offset>5</Offset>", (1.0, 5.0)),
+    ] {
+        folder.write(
+            "b.tif.aux.xml",
+            band(&format!("{inner}<UnitType>ft</UnitType>")),
+        );
+        let map = read(&path, &Options::default());
+        let about = &map.about;
+        assert_eq!((about.scale, about.offset), pair);
+        assert_eq!(about.unit_metres, Some(0.3048));
+        let stored = (f64::from(bare.samples[0]) - bare.about.offset) / bare.about.scale;
+        let wanted = (stored * pair.0 + pair.1) as f32;
+        assert!((map.samples[0] / wanted - 1.0).abs() < 1e-5, "{inner}");
+    }
     // Of several bands that counts which is read.
     let path = folder.copy("u16-gdal-bands-band.tif", "c");
     folder.write(
