@@ -158,7 +158,7 @@ pub struct TerrainLod {
 }
 
 /// How many blocks of ground a frame makes, for all views of a terrain together. May be changed at any time; without it
-/// the default counts.
+/// the default counts. Blocks that an edit makes others are not counted: all of them are made anew in its frame.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default)]
 pub struct MakingBudget {
