@@ -13,7 +13,8 @@ struct BlockNumbers {
     levels: u32,
     // Steps of the lattice between its samples, as a power of two.
     shift: u32,
-    pad: u32,
+    // Most blocks that an edit makes anew; roots are.
+    remade: u32,
     // Of each level: places on the lattice about which its samples are there, first x and z, last x and z.
     readable: array<vec4<i32>, 26>,
 }

@@ -4,7 +4,7 @@
 // is looked at than is made. One workgroup; a thread a block of the round before. CPU reference: KeptBlocks::change in
 // plugins/ground/src/blocks/changed.rs.
 
-#import dolomite::blocks::bindings::{DIFFERS, LOST, MOST_MADE, REMADE, ROUND, WAITING, heads, lists, lost_list, made_list, waiting_list}
+#import dolomite::blocks::bindings::{DIFFERS, LOST, MOST_MADE, REMADE, ROUND, WAITING, heads, lists, lost_list, made_list, numbers, waiting_list}
 #import dolomite::blocks::edited::is_edited
 #import dolomite::blocks::gate::can_be_made
 #import dolomite::blocks::record::NO_BLOCK
@@ -62,7 +62,8 @@ fn spread_edits(@builtin(local_invocation_index) thread: u32) {
     storageBarrier();
     workgroupBarrier();
     let found = atomicLoad(&waiting);
-    let next = min(found - done, MOST_MADE);
+    let allowed = max(numbers.remade, detail.roots.x * detail.roots.y);
+    let next = min(min(found, allowed) - done, MOST_MADE);
     if thread < next {
         lists[made_list() + thread] = lists[waiting_list() + done + thread];
     }

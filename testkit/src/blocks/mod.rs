@@ -70,8 +70,8 @@ pub struct BlockStage<'a> {
     told: u64,
     /// Whether passes are timed.
     pub timed: bool,
-    /// Fewer rounds of making anew than an edit would have: what more is reached is dropped.
-    pub most_rounds: Option<u32>,
+    /// Most blocks that an edit makes anew, in place of all: what more is reached is dropped.
+    pub most_remade: Option<u32>,
 }
 
 impl<'a> BlockStage<'a> {
@@ -133,7 +133,7 @@ impl<'a> BlockStage<'a> {
             stamp: 0,
             edited: Vec::new(),
             timed: false,
-            most_rounds: None,
+            most_remade: None,
         })
     }
 

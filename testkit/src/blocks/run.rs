@@ -34,7 +34,8 @@ impl BlockStage<'_> {
             ..params
         }
         .edited(&self.edited);
-        let mut numbers = BlockNumbers::new(budget);
+        let most_remade = self.most_remade.unwrap_or(u32::MAX);
+        let mut numbers = BlockNumbers::new(budget).remaking(most_remade);
         let buffers = &self.buffers;
         let queue = gpu.queue();
         let stream = self.terrain.streamed().and_then(HeightMap::stream);
@@ -90,10 +91,8 @@ impl BlockStage<'_> {
         let extras = Extras {
             roots: (self.stamp == 1).then_some(self.beginning.made.len() as u32),
             sweeps: params.oldest > 0,
-            edits: (!self.edited.is_empty()).then(|| {
-                let rounds = edit_rounds(&self.lattice, self.slots);
-                rounds.min(self.most_rounds.unwrap_or(rounds))
-            }),
+            edits: (!self.edited.is_empty())
+                .then(|| edit_rounds(&self.lattice, self.slots.min(most_remade))),
             occluded: params.flags & OCCLUDED != 0,
         };
         let steps: Vec<_> = steps(extras).collect();

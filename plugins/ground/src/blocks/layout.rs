@@ -31,7 +31,7 @@ pub struct BlockNumbers {
     pub budget: u32,
     pub levels: u32,
     pub shift: u32,
-    pub pad: u32,
+    pub remade: u32,
     pub readable: [[i32; 4]; MOST_LEVELS],
 }
 
@@ -48,9 +48,16 @@ impl BlockNumbers {
             budget,
             levels: 0,
             shift: 0,
-            pad: 0,
+            remade: u32::MAX,
             readable: [[0; 4]; MOST_LEVELS],
         }
+    }
+
+    /// The same where an edit makes at most so many anew; roots are in any case.
+    #[must_use]
+    pub const fn remaking(mut self, most: u32) -> Self {
+        self.remade = most;
+        self
     }
 
     /// The same of a map that is read by tiles.

@@ -83,6 +83,10 @@ impl<K> BlockViews<K> {
     }
 }
 
+/// An edit makes anew as many blocks as so many frames make; the others that it reaches are dropped, the finest of them, and
+/// are made as all that is missing.
+const EDIT_FRAMES: u32 = 4;
+
 /// The stores that the cameras need: one for each size of the smallest cell, as large as the greatest view of it asks
 /// for. Which of those that stay were edited, where blocks may be.
 fn keep_stores(
@@ -307,7 +311,7 @@ pub fn prepare<K: DetailKind>(
             let gate = tiles
                 .as_ref()
                 .and_then(|tiles| Gate::new(terrain, &store.ground.lattice, &tiles.readable));
-            let numbers = BlockNumbers::new(budget);
+            let numbers = BlockNumbers::new(budget).remaking(budget.saturating_mul(EDIT_FRAMES));
             let numbers = gate.map_or(numbers, |gate| numbers.gated(&gate));
             let sweep = sweeps.remove(&finest);
             own.tell(&queue, store, state, sweep, (budget, numbers));

@@ -133,9 +133,10 @@ impl BlockStore {
         Some(is_reached)
     }
 
-    /// In how many rounds blocks are made anew before the next choice, if any are.
-    pub fn edit_rounds(&self) -> Option<u32> {
-        (!self.edited.is_empty()).then(|| edit_rounds(&self.ground.lattice, self.slots))
+    /// In how many rounds blocks are made anew before the next choice, `most` of them, if any are.
+    pub fn edit_rounds(&self, most: u32) -> Option<u32> {
+        let most = self.slots.min(most);
+        (!self.edited.is_empty()).then(|| edit_rounds(&self.ground.lattice, most))
     }
 
     /// Bytes of its buffers.
