@@ -13,7 +13,8 @@ struct BlockNumbers {
     levels: u32,
     // Steps of the lattice between its samples, as a power of two.
     shift: u32,
-    pad: u32,
+    // Most blocks that an edit makes anew; roots are.
+    remade: u32,
     // Of each level: places on the lattice about which its samples are there, first x and z, last x and z.
     readable: array<vec4<i32>, 26>,
 }
@@ -40,7 +41,8 @@ struct SeenBlock {
 // Of this view.
 @group(0) @binding(4) var<storage, read_write> seen: array<SeenBlock>;
 // By DetailParams.capacity = n: n blocks to look at, n that are drawn, n that are shown, n beside the eye, then blocks to make,
-// then whether there was nothing left to make in the last round.
+// then whether there was nothing left to make in the last round, then how many blocks the last edit made anew, and dropped.
+// While an edit is taken over the first two lists hold blocks that wait to be made anew, and that are dropped.
 @group(0) @binding(6) var<storage, read_write> lists: array<u32>;
 
 // Words of `counts`, all of them 0 before the first pass; from 352 on the map of the horizon.
@@ -61,6 +63,14 @@ const WISHES: u32 = 12u;
 const MISSING: u32 = 13u;
 // How many vertices appear by coarsening.
 const CURVE: u32 = 16u;
+// Of an edit, which comes before the words above are written: blocks that are to be made anew and those of them that have been,
+// in order; those of the last round; and those that are dropped.
+const WAITING: u32 = 40u;
+const REMADE: u32 = 41u;
+const ROUND: u32 = 42u;
+const LOST: u32 = 43u;
+// By the blocks of a round: not 0 where a record has become another.
+const DIFFERS: u32 = 64u;
 
 // Most blocks that a round makes.
 const MOST_MADE: u32 = 64u;
@@ -91,4 +101,16 @@ fn made_list() -> u32 {
 
 fn done_word() -> u32 {
     return made_list() + MOST_MADE;
+}
+
+fn waiting_list() -> u32 {
+    return candidate_list();
+}
+
+fn lost_list() -> u32 {
+    return drawn_list();
+}
+
+fn remade_word() -> u32 {
+    return done_word() + 1u;
 }

@@ -1,10 +1,10 @@
 // Makes the records of blocks from their samples: a workgroup a block. Which numbers, and in which order:
 // plugins/ground/src/blocks/record.rs.
 
-#import dolomite::detail::bindings::detail
+#import dolomite::detail::bindings::{counts, detail}
 #import dolomite::detail::lattice::on_lattice
 #import dolomite::detail::unseen::unseen
-#import dolomite::blocks::bindings::{heads, lists, made_list, record_at, records}
+#import dolomite::blocks::bindings::{DIFFERS, heads, lists, made_list, record_at, records}
 #import dolomite::blocks::border::{border_point, metres_between}
 #import dolomite::blocks::errors::{BEYOND, TAIL, bend, bend_of_bed, greater, twist}
 #import dolomite::blocks::nest::{Nest, centre_count, middle_count, nest_centre, nest_middle, tails, twists}
@@ -33,6 +33,9 @@ var<workgroup> mixed: array<f32, 361>;
 var<workgroup> largest: atomic<u32>;
 var<workgroup> lowest: atomic<u32>;
 var<workgroup> highest: atomic<u32>;
+
+// Not 0 where this thread has written what was not there before: who makes a block anew asks whether it has become another.
+var<private> differs: u32;
 
 struct Made {
     // Its first sample.
@@ -269,13 +272,18 @@ fn around(first: vec2<i32>, n: i32) -> vec2<f32> {
     return vec2(low, high);
 }
 
+fn put_bits(at: u32, bits: u32) {
+    differs |= records[at] ^ bits;
+    records[at] = bits;
+}
+
 fn put(made: Made, word: u32, value: f32) {
-    records[made.record + word] = bitcast<u32>(value);
+    put_bits(made.record + word, bitcast<u32>(value));
 }
 
 fn copy(made: Made, number: u32, from_number: u32) {
     for (var field = HEIGHTS; field < RING_ERRORS; field += VERTICES) {
-        records[made.record + field + number] = records[made.parent + field + from_number];
+        put_bits(made.record + field + number, records[made.parent + field + from_number]);
     }
 }
 
@@ -414,6 +422,9 @@ fn make_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
             let above = (corner >> vec2(1u)) + made.inside;
             copy(made, k, number_at(2u * above + (corner & vec2(1u))));
         }
+    }
+    if differs != 0u {
+        atomicOr(&counts[DIFFERS + group.x], 1u);
     }
     atomicMax(&largest, bitcast<u32>(greatest));
     atomicMin(&lowest, ordered(low));

@@ -1,7 +1,7 @@
 // Gradients at the vertices that are new in the blocks that are made. A thread a vertex, a row of workgroups a block.
 
-#import dolomite::detail::bindings::detail
-#import dolomite::blocks::bindings::{heads, lists, made_list, record_at, records}
+#import dolomite::detail::bindings::{counts, detail}
+#import dolomite::blocks::bindings::{DIFFERS, heads, lists, made_list, record_at, records}
 #import dolomite::blocks::border::border_point
 #import dolomite::blocks::record::{GRADIENTS, NO_BLOCK, OWN, VERTICES, number_at, own_vertex, pack_gradient, vertex_at}
 #import dolomite::terrain::height::terrain_height
@@ -25,5 +25,10 @@ fn slope_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
     clip_near = ON_SAMPLES;
 #endif
     let gradient = terrain_height(border_point(centre - vec2(half) + place * (half / 16u))).yz;
-    records[record_at(slot) + GRADIENTS + number_at(place)] = pack_gradient(gradient);
+    let at = record_at(slot) + GRADIENTS + number_at(place);
+    let packed = pack_gradient(gradient);
+    if records[at] != packed {
+        atomicOr(&counts[DIFFERS + group.y], 1u);
+    }
+    records[at] = packed;
 }

@@ -44,9 +44,10 @@ struct EditedRect {
     low: vec2<u32>,
     high: vec2<u32>,
     stamp: u32,
-    pad_a: u32,
-    pad_b: u32,
-    pad_c: u32,
+    // Of blocks: the smallest half side for which it counts from farther away, and from how many of their cells.
+    wide_from: u32,
+    wide_cells: u32,
+    pad: u32,
 }
 
 struct DetailParams {

@@ -90,6 +90,26 @@ impl Layouts {
     }
 }
 
+/// What the height function reads: layers, data, uniform.
+pub(super) fn data_of(gpu: &Gpu, terrain: &Terrain) -> [Buffer; 3] {
+    let filled = |contents: &[u8], usage| {
+        gpu.device().create_buffer_init(&BufferInitDescriptor {
+            label: None,
+            contents,
+            usage: usage | BufferUsages::COPY_DST,
+        })
+    };
+    let mut given = terrain.gpu();
+    if given.data.is_empty() {
+        given.data.push(0);
+    }
+    [
+        filled(cast_slice(&given.layers), BufferUsages::STORAGE),
+        filled(cast_slice(&given.data), BufferUsages::STORAGE),
+        filled(bytes_of(&given.uniform), BufferUsages::UNIFORM),
+    ]
+}
+
 /// What stays from choice to choice.
 pub(super) struct Buffers {
     pub params: Buffer,
@@ -121,23 +141,17 @@ impl Buffers {
                 mapped_at_creation: false,
             })
         };
-        let filled = |contents: &[u8], usage| {
+        let uniform = |size: usize| {
             device.create_buffer_init(&BufferInitDescriptor {
                 label: None,
-                contents,
-                usage: usage | BufferUsages::COPY_DST,
+                contents: &vec![0; size],
+                usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             })
         };
         let room = u64::from(slots);
-        let given = terrain.gpu();
-        let data = if given.data.is_empty() {
-            vec![0]
-        } else {
-            given.data.clone()
-        };
         let buffers = Self {
-            params: filled(&[0; size_of::<DetailParams>()], BufferUsages::UNIFORM),
-            numbers: filled(&[0; size_of::<BlockNumbers>()], BufferUsages::UNIFORM),
+            params: uniform(size_of::<DetailParams>()),
+            numbers: uniform(size_of::<BlockNumbers>()),
             records: empty(4 * RECORD_WORDS as u64 * room),
             heads: empty(HEAD_BYTES * room),
             seen: empty(SEEN_BYTES * room),
@@ -147,11 +161,7 @@ impl Buffers {
             looked: empty(LOOKED_BYTES),
             arguments: empty(ARGUMENT_BYTES),
             samples: empty(SAMPLE_BYTES),
-            terrain: [
-                filled(cast_slice(&given.layers), BufferUsages::STORAGE),
-                filled(cast_slice(&data), BufferUsages::STORAGE),
-                filled(bytes_of(&given.uniform), BufferUsages::UNIFORM),
-            ],
+            terrain: data_of(gpu, terrain),
         };
         let queue = gpu.queue();
         queue.write_buffer(&buffers.heads, 0, cast_slice(&beginning.heads));

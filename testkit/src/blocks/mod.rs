@@ -3,6 +3,7 @@
 
 mod answers;
 mod buffers;
+mod edit;
 mod records;
 mod run;
 
@@ -13,7 +14,7 @@ use crate::gpu::Gpu;
 use buffers::{Buffers, Layouts};
 use bytemuck::pod_collect_to_vec;
 use dolomite_ground::blocks::layout::{Beginning, PASSES, Second};
-use dolomite_ground::detail::layout::{DetailParams, without};
+use dolomite_ground::detail::layout::{DetailParams, EditedRect, without};
 use dolomite_ground::detail::{DetailCells, DetailLattice};
 use dolomite_terrain::{HeightMap, Stream, Terrain};
 use std::borrow::Cow;
@@ -63,10 +64,14 @@ pub struct BlockStage<'a> {
     lattice: DetailLattice,
     slots: u32,
     stamp: u32,
+    /// Where the ground was edited since the last choice.
+    edited: Vec<EditedRect>,
     /// Until when the map has told what was read of it.
     told: u64,
     /// Whether passes are timed.
     pub timed: bool,
+    /// Most blocks that an edit makes anew, in place of all: what more is reached is dropped.
+    pub most_remade: Option<u32>,
 }
 
 impl<'a> BlockStage<'a> {
@@ -126,7 +131,9 @@ impl<'a> BlockStage<'a> {
             lattice: cells.lattice,
             slots,
             stamp: 0,
+            edited: Vec::new(),
             timed: false,
+            most_remade: None,
         })
     }
 

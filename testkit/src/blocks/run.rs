@@ -5,6 +5,7 @@ use super::{BlockRun, BlockStage, words};
 use crate::detail::{DetailError, Timer};
 use bytemuck::{bytes_of, cast_slice, pod_read_unaligned};
 use dolomite_geometry::layout::{GeometryHead, HEAD_WORDS, VERTEX_BYTES};
+use dolomite_ground::blocks::changed::edit_rounds;
 use dolomite_ground::blocks::gate::Gate;
 use dolomite_ground::blocks::layout::{
     BlockNumbers, HEAD_CANDIDATES, HEAD_COARSENING, HEAD_CURVE, HEAD_DRAWN, HEAD_LEFT, HEAD_MADE,
@@ -31,8 +32,10 @@ impl BlockStage<'_> {
             stamp: self.stamp,
             capacity: self.slots,
             ..params
-        };
-        let mut numbers = BlockNumbers::new(budget);
+        }
+        .edited(&self.edited);
+        let most_remade = self.most_remade.unwrap_or(u32::MAX);
+        let mut numbers = BlockNumbers::new(budget).remaking(most_remade);
         let buffers = &self.buffers;
         let queue = gpu.queue();
         let stream = self.terrain.streamed().and_then(HeightMap::stream);
@@ -88,6 +91,8 @@ impl BlockStage<'_> {
         let extras = Extras {
             roots: (self.stamp == 1).then_some(self.beginning.made.len() as u32),
             sweeps: params.oldest > 0,
+            edits: (!self.edited.is_empty())
+                .then(|| edit_rounds(&self.lattice, self.slots.min(most_remade))),
             occluded: params.flags & OCCLUDED != 0,
         };
         let steps: Vec<_> = steps(extras).collect();
@@ -110,6 +115,7 @@ impl BlockStage<'_> {
         }
         let start = Instant::now();
         queue.submit([encoder.finish()]);
+        self.edited.clear();
         gpu.finish()?;
         let time = start.elapsed();
         let mut run = self.read(&head, read.then_some([&vertices, &indices]))?;

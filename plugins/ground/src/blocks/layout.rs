@@ -31,7 +31,7 @@ pub struct BlockNumbers {
     pub budget: u32,
     pub levels: u32,
     pub shift: u32,
-    pub pad: u32,
+    pub remade: u32,
     pub readable: [[i32; 4]; MOST_LEVELS],
 }
 
@@ -48,9 +48,16 @@ impl BlockNumbers {
             budget,
             levels: 0,
             shift: 0,
-            pad: 0,
+            remade: u32::MAX,
             readable: [[0; 4]; MOST_LEVELS],
         }
+    }
+
+    /// The same where an edit makes at most so many anew; roots are in any case.
+    #[must_use]
+    pub const fn remaking(mut self, most: u32) -> Self {
+        self.remade = most;
+        self
     }
 
     /// The same of a map that is read by tiles.
@@ -146,6 +153,12 @@ pub const LEAST_SLOTS: u32 = 128;
 /// Words of the lists.
 #[must_use]
 pub const fn list_words(slots: u32) -> u64 {
+    remade_at(slots) + 2
+}
+
+/// Word of the lists that says how many blocks the newest edit made anew; the next one says how many it dropped.
+#[must_use]
+pub const fn remade_at(slots: u32) -> u64 {
     done_at(slots) + 1
 }
 
@@ -196,6 +209,8 @@ pub enum Groups {
     Horizon(u64),
     /// One for every 64 slots, where blocks are dropped; no dispatch elsewhere.
     Sweep,
+    /// One, before a choice whose ground was edited; no dispatch elsewhere.
+    Edit,
 }
 
 /// What a pass binds beside what all share.
@@ -218,8 +233,8 @@ pub enum Second {
 /// A pass: file, entry, what it binds, how many workgroups it has.
 pub type Pass = (&'static str, &'static str, Second, Groups);
 
-/// The passes of a choice, in order.
-pub const PASSES: [Pass; 13] = [
+/// The passes of a choice, in order; behind them those of an edit, which come before a choice.
+pub const PASSES: [Pass; 15] = [
     (
         "blocks/sweep.wgsl",
         "sweep_blocks",
@@ -288,7 +303,24 @@ pub const PASSES: [Pass; 13] = [
         Groups::At(36),
     ),
     ("blocks/finish.wgsl", "finish", Second::Head, Groups::One),
+    (
+        "blocks/spread.wgsl",
+        "spread_edits",
+        Second::Arguments,
+        Groups::Edit,
+    ),
+    (
+        "blocks/drop.wgsl",
+        "drop_edited",
+        Second::Arguments,
+        Groups::Edit,
+    ),
 ];
+
+/// The pass that finds the blocks which a round makes anew, among [`PASSES`].
+pub const SPREAD: usize = 13;
+/// The pass that drops those which no round has made anew.
+pub const DROP: usize = 14;
 
 /// File and entry of the pass that answers height queries, after a choice. Group 0 is what all passes share, group 1 holds
 /// [`Asked`](crate::detail::probe::Asked) at 2, places at 3, answers at 4, as recorded by

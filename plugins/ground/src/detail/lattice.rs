@@ -18,7 +18,7 @@ pub const MAX_DEPTH: u32 = 24;
 /// Most roots along a side.
 const MAX_ROOTS: u32 = 64;
 /// 2³²: fixed-point steps a metre.
-pub(super) const STEPS: f64 = 4_294_967_296.0;
+pub(crate) const STEPS: f64 = 4_294_967_296.0;
 
 /// A cell: its centre in lattice coordinates, and half its side, a power of two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

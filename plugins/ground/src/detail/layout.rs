@@ -59,10 +59,14 @@ pub struct EditedRect {
     pub low: [u32; 2],
     /// Last ones.
     pub high: [u32; 2],
-    /// The newest choice before the edit.
+    /// The newest choice before the edit; of cells alone.
     pub stamp: u32,
+    /// Half the side of the smallest block for which it counts from farther away, lattice steps; of blocks alone.
+    pub wide_from: u32,
+    /// From how far away, cells of the block.
+    pub wide_cells: u32,
     /// 0.
-    pub pad: [u32; 3],
+    pub pad: u32,
 }
 
 /// Bit of [`DetailParams::flags`]: triangles that the camera does not see are left out.

@@ -158,7 +158,8 @@ pub struct TerrainLod {
 }
 
 /// How many blocks of ground a frame makes, for all views of a terrain together. May be changed at any time; without it
-/// the default counts.
+/// the default counts. An edit makes as many anew as four frames may, coarse ones
+/// first; what else it reaches is dropped, and made as what is missing.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default)]
 pub struct MakingBudget {

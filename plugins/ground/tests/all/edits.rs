@@ -8,12 +8,12 @@ use bevy::prelude::*;
 use bevy::render::RenderApp;
 use dolomite_geometry::GeometryStats;
 use dolomite_ground::detail::layout::DetailParams;
-use dolomite_ground::detail::{Choice, DetailCells, DetailView, Metric, TerrainLod};
-use dolomite_ground::render::{TerrainRelief, words_of_edits};
+use dolomite_ground::detail::{Choice, DetailCells, DetailView, MakingBudget, Metric, TerrainLod};
+use dolomite_ground::render::{GroundProgress, TerrainRelief, words_of_edits};
 use dolomite_ground::{GroundLayer, GroundMaterial, Surface, TerrainView};
 use dolomite_terrain::{
-    Edit, EditKind, Edits, Ground, GroundProbe, GroundRect, Hill, Layer, Source, Terrain,
-    TerrainData, TerrainEdits,
+    Edit, EditKind, Edits, Fractal, Ground, GroundProbe, GroundRect, Hill, Layer, ProbeBatch,
+    Source, Terrain, TerrainData, TerrainEdits,
 };
 use dolomite_testkit::detail::{DetailRun, DetailStage};
 use dolomite_testkit::gpu::for_test;
@@ -327,4 +327,186 @@ fn gpu_an_app_edits_its_ground() {
             before.len() as u32
         );
     }
+}
+
+/// Rough ground of 1 km in blocks, which has a layer of edits from the beginning, and its history; at 2 px, seen from above it.
+struct Edited {
+    app: App,
+    edits: TerrainEdits,
+    terrain: Terrain,
+    entity: Entity,
+    camera: Entity,
+}
+
+const PIXELS: f32 = 2.0;
+
+impl Edited {
+    /// `blocks` are made in a frame.
+    fn new(blocks: u32) -> Option<Self> {
+        let mut app = app::app()?;
+        app.insert_resource(MakingBudget {
+            blocks: Some(blocks),
+        });
+        let fractal = Fractal {
+            octaves: 9,
+            amplitude: 60.0,
+            wavelength: 400.0,
+            ..Fractal::default()
+        };
+        let ground = Terrain::new(TerrainData {
+            extent: GroundRect::square(DVec2::ZERO, 1024.0),
+            layers: vec![Layer {
+                source: Source::Fractal(fractal),
+                mask: None,
+            }],
+            base: 0.0,
+            sea_level: None,
+        });
+        let ground = ground.expect("valid");
+        let edits = TerrainEdits::new(&ground).expect("fits");
+        let terrain = ground.with_edits(Some(Edits::none(*edits.lattice())));
+        let surface = Surface::Flat {
+            colour: [0.3, 0.5, 0.2],
+            roughness: 0.9,
+        };
+        let material = GroundMaterial {
+            layers: vec![GroundLayer::new("", surface)],
+        };
+        let entity = app.world_mut().spawn((terrain.clone(), material)).id();
+        let target = app::target(&mut app, 320, 180);
+        let lod = TerrainLod {
+            metric: Metric::ErrorBound { pixels: PIXELS },
+            choice: Choice::Blocks,
+            ..TerrainLod::default()
+        };
+        let eye = Vec3::new(0.0, terrain.height(DVec2::ZERO) as f32 + 15.0, 0.0);
+        let place =
+            Transform::from_translation(eye).looking_to(Vec3::new(0.0, -0.4, -1.0), Vec3::Y);
+        let camera = app::camera(&mut app, &target, (TerrainView, lod, place));
+        Some(Self {
+            app,
+            edits,
+            terrain,
+            entity,
+            camera,
+        })
+    }
+
+    fn dispatches(&self) -> u32 {
+        self.app.world().resource::<GeometryStats>().dispatches
+    }
+
+    fn held(&self) -> f32 {
+        let progress = self.app.world().resource::<GroundProgress>();
+        let ground = progress.of(self.camera).expect("ground");
+        ground.held.expect("counted")
+    }
+
+    fn stroke(&mut self, stroke: &Edit) {
+        let made = self.edits.apply(&self.terrain, stroke).expect("valid");
+        self.set(made.terrain);
+    }
+
+    fn set(&mut self, terrain: Terrain) {
+        self.terrain = terrain.clone();
+        self.app.world_mut().entity_mut(self.entity).insert(terrain);
+    }
+}
+
+/// A still view dispatches nothing; a stroke is taken over in one frame, and some frames later nothing is dispatched again.
+#[test]
+fn gpu_a_stroke_on_blocks_is_taken_over_once() {
+    let Some(mut seen) = Edited::new(24) else {
+        return;
+    };
+    settle(&mut seen.app);
+    for ahead in [20.0, 60.0] {
+        assert_eq!(seen.held(), PIXELS);
+        for _ in 0..6 {
+            app::frames(&mut seen.app, 1);
+            assert_eq!(seen.dispatches(), 0, "the view rests");
+        }
+        seen.stroke(&brush(EditKind::Raise, DVec2::new(3.0, -ahead), 3.0));
+        let mut dispatches = Vec::new();
+        for _ in 0..60 {
+            app::frames(&mut seen.app, 1);
+            dispatches.push(seen.dispatches());
+            if dispatches.ends_with(&[0; 6]) && dispatches.len() > 6 {
+                break;
+            }
+        }
+        println!("{dispatches:?}");
+        // Twenty levels at most, and 32 rounds more, of four; a choice has no more than 13, and nothing is asked here.
+        let most = 4 * 52 + 2 + 13;
+        assert!(
+            dispatches.iter().all(|&count| count <= most),
+            "{dispatches:?}"
+        );
+        let edits = dispatches.iter().filter(|&&count| count > 13).count();
+        assert_eq!(edits, 1, "{dispatches:?}");
+        assert!(dispatches.ends_with(&[0; 6]), "{dispatches:?}");
+    }
+}
+
+/// A stroke in every frame: the bound is never raised for what is made anew, and every answer is of the ground of its frame,
+/// within its own bound. Undone in as many frames, it is the ground before.
+#[test]
+fn gpu_triangles_of_blocks_are_those_of_the_ground_of_their_frame() {
+    let Some(mut seen) = Edited::new(u32::MAX) else {
+        return;
+    };
+    let places: Vec<DVec2> = (0..48_u8)
+        .map(|k| {
+            DVec2::new(
+                f64::from(k % 6) * 5.3 - 13.0,
+                -12.0 - 9.7 * f64::from(k / 6),
+            )
+        })
+        .collect();
+    let probes: Vec<Entity> = places
+        .iter()
+        .map(|xz| {
+            let at = Transform::from_xyz(xz.x as f32, 0.0, xz.y as f32);
+            seen.app
+                .world_mut()
+                .spawn((GroundProbe::default(), at))
+                .id()
+        })
+        .collect();
+    settle(&mut seen.app);
+    let mut grounds: HashMap<u32, Terrain> = HashMap::new();
+    let (mut looked, mut changed, mut most) = (0, 0, 0.0_f64);
+    for k in 0..40_u32 {
+        if k < 16 {
+            let place = DVec2::new(f64::from(k % 4) * 6.0 - 9.0, -15.0 - 4.0 * f64::from(k));
+            let kind = [EditKind::Raise, EditKind::Lower][k as usize / 2 % 2].clone();
+            seen.stroke(&brush(kind, place, 2.5));
+        } else if let Some(undone) = seen.edits.undo(&seen.terrain) {
+            seen.set(undone);
+        }
+        app::frames(&mut seen.app, 1);
+        assert!(seen.held() <= PIXELS * 1.001, "frame {k}: {}", seen.held());
+        let now = seen.app.world().resource::<ProbeBatch>().frame();
+        grounds.insert(now, seen.terrain.clone());
+        for (probe, &xz) in probes.iter().zip(&places) {
+            let probe = seen.app.world().get::<GroundProbe>(*probe).expect("there");
+            let Some(drawn) = probe.drawn else { continue };
+            // Those from before the first stroke are of ground that nobody had edited.
+            let Some(ground) = grounds.get(&drawn.frame) else {
+                continue;
+            };
+            let truth = ground.height(xz);
+            let off = (drawn.sample.height - truth).abs();
+            assert!(
+                off <= drawn.bound + 1e-4,
+                "frame {k} {xz}: {off} > {}",
+                drawn.bound
+            );
+            looked += 1;
+            changed += u32::from((truth - seen.terrain.height(xz)).abs() > 0.5);
+            most = most.max(off);
+        }
+    }
+    println!("{looked} answers, {changed} of ground that is another by now, up to {most:.3} m off");
+    assert!(looked > 500 && changed > 20, "{looked} {changed}");
 }

@@ -181,13 +181,15 @@ fn the_full_material_reads_the_same_textures_elsewhere() {
 
 #[test]
 fn the_records_of_blocks_lie_as_in_rust() {
+    use dolomite_ground::blocks::changed::EditReach;
     use dolomite_ground::blocks::choose::AHEAD;
     use dolomite_ground::blocks::errors::{BED_SHARE, TAIL};
     use dolomite_ground::blocks::layout::{
-        BlockNumbers, GpuHead as BlockHead, RECORD_WORDS, SAMPLE_COUNT, SEEN_BYTES,
+        BlockNumbers, GpuHead as BlockHead, MOST_MADE, RECORD_WORDS, SAMPLE_COUNT, SEEN_BYTES,
     };
     use dolomite_ground::blocks::place::{CORNER_COUNT, LEAST_HALF, VERTICES};
     use dolomite_ground::blocks::record::{ALWAYS, GROWTH, NEST, RING, RINGED_COUNT, WINDOW};
+    use dolomite_ground::detail::lattice::MAX_DEPTH;
     let fit = composed("blocks/fit.wgsl");
     same_layout!(
         &fit,
@@ -265,6 +267,15 @@ fn the_records_of_blocks_lie_as_in_rust() {
     }
     let samples = constant("blocks/samples.wgsl", "SAMPLE_COUNT");
     assert_eq!(samples, SAMPLE_COUNT as usize);
+    let made = constant("blocks/bindings.wgsl", "MOST_MADE");
+    assert_eq!(made, MOST_MADE as usize);
+    let ring = constant("blocks/edited.wgsl", "RING");
+    assert_eq!(ring, EditReach::NEAR.wide_cells as usize);
+    // A lattice may be halved as often.
+    assert!(constant("blocks/drop.wgsl", "LEVELS") > MAX_DEPTH as usize);
+    // A round of an edit has a thread for each block of the one before, and for each root.
+    let spread = composed("blocks/spread.wgsl");
+    assert_eq!(spread.entry_points[0].workgroup_size, [MOST_MADE, 1, 1]);
 }
 
 #[test]
@@ -326,7 +337,16 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
             edited,
         }
     );
-    same_layout!(&look, EditedRect { low, high, stamp });
+    same_layout!(
+        &look,
+        EditedRect {
+            low,
+            high,
+            stamp,
+            wide_from,
+            wide_cells
+        }
+    );
     same_layout!(
         &look,
         HorizonView {
@@ -372,6 +392,7 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
 
 #[test]
 fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
+    use dolomite_ground::blocks::layout as blocks;
     use dolomite_ground::detail::layout::{DEPTH_PASSES, LAST_PASSES, SWEEP_PASS};
     use dolomite_ground::detail::probe::ANSWER_PASS;
     let files = DEPTH_PASSES
@@ -379,7 +400,9 @@ fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
         .map(|(file, ..)| file)
         .chain(LAST_PASSES.iter().map(|(file, ..)| file))
         .chain([&SWEEP_PASS.0])
-        .chain([&ANSWER_PASS.0]);
+        .chain([&ANSWER_PASS.0])
+        .chain(blocks::PASSES.iter().map(|(file, ..)| file))
+        .chain([&blocks::ANSWER_PASS.0]);
     for file in files {
         let module = composed(file);
         let storage = module

@@ -100,6 +100,21 @@ impl Edits {
         found.map_or(0.0, |found| missed_by(&found, self.lattice.filter, apart))
     }
 
+    /// How far beyond a rectangle whose longer side is `size` an edit may change what is known of the surface between samples
+    /// `spacing` apart in it (as part of [`Terrain::unseen`](crate::Terrain::unseen)), metres: that is told for whole nodes of
+    /// the tree of edits. 0 where no edit changes it, as samples of edits are no closer.
+    #[must_use]
+    pub fn told_beyond(&self, size: f64, spacing: f64) -> f64 {
+        let own = self.lattice.spacing();
+        if spacing <= own.min_element() * WIDER {
+            return 0.0;
+        }
+        // As in `missed`, and a little more: one of two levels is as good as the other where a window just fits.
+        let samples = (size / own.min_element() + 2.0) * WIDER;
+        let side = f64::from(CELLS) * f64::from(1_u32 << self.level_for(samples));
+        (side + 1.0) * own.max_element()
+    }
+
     /// The level whose nodes are as long as so many samples, or the root's.
     fn level_for(&self, samples: f64) -> u32 {
         let top = self.lattice.level();

@@ -1,13 +1,14 @@
 //! The passes of a frame in parts: looking and making may be repeated before a choice is drawn.
 
-use crate::blocks::layout::{Groups, PASSES, Second, making};
+use crate::blocks::layout::{Groups, PASSES, Second};
 
-use super::record::{Extras, Step};
+use super::record::{Extras, Step, beginning};
 
 /// A part of a choice; parts are passes of their own on the GPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// What comes before: roots of a new ground are made, blocks are dropped.
+    /// What comes before: roots of a new ground are made, blocks are dropped, and others made anew. Where the ground was
+    /// edited counts are cleared before it.
     Begin,
     /// Finds what is to be made, and draws nothing. Counts are cleared before it.
     Look,
@@ -23,20 +24,14 @@ const LAST_LOOK: &str = "fit";
 impl Part {
     /// Its dispatches.
     pub fn steps(self, extras: Extras) -> impl Iterator<Item = Step> {
-        let first = extras.roots.filter(|_| self == Self::Begin);
-        let first = first
-            .into_iter()
-            .flat_map(making)
-            .map(|(pass, groups)| Step {
-                pass,
-                groups: Some(groups),
-            });
+        let first = (self == Self::Begin).then(|| beginning(extras));
+        let first = first.into_iter().flatten();
         let fit = PASSES
             .iter()
             .position(|(_, entry, ..)| *entry == LAST_LOOK)
             .unwrap_or(PASSES.len());
         let is_wanted = move |pass: &usize| match PASSES[*pass] {
-            (.., Groups::Sweep) => self == Self::Begin && extras.sweeps,
+            (.., Groups::Sweep | Groups::Edit) => false,
             (.., Second::Ground, _) => self == Self::Make,
             (.., Groups::Horizon(_)) => self == Self::Choose && extras.occluded,
             _ => self == Self::Choose || (self == Self::Look && *pass <= fit),
@@ -58,21 +53,41 @@ mod tests {
 
     #[test]
     fn the_parts_of_a_choice_are_all_of_it() {
-        for roots in [None, Some(4)] {
+        for (roots, edits) in [(None, None), (Some(4), None), (None, Some(3))] {
             for (sweeps, occluded) in [(false, false), (true, false), (false, true), (true, true)] {
                 let extras = Extras {
                     roots,
                     sweeps,
+                    edits,
                     occluded,
                 };
                 let mut parts = names(&[Part::Begin, Part::Choose, Part::Make], extras);
                 let mut whole: Vec<_> = steps(extras).map(|step| PASSES[step.pass].1).collect();
-                assert!(parts.len() <= 20 && parts.len() == whole.len());
+                let most = 20 + edits.map_or(0, |rounds| 4 * rounds as usize + 2);
+                assert!(parts.len() <= most && parts.len() == whole.len());
                 parts.sort_unstable();
                 whole.sort_unstable();
                 assert_eq!(parts, whole);
             }
         }
+    }
+
+    #[test]
+    fn an_edit_makes_parents_before_children_and_drops_what_is_left() {
+        let extras = Extras {
+            edits: Some(2),
+            ..Extras::default()
+        };
+        let round = [
+            "spread_edits",
+            "sample_blocks",
+            "slope_blocks",
+            "make_blocks",
+        ];
+        let last = ["spread_edits", "drop_edited"];
+        let expected = [&round[..], &round[..], &last[..]].concat();
+        assert_eq!(names(&[Part::Begin], extras), expected);
+        assert_eq!(names(&[Part::Begin], Extras::default()), [""; 0]);
     }
 
     #[test]

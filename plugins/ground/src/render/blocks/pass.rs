@@ -55,6 +55,12 @@ pub fn choose<K: DetailKind>(
         other_arguments: &own.arguments,
         slots: own.slots,
     };
+    let store = blocks.stores.get_mut(&own.inputs.detail.finest.to_bits());
+    let mut extras = own.extras;
+    // Another view of the frame may have taken them over.
+    if store.as_ref().is_none_or(|store| store.edited.is_empty()) {
+        extras.edits = None;
+    }
     let recorder = ctx.diagnostic_recorder();
     let recorder = recorder.as_deref();
     let encoder = ctx.command_encoder();
@@ -62,9 +68,12 @@ pub fn choose<K: DetailKind>(
     let rounds = (1..own.rounds).flat_map(|_| [Part::Look, Part::Make]);
     let parts = [Part::Begin].into_iter().chain(rounds);
     for part in parts.chain([Part::Choose, Part::Make]) {
-        let mut steps = part.steps(own.extras).peekable();
+        let mut steps = part.steps(extras).peekable();
         if steps.peek().is_none() {
             continue;
+        }
+        if part == Part::Begin && extras.edits.is_some() {
+            record_clear(encoder, [&own.looked, &own.counts]);
         }
         if matches!(part, Part::Look | Part::Choose) {
             record_clear(encoder, [&own.looked, &own.counts]);
@@ -93,8 +102,9 @@ pub fn choose<K: DetailKind>(
         }
     }
     shared.count_dispatches(dispatches);
-    if let Some(store) = blocks.stores.get_mut(&own.inputs.detail.finest.to_bits()) {
+    if let Some(store) = store {
         store.fresh = false;
+        store.edited.clear();
     }
     state.settled = true;
     state.filled = true;

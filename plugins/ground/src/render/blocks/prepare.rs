@@ -83,23 +83,31 @@ impl<K> BlockViews<K> {
     }
 }
 
+/// An edit makes anew as many blocks as so many frames make; the others that it reaches are dropped, the finest of them, and
+/// are made as all that is missing.
+const EDIT_FRAMES: u32 = 4;
+
 /// The stores that the cameras need: one for each size of the smallest cell, as large as the greatest view of it asks
-/// for.
+/// for. Which of those that stay were edited, where blocks may be.
 fn keep_stores(
     stores: &mut HashMap<u32, BlockStore>,
     terrain: &Terrain,
     cameras: &[(Entity, TerrainLod)],
     (device, queue): (&RenderDevice, &RenderQueue),
     stamp: u32,
-) {
+) -> Vec<u32> {
     let mut wanted: HashMap<u32, u32> = HashMap::new();
+    let mut edited = Vec::new();
     for (_, detail) in cameras {
         let slots = slots_for(device, detail);
         let most = wanted.entry(detail.finest.to_bits()).or_default();
         *most = slots.max(*most);
     }
     stores.retain(|finest, store| {
-        wanted.get(finest) == Some(&store.slots) && store.ground.terrain().same(terrain)
+        let stays = wanted.get(finest) == Some(&store.slots);
+        let follows = stays.then(|| store.follow_edits(terrain)).flatten();
+        edited.extend(follows.filter(|edited| *edited).map(|_| *finest));
+        follows.is_some()
     });
     for (finest, slots) in wanted {
         stores.entry(finest).or_insert_with(|| {
@@ -112,6 +120,7 @@ fn keep_stores(
             )
         });
     }
+    edited
 }
 
 /// What the views of a store come to.
@@ -217,19 +226,28 @@ pub fn prepare<K: DetailKind>(
     }
     let without = without(terrain);
     let known = blocks.pipelines.take();
-    let pipelines = known
-        .filter(|known| known.without == without)
-        .unwrap_or_else(|| BlockPipelines::new(&shaders, without, &cache));
+    let known = known.filter(|known| known.without == without);
+    if known.is_none() {
+        // Other code may round otherwise: what it makes does not meet what was made before, to the bit.
+        blocks.stores.clear();
+    }
+    let pipelines = known.unwrap_or_else(|| BlockPipelines::new(&shaders, without, &cache));
     producer.pipelines += pipelines.count();
     let fault = producer.fault.take();
     producer.fault = fault.or_else(|| pipelines.fault(&cache));
-    keep_stores(
+    let edited = keep_stores(
         &mut blocks.stores,
         terrain,
         &seeing,
         (&device, &queue),
         blocks.stamp,
     );
+    for own in blocks.views.values_mut() {
+        // Roots are reached, which every view draws.
+        if edited.contains(&own.inputs.detail.finest.to_bits()) {
+            own.look_again(blocks.stamp);
+        }
+    }
     let bytes = blocks.stores.values().map(BlockStore::bytes);
     producer.shared_bytes += bytes.sum::<u64>();
     let mut sweeps = sweeps(blocks, producer);
@@ -293,7 +311,7 @@ pub fn prepare<K: DetailKind>(
             let gate = tiles
                 .as_ref()
                 .and_then(|tiles| Gate::new(terrain, &store.ground.lattice, &tiles.readable));
-            let numbers = BlockNumbers::new(budget);
+            let numbers = BlockNumbers::new(budget).remaking(budget.saturating_mul(EDIT_FRAMES));
             let numbers = gate.map_or(numbers, |gate| numbers.gated(&gate));
             let sweep = sweeps.remove(&finest);
             own.tell(&queue, store, state, sweep, (budget, numbers));

@@ -1,6 +1,6 @@
 //! What is recorded for a choice, in wgpu's own types: Bevy's systems, tests and studies all call this.
 
-use crate::blocks::layout::{Groups, PASSES, Second, done_at, making, slot_groups};
+use crate::blocks::layout::{DROP, Groups, PASSES, SPREAD, Second, done_at, making, slot_groups};
 
 /// What the passes bind and read.
 #[derive(Clone, Copy)]
@@ -54,24 +54,50 @@ pub struct Extras {
     pub roots: Option<u32>,
     /// Blocks that nobody has looked at for long are dropped first.
     pub sweeps: bool,
+    /// In how many rounds blocks are made anew before, where the ground was edited.
+    pub edits: Option<u32>,
     /// What nearer ground hides is looked for.
     pub occluded: bool,
 }
 
 /// The dispatches of a choice.
 pub fn steps(extras: Extras) -> impl Iterator<Item = Step> {
-    let first = extras.roots.into_iter().flat_map(making);
-    let first = first.map(|(pass, groups)| Step {
-        pass,
-        groups: Some(groups),
-    });
     let is_wanted = move |pass: &usize| match PASSES[*pass].3 {
-        Groups::Sweep => extras.sweeps,
+        Groups::Sweep | Groups::Edit => false,
         Groups::Horizon(_) => extras.occluded,
         _ => true,
     };
     let all = (0..PASSES.len()).filter(is_wanted);
-    first.chain(all.map(|pass| Step { pass, groups: None }))
+    beginning(extras).chain(all.map(counted))
+}
+
+const fn counted(pass: usize) -> Step {
+    Step { pass, groups: None }
+}
+
+/// The dispatches that come before a choice: roots of a new ground are made, blocks are dropped, and others made anew.
+pub(super) fn beginning(extras: Extras) -> impl Iterator<Item = Step> {
+    let roots = extras.roots.into_iter().flat_map(making);
+    let roots = roots.map(|(pass, groups)| Step {
+        pass,
+        groups: Some(groups),
+    });
+    let swept = (0..PASSES.len()).filter(|&pass| PASSES[pass].3 == Groups::Sweep);
+    let swept = swept.filter(move |_| extras.sweeps).map(counted);
+    roots
+        .chain(swept)
+        .chain(extras.edits.into_iter().flat_map(remaking))
+}
+
+/// The dispatches that make anew what an edit reaches, in so many rounds, and drop what is left then.
+fn remaking(rounds: u32) -> impl Iterator<Item = Step> {
+    let round = || {
+        let [(sample, _), (slope, _), (make, _)] = making(0);
+        [SPREAD, sample, slope, make]
+    };
+    let rounds = (0..rounds).flat_map(move |_| round());
+    // The last look finds what the last round leaves to be dropped.
+    rounds.chain([SPREAD, DROP]).map(counted)
 }
 
 /// Buffers that hold 0 before a choice: arguments of the pass that looks, and counts.
@@ -102,7 +128,7 @@ pub fn record_step(
     }
     match (step.groups, groups) {
         (Some([x, y, z]), _) => pass.dispatch_workgroups(x, y, z),
-        (None, Groups::One) => pass.dispatch_workgroups(1, 1, 1),
+        (None, Groups::One | Groups::Edit) => pass.dispatch_workgroups(1, 1, 1),
         (None, Groups::Slots | Groups::Sweep) => {
             pass.dispatch_workgroups(slot_groups(bound.slots), 1, 1)
         }

@@ -204,9 +204,11 @@ impl BlockState {
             None => params,
         };
         let params = horizon.map_or(params, |horizon| params.occlude(horizon));
+        let params = params.edited(&store.edited);
         self.extras = Extras {
             roots: store.fresh.then_some(store.beginning.made.len() as u32),
             sweeps: params.oldest > 0,
+            edits: store.edit_rounds(numbers.remade),
             occluded: horizon.is_some(),
         };
         self.rounds = budget.div_ceil(MOST_MADE).clamp(1, MOST_ROUNDS);

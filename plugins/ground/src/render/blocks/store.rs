@@ -6,13 +6,14 @@
 use bevy::render::render_resource::{Buffer, BufferDescriptor, BufferUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bytemuck::cast_slice;
-use dolomite_terrain::{GroundRect, Terrain};
+use dolomite_terrain::Terrain;
 
-use crate::blocks::changed::reaches_any;
+use crate::blocks::changed::{EditReach, edit_rounds, edited_lines, join_edited};
 use crate::blocks::kept::lattice_of;
 use crate::blocks::layout::{
-    Beginning, GpuHead, HEAD_BYTES, LEAST_SLOTS, RECORD_WORDS, SAMPLE_BYTES, STOCK_HEAD_BYTES,
+    Beginning, HEAD_BYTES, LEAST_SLOTS, RECORD_WORDS, SAMPLE_BYTES, STOCK_HEAD_BYTES,
 };
+use crate::detail::layout::EditedRect;
 use crate::detail::{DetailCells, TerrainLod};
 use crate::render::room::Room;
 
@@ -26,6 +27,9 @@ const RECORD_BYTES: u64 = 4 * RECORD_WORDS as u64;
 pub(in crate::render) struct BlockStore {
     /// The ground and the lattice of its blocks.
     pub ground: DetailCells,
+    /// Where it was edited since the newest choice.
+    pub edited: Vec<EditedRect>,
+    finest: f32,
     /// What buffers begin with.
     pub beginning: Beginning,
     /// Blocks that there is room for, and the first slot, which is none.
@@ -94,6 +98,8 @@ impl BlockStore {
             stock,
             samples: empty("blocks_samples", SAMPLE_BYTES),
             ground,
+            edited: Vec::new(),
+            finest,
             beginning,
             slots,
             fresh: true,
@@ -102,36 +108,35 @@ impl BlockStore {
         }
     }
 
-    /// The ground is `terrain` from now on, which differs within these rectangles alone: drops the blocks that are others.
-    /// Whether any were, so that views have to choose anew; `None` where the terrain has another lattice, so that a store of
-    /// its own is needed.
-    ///
-    /// Whatever is reached, all blocks are dropped, where [`KeptBlocks::change`](crate::blocks::kept::KeptBlocks::change) makes
-    /// anew those that are others: the tree is on the GPU. Buffers stay, and the first frame draws the roots.
-    #[expect(dead_code, reason = "for ground that is edited while it is drawn")]
-    pub fn change(
-        &mut self,
-        queue: &RenderQueue,
-        terrain: &Terrain,
-        finest: f32,
-        changed: &[GroundRect],
-    ) -> Option<bool> {
-        let ground = ground_of(terrain, finest);
-        if ground.lattice != self.ground.lattice {
+    /// Takes other edits of the same ground over: before the next choice blocks are made anew that they reach. Whether they
+    /// reach any, so that views have to choose anew; `None` where it is other ground, so that a store of its own is needed.
+    pub fn follow_edits(&mut self, terrain: &Terrain) -> Option<bool> {
+        let known = self.ground.terrain();
+        if known.same(terrain) {
+            return Some(false);
+        }
+        if !known.same_base(terrain) {
             return None;
         }
-        self.ground = ground;
-        let is_reached = reaches_any(&self.ground.lattice, changed);
-        if is_reached {
-            // Slots that nothing stands in have no half side: passes go over all.
-            let mut heads = vec![GpuHead::default(); self.slots as usize];
-            heads[..self.beginning.heads.len()].copy_from_slice(&self.beginning.heads);
-            queue.write_buffer(&self.heads, 0, cast_slice(&heads));
-            queue.write_buffer(&self.stock, 0, cast_slice(&self.beginning.stock()));
-            self.fresh = true;
-            self.room = Room::default();
+        // What has arrived of a map that is read by tiles makes no block another.
+        let now = known.with_edits(terrain.edits().cloned());
+        let lattice = &self.ground.lattice;
+        let reach = EditReach::between(known, terrain, lattice);
+        let mut edited = edited_lines(lattice, reach, &now.changed_since(known)?);
+        self.ground = ground_of(terrain, self.finest);
+        let is_reached = !edited.is_empty();
+        // What has not been made yet is made of the ground as it is then.
+        if !self.fresh {
+            self.edited.append(&mut edited);
+            join_edited(&mut self.edited);
         }
         Some(is_reached)
+    }
+
+    /// In how many rounds blocks are made anew before the next choice, `most` of them, if any are.
+    pub fn edit_rounds(&self, most: u32) -> Option<u32> {
+        let most = self.slots.min(most);
+        (!self.edited.is_empty()).then(|| edit_rounds(&self.ground.lattice, most))
     }
 
     /// Bytes of its buffers.

@@ -162,7 +162,7 @@ fn join_oldest(edited: &mut Vec<EditedRect>) {
         low: [0, 1].map(|k| a.low[k].min(b.low[k])),
         high: [0, 1].map(|k| a.high[k].max(b.high[k])),
         stamp: a.stamp.max(b.stamp),
-        pad: [0; 3],
+        ..EditedRect::default()
     };
     while edited.len() > MOST_EDITED {
         let newest = edited.last().map_or(0, |rect| rect.stamp);

@@ -3,6 +3,7 @@
 mod aligned;
 mod answers;
 mod culled;
+mod edited;
 mod near;
 mod reference;
 mod room;

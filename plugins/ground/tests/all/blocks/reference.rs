@@ -13,7 +13,7 @@ use dolomite_testkit::gpu::for_test;
 use std::collections::HashMap;
 
 /// Made on the CPU as well, in the order of their sizes.
-fn made_again(kept: &mut KeptBlocks, blocks: &[MadeBlock]) -> HashMap<[u32; 2], u32> {
+pub fn made_again(kept: &mut KeptBlocks, blocks: &[MadeBlock]) -> HashMap<[u32; 2], u32> {
     let mut sorted: Vec<&MadeBlock> = blocks.iter().collect();
     sorted.sort_by_key(|made| std::cmp::Reverse(made.block.head.half));
     for made in sorted {
@@ -38,7 +38,7 @@ fn made_again(kept: &mut KeptBlocks, blocks: &[MadeBlock]) -> HashMap<[u32; 2], 
 }
 
 /// The largest differences between two records: of heights, errors, intervals, gradients' bits by more than one.
-fn differences(a: &Block, b: &Block) -> [f32; 3] {
+pub fn differences(a: &Block, b: &Block) -> [f32; 3] {
     let largest = |a: &[f32], b: &[f32]| {
         let both = a.iter().zip(b);
         // What is always there, and empty intervals, are the same.
