@@ -3,7 +3,7 @@
 use bevy::MinimalPlugins;
 use bevy::app::App;
 use bevy::ecs::prelude::*;
-use bevy::math::{DVec2, DVec3, Vec3, Vec3Swizzles as _};
+use bevy::math::{DVec2, DVec3, Vec3, Vec3Swizzles as _, ops};
 use bevy::time::{Fixed, Time, TimeUpdateStrategy};
 use bevy::transform::components::Transform;
 use dolomite_collision::ground::{GroundTiles, OnDrawnGround, bytes_of_tiles, tiles_made};
@@ -36,7 +36,9 @@ impl Hills {
 
 impl Ground for Hills {
     fn sample(&self, xz: DVec2) -> GroundSample {
-        let waves = 0.5 * (xz.x * 0.4).sin() * (xz.y * 0.3).cos();
+        let [x, z] = [0.4 * xz.x, 0.3 * xz.y].map(|turn| turn as f32);
+        let [sin, cos] = [ops::sin, ops::cos].map(|of| [of(x), of(z)].map(f64::from));
+        let waves = 0.5 * sin[0] * cos[1];
         let raised = if self.within.contains(xz) {
             self.raised
         } else {
@@ -44,10 +46,7 @@ impl Ground for Hills {
         };
         GroundSample {
             height: waves + raised,
-            gradient: DVec2::new(
-                0.2 * (xz.x * 0.4).cos() * (xz.y * 0.3).cos(),
-                -0.15 * (xz.x * 0.4).sin() * (xz.y * 0.3).sin(),
-            ),
+            gradient: DVec2::new(0.2 * cos[0] * cos[1], -0.15 * sin[0] * sin[1]),
         }
     }
 
@@ -73,13 +72,15 @@ fn app() -> App {
 }
 
 fn tiles(ground: Arc<dyn Ground>, cells: u32) -> GroundTiles {
-    GroundTiles::new(ground, 0.5, cells).unwrap()
+    GroundTiles::new(ground, 0.5, cells).expect("half a metre is a power of two")
 }
 
 fn step(app: &mut App, mover: Entity, wish: Vec3) -> MoveState {
-    app.world_mut().get_mut::<MoveWish>(mover).unwrap().0 = wish;
+    let mut wished = app.world_mut().get_mut::<MoveWish>(mover);
+    wished.as_mut().expect("a mover has one").0 = wish;
     app.update();
-    app.world().get::<MoveState>(mover).unwrap().clone()
+    let state = app.world().get::<MoveState>(mover);
+    state.expect("a mover has one").clone()
 }
 
 fn walker(app: &mut App, at: Vec3) -> Entity {
@@ -112,7 +113,7 @@ fn unbroken(ground: &GroundTiles, from: DVec2, side: i32) -> TriangleTree {
             }
         }
     }
-    let mesh = TriangleMesh::from_triangles(&triangles).unwrap();
+    let mesh = TriangleMesh::from_triangles(&triangles).expect("near its own place");
     TriangleTree::new(mesh, TreeSettings::default())
 }
 
