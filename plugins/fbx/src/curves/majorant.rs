@@ -100,6 +100,18 @@ impl Majorant {
         self
     }
 
+    /// Over half of the span.
+    pub(crate) fn halved(&self) -> Self {
+        let mut part = 1.0;
+        let orders = self.0.map(|x| {
+            let out = x * part;
+            part *= 0.5;
+            out
+        });
+        // The middle of the span is as far from that of the half as anything else.
+        Self(orders, (2.0 * self.1).min(orders[1] / 2.0))
+    }
+
     /// Of what stands still.
     #[inline]
     pub(crate) fn still(size: f64) -> Self {
@@ -245,6 +257,22 @@ impl Majorant {
             out[k] = sum * over;
         }
         // What came to no number came of more than numbers have room for.
+        Self::by_orders(out.map(|x| if x.is_nan() { f64::INFINITY } else { x }))
+    }
+
+    /// Of 1 over the square root of a function that is at least `least` long, which must be above 0: what
+    /// `(least - f)^(-1/2)` has for coefficients, by its differential equation.
+    pub(crate) fn reciprocal_root(&self, least: f64) -> Self {
+        if least.is_nan() || least <= 0.0 {
+            return Self::UNKNOWN;
+        }
+        let mut out = [0.0; ORDERS];
+        let over = 1.0 / least;
+        out[0] = over.sqrt();
+        for k in 1..ORDERS {
+            let terms = (1..=k).map(|i| times(self.0[i], out[k - i]) * (k as f64 - 0.5 * i as f64));
+            out[k] = terms.sum::<f64>() * over * INVERSE[k];
+        }
         Self::by_orders(out.map(|x| if x.is_nan() { f64::INFINITY } else { x }))
     }
 
@@ -522,6 +550,9 @@ mod tests {
         holds(&number.moves, WHOLE, |t| [f(t)]);
         holds(&number.product(&number).moves, WHOLE, |t| [f(t) * f(t)]);
         holds(&number.moves.reciprocal(2.0), WHOLE, |t| [1.0 / f(t)]);
+        holds(&number.moves.reciprocal_root(2.0), WHOLE, |t| {
+            [1.0 / f(t).sqrt()]
+        });
         holds(&number.moves.exponential(), WHOLE, |t| {
             glam::DVec2::from_angle(f(t)).to_array()
         });
@@ -577,6 +608,15 @@ mod tests {
                 assert!((a - b).abs() <= 1e-14 * b, "order {order}: {a} and {b}");
             }
         }
+    }
+
+    #[test]
+    fn halves_of_spans_hold() {
+        let (f, number) = number();
+        holds(&number.moves.halved(), WHOLE, |t| [f(t / 2.0)]);
+        holds(&number.moves.halved(), WHOLE, |t| [f(0.5 + t / 2.0)]);
+        let somewhere = Majorant::within(2.7, 0.4);
+        holds(&somewhere.halved(), WHOLE, |t| [f(0.5 + t / 2.0)]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! When a clip is looked at, and what that comes to.
 
 use super::actors::Actors;
-use super::bound::{Found, Span, Subject};
+use super::found::{Found, Span, Subject};
 use crate::clips::{Shells, Source, Stretch, in_parts, threads};
 use crate::curves::Reading;
 use crate::model::{Channel, Clip, Interpolation};
