@@ -112,6 +112,34 @@ impl Majorant {
         Self(orders, (2.0 * self.1).min(orders[1] / 2.0))
     }
 
+    /// How far it goes at most where it is continued by so large a part of the span beyond its end.
+    pub(crate) fn beyond(&self, by: f64) -> f64 {
+        let mut part = 1.0;
+        self.0[1..].iter().fold(0.0, |sum, order| {
+            part *= by;
+            sum + times(*order, part)
+        })
+    }
+
+    /// Over a span that is longer by so large a part of it, where it is continued.
+    pub(crate) fn longer(&self, by: f64) -> Self {
+        let mut orders = self.0;
+        let mut scale = 1.0;
+        for (k, order) in orders.iter_mut().enumerate() {
+            // Taylor's series of a Taylor coefficient.
+            let mut factor = scale;
+            *order = 0.0;
+            for (j, known) in self.0[k..].iter().enumerate() {
+                *order += times(factor, *known);
+                factor *= by * (k + j + 1) as f64 / (j + 1) as f64;
+            }
+            scale *= 1.0 + by;
+        }
+        // The middle is elsewhere by half of what it is longer by.
+        let way = self.1 + times(1.5 * by, orders[1]);
+        Self(orders, way.min(orders[1] / 2.0))
+    }
+
     /// Of what stands still.
     #[inline]
     pub(crate) fn still(size: f64) -> Self {
@@ -615,6 +643,11 @@ mod tests {
         let (f, number) = number();
         holds(&number.moves.halved(), WHOLE, |t| [f(t / 2.0)]);
         holds(&number.moves.halved(), WHOLE, |t| [f(0.5 + t / 2.0)]);
+        // From a half back to the whole.
+        let mut half = Majorant::moving(2.25, 0.35);
+        half.0[2] = 0.1;
+        holds(&half.longer(1.0), WHOLE, |t| [f(t)]);
+        assert!((half.beyond(1.0) - 0.45).abs() < 1e-12);
         let somewhere = Majorant::within(2.7, 0.4);
         holds(&somewhere.halved(), WHOLE, |t| [f(0.5 + t / 2.0)]);
     }

@@ -13,7 +13,7 @@ mod rates;
 mod value;
 mod value_rates;
 
-pub(crate) use curve::repeats;
+pub(crate) use curve::{TICKS, repeats};
 pub(crate) use layers::{Layers, Reading, playing};
 pub(crate) use majorant::{Majorant, Number, ORDERS, Over, cubic, part};
 pub(crate) use pose::{BlendWeight, NodeCurves, aside, order_of};

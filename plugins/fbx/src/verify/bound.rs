@@ -22,8 +22,9 @@
 //! where a power of nothing begins: spans that have one are halved until it lies in a short one.
 //!
 //! Times of glTF are in f32, so that a key of the result stands some nanoseconds beside the file's. Both are taken to be at the first of them:
-//! over the nanoseconds one motion is then off its continuation by no more than its speeds before and after it come to, which is
-//! added ([`Span::skew`]), once more for the look that stands there, or where that is too much they are a span of their own.
+//! over the nanoseconds one motion is then off its continuation by no more than its two pieces, before and after, go there, which is
+//! added ([`Span::skew`]), once more for looks that stand there, or where that is too much they are a span of their own. So they are where
+//! more than one key of each lies there, where spans beside them are not far longer, and where keys jump ([`times`](super::times)).
 //!
 //! A span is done with where its bound is no more than [`SLACK`](super::found) above the largest error that was found anywhere: the largest of all bounds is
 //! what is stated, so that no error is above it, and some error is below it by no more than that. What is not done with by the second
@@ -65,8 +66,8 @@ const SKEWED: f64 = 0.004;
 /// How much longer a polynomial may be than at [`dense`] places: 1 / cos(pi / 12).
 const RIPPLE: f64 = 1.035_277;
 
-/// Lebesgue constants of places with the ends are below this.
-const SKEWED_LOOKS: f64 = 2.0;
+/// Lebesgue constants of places are below this.
+const SKEWED_LOOKS: f64 = 2.2;
 
 impl Found {
     /// The largest of a span's places, the middle first: what the majorant is of is there.
@@ -146,16 +147,23 @@ impl Found {
     /// A first look at a span, after the one before it.
     /// No more than `most` work is done.
     pub(crate) fn first(&mut self, subject: &mut impl Subject, mut span: Span, most: usize) {
-        let rate = subject.rate(span.from, span.to);
-        let speed = rate.0[1] / (span.to - span.from);
-        let before = self.speed.replace(speed).unwrap_or(f64::INFINITY);
+        let mut rate = subject.rate(span.from, span.to);
+        let length = span.to - span.from;
+        let before = self.changed.replace((rate, length));
         if span.skew > 0.0 {
-            let skewed = (speed + before) * span.skew;
-            // The look at its begin is off by that too.
-            let counts = if span.ends { 1.0 + SKEWED_LOOKS } else { 1.0 };
+            let by = span.skew / length;
+            // The majorant may be of what begins at the second of both keys.
+            let longer = rate.longer(by);
+            let skewed = before.map_or(f64::INFINITY, |(rate, length)| {
+                rate.beyond(span.skew / length)
+            }) + longer.0[1] * by;
+            // Looks there are off by that too.
+            let counts = 1.0 + SKEWED_LOOKS;
             if skewed <= SKEWED * self.enough(span.within).max(self.expected) {
                 let kind = &mut self.kinds[usize::from(span.within)];
                 kind.skewed = kind.skewed.max(counts * skewed);
+                self.changed = Some((longer, length));
+                rate = longer;
             } else {
                 let key = span.from + span.skew;
                 let aside = Span {

@@ -128,8 +128,8 @@ pub(crate) struct Found {
     pub(super) end: Option<End>,
     /// The largest error in the span before, about.
     pub(super) before: f64,
-    /// How fast what is off may change in the span before, a second; `None` where there is none.
-    pub(super) speed: Option<f64>,
+    /// How what is off may change in the span before, and how long that is, seconds; `None` where there is none.
+    pub(super) changed: Option<(Majorant, f64)>,
     /// Seconds of spans whose bounds stand because work came to its limit.
     pub(crate) loose: f64,
     /// Times whose errors are above this are kept.
