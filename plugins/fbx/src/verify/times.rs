@@ -228,8 +228,12 @@ fn pieces(
     steps: &[f32],
     begin: f64,
 ) -> Vec<Piece> {
-    // Times that f32 hardly tells apart are the two sides of a jump.
-    let side = |time: f64| ((time - begin).abs() * 2.5e-7).max(1.5e-7);
+    // Times that f32 hardly tells apart are the two sides of a jump: a unit of f32 from it, and as far from there as the grid's sides
+    // are apart, once more rounded. The way of the result from one to the other is no motion between keys.
+    let side = |time: f64| {
+        let label = (time - begin).abs();
+        (label * 2.5e-7).max(1e-7 + label * 1.9e-7).max(1.5e-7)
+    };
     let of = |key: f32| Stands {
         // A step is no key beside the file's that motion goes on over.
         file: steps.binary_search_by(|step| step.total_cmp(&key)).is_ok(),
