@@ -127,7 +127,7 @@ pub(crate) fn write_weights(
                 skin: job.skin,
                 differences: refitted,
             };
-            let error = weight_error(&refitted, model, takes, (options.max_error, budget))?;
+            let error = weight_error(&refitted, model, takes, budget)?;
             report.weight_error = report.weight_error.max(error);
         }
     }

@@ -16,9 +16,9 @@ use std::collections::BTreeMap;
 /// Products of vertices and spans between keys of a clip that a bound may cost so many times more of; where there are more, it is less near.
 const BOUNDED: usize = 100_000;
 
-/// A distance that does not matter, as a share of what keys may be off by: some tenths of a micrometre as a rule, less than what
-/// 32 bits lose of a place some metres away.
-const NOTHING: f64 = 5e-3;
+/// A distance that does not matter, metres. Fitted weights are off by tenths of a micrometre where they fit: a share of what keys may be
+/// off by would be as much as that.
+const NOTHING: f64 = 1e-8;
 
 /// Vertices of one mesh whose weights are not the file's.
 pub(crate) struct Refitted {
@@ -42,7 +42,7 @@ pub(crate) fn weight_error(
     refitted: &Refitted,
     model: &Model,
     takes: &[Take],
-    (max_error, budget): (f64, &Budget),
+    budget: &Budget,
 ) -> Result<f64, FbxError> {
     let vertices = vertices(refitted, model);
     let shells = Shells::of(model);
@@ -78,8 +78,7 @@ pub(crate) fn weight_error(
             rest.clone(),
         );
         budget.must(stretches.len() * each / VERTICES, "the weights of a skin")?;
-        let known = (farthest, NOTHING * max_error);
-        farthest = farthest.max(bounded(&stretches, &mut poser, known, budget));
+        farthest = farthest.max(bounded(&stretches, &mut poser, farthest, budget));
     }
     Ok(farthest)
 }
@@ -98,14 +97,9 @@ const WORK: (usize, usize) = (1_000_000, 100);
 /// Places of vertices that are as much work as a pose of a node.
 const VERTICES: usize = 20;
 
-/// A bound of the largest distance in a clip; what is above `expected` is of interest, and what is below `nothing` is not.
-fn bounded(
-    stretches: &[Stretch],
-    poser: &mut Poser,
-    (expected, nothing): (f64, f64),
-    budget: &Budget,
-) -> f64 {
-    let mut found = Found::new(expected, nothing, f64::INFINITY);
+/// A bound of the largest distance in a clip; what is above `expected` is of interest.
+fn bounded(stretches: &[Stretch], poser: &mut Poser, expected: f64, budget: &Budget) -> f64 {
+    let mut found = Found::new(expected, NOTHING, f64::INFINITY);
     let each = match poser.groups.len() {
         0 => poser.vertices.len(),
         groups => 4 * groups,

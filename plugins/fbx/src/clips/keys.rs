@@ -1,6 +1,6 @@
 //! The keys of a clip's curves, all together.
 
-use crate::curves::{Layers, repeats};
+use crate::curves::{Layers, TICKS, repeats};
 use crate::error::FbxError;
 use crate::options::Budget;
 use std::collections::BTreeSet;
@@ -171,7 +171,12 @@ impl Marks {
         if self.repeated > MOST_REPEATED {
             return Err(budget.too_much("the repetitions of a clip's curves"));
         }
-        let length = curve.max_time - curve.min_time;
+        // Whole ticks of the file's clock, as curves are read: a seam stands on the key that it is, not an ulp of f64 beside it.
+        let ticks = curve.element.scene.metadata.ktime_second as f64;
+        let ticks = if ticks > 0.0 { ticks } else { TICKS };
+        let tick = |time: f64| (time * ticks).round();
+        let (begin, end) = (tick(curve.min_time), tick(curve.max_time));
+        let length = end - begin;
         let mut all: Vec<Mark> = Vec::new();
         let mut once = |how: &Extrapolation, number: f64| {
             let backwards = how.mode == ExtrapolationMode::Mirror && number.rem_euclid(2.0) == 1.0;
@@ -180,7 +185,7 @@ impl Marks {
                 false => own
                     .iter()
                     .map(|mark| Mark {
-                        time: mark.time + shift,
+                        time: (tick(mark.time) + shift) / ticks,
                         ..*mark
                     })
                     .collect(),
@@ -192,7 +197,7 @@ impl Marks {
                         .zip(own.iter().rev().skip(1).map(Some).chain([None]));
                     turned
                         .map(|(mark, next)| Mark {
-                            time: curve.max_time - (mark.time - curve.min_time) + shift,
+                            time: (end - (tick(mark.time) - begin) + shift) / ticks,
                             before: mark.after,
                             after: mark.before,
                             swing: next.map_or(0.0, |next| next.swing),

@@ -9,6 +9,9 @@ const THIRD: f32 = 0.333_333;
 /// Times beyond a curve's keys that are told apart: more are as good as none.
 const MOST_REPEATS: f64 = 1e6;
 
+/// Ticks of the file's clock in a second, where the file's own number is none.
+pub(crate) const TICKS: f64 = 46_186_158_000.0;
+
 /// How a curve goes on beyond its keys.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Beyond {
@@ -87,7 +90,7 @@ impl<'a> Curve<'a> {
             keys,
             before: Beyond::from(&curve.pre_extrapolation),
             after: Beyond::from(&curve.post_extrapolation),
-            ticks: if ticks > 0.0 { ticks } else { 46_186_158_000.0 },
+            ticks: if ticks > 0.0 { ticks } else { TICKS },
             at: 0,
             piece: None,
         })

@@ -100,6 +100,46 @@ impl Majorant {
         self
     }
 
+    /// Over half of the span.
+    pub(crate) fn halved(&self) -> Self {
+        let mut part = 1.0;
+        let orders = self.0.map(|x| {
+            let out = x * part;
+            part *= 0.5;
+            out
+        });
+        // The middle of the span is as far from that of the half as anything else.
+        Self(orders, (2.0 * self.1).min(orders[1] / 2.0))
+    }
+
+    /// How far it goes at most where it is continued by so large a part of the span beyond its end.
+    pub(crate) fn beyond(&self, by: f64) -> f64 {
+        let mut part = 1.0;
+        self.0[1..].iter().fold(0.0, |sum, order| {
+            part *= by;
+            sum + times(*order, part)
+        })
+    }
+
+    /// Over a span that is longer by so large a part of it, where it is continued.
+    pub(crate) fn longer(&self, by: f64) -> Self {
+        let mut orders = self.0;
+        let mut scale = 1.0;
+        for (k, order) in orders.iter_mut().enumerate() {
+            // Taylor's series of a Taylor coefficient.
+            let mut factor = scale;
+            *order = 0.0;
+            for (j, known) in self.0[k..].iter().enumerate() {
+                *order += times(factor, *known);
+                factor *= by * (k + j + 1) as f64 / (j + 1) as f64;
+            }
+            scale *= 1.0 + by;
+        }
+        // The middle is elsewhere by half of what it is longer by.
+        let way = self.1 + times(1.5 * by, orders[1]);
+        Self(orders, way.min(orders[1] / 2.0))
+    }
+
     /// Of what stands still.
     #[inline]
     pub(crate) fn still(size: f64) -> Self {
@@ -245,6 +285,22 @@ impl Majorant {
             out[k] = sum * over;
         }
         // What came to no number came of more than numbers have room for.
+        Self::by_orders(out.map(|x| if x.is_nan() { f64::INFINITY } else { x }))
+    }
+
+    /// Of 1 over the square root of a function that is at least `least` long, which must be above 0: what
+    /// `(least - f)^(-1/2)` has for coefficients, by its differential equation.
+    pub(crate) fn reciprocal_root(&self, least: f64) -> Self {
+        if least.is_nan() || least <= 0.0 {
+            return Self::UNKNOWN;
+        }
+        let mut out = [0.0; ORDERS];
+        let over = 1.0 / least;
+        out[0] = over.sqrt();
+        for k in 1..ORDERS {
+            let terms = (1..=k).map(|i| times(self.0[i], out[k - i]) * (k as f64 - 0.5 * i as f64));
+            out[k] = terms.sum::<f64>() * over * INVERSE[k];
+        }
         Self::by_orders(out.map(|x| if x.is_nan() { f64::INFINITY } else { x }))
     }
 
@@ -522,6 +578,9 @@ mod tests {
         holds(&number.moves, WHOLE, |t| [f(t)]);
         holds(&number.product(&number).moves, WHOLE, |t| [f(t) * f(t)]);
         holds(&number.moves.reciprocal(2.0), WHOLE, |t| [1.0 / f(t)]);
+        holds(&number.moves.reciprocal_root(2.0), WHOLE, |t| {
+            [1.0 / f(t).sqrt()]
+        });
         holds(&number.moves.exponential(), WHOLE, |t| {
             glam::DVec2::from_angle(f(t)).to_array()
         });
@@ -577,6 +636,20 @@ mod tests {
                 assert!((a - b).abs() <= 1e-14 * b, "order {order}: {a} and {b}");
             }
         }
+    }
+
+    #[test]
+    fn halves_of_spans_hold() {
+        let (f, number) = number();
+        holds(&number.moves.halved(), WHOLE, |t| [f(t / 2.0)]);
+        holds(&number.moves.halved(), WHOLE, |t| [f(0.5 + t / 2.0)]);
+        // From a half back to the whole.
+        let mut half = Majorant::moving(2.25, 0.35);
+        half.0[2] = 0.1;
+        holds(&half.longer(1.0), WHOLE, |t| [f(t)]);
+        assert!((half.beyond(1.0) - 0.45).abs() < 1e-12);
+        let somewhere = Majorant::within(2.7, 0.4);
+        holds(&somewhere.halved(), WHOLE, |t| [f(0.5 + t / 2.0)]);
     }
 
     #[test]

@@ -4,14 +4,16 @@
 //! leaves out which layers are muted or play alone and looks for keyed weights in one layer only.
 
 mod curve;
+mod curve_rates;
 mod hanging;
 mod layers;
 mod majorant;
 mod pose;
 mod rates;
 mod value;
+mod value_rates;
 
-pub(crate) use curve::repeats;
+pub(crate) use curve::{TICKS, repeats};
 pub(crate) use layers::{Layers, Reading, playing};
 pub(crate) use majorant::{Majorant, Number, ORDERS, Over, cubic, part};
 pub(crate) use pose::{BlendWeight, NodeCurves, aside, order_of};

@@ -30,6 +30,11 @@ pub(crate) struct NodeCurves<'a> {
     /// Any of these four is not 0, or moves.
     pub(super) has_pivots: bool,
     pub(super) order: Value<'a>,
+    /// The order where nothing moves it.
+    fixed_order: RotationOrder,
+    /// What a camera or light takes its scale by, and what its children are turned back by.
+    own_aside: Option<DMat3>,
+    parent_aside: Option<DQuat>,
     /// The scale that the node's helper has, if it has one.
     pub(super) taken: Option<Value<'a>>,
     /// Scales of helpers above, which places are multiplied by.
@@ -94,6 +99,13 @@ impl<'a> NodeCurves<'a> {
             scale_offset: value("ScalingOffset"),
             scale_pivot: value("ScalingPivot"),
             order: value("RotationOrder"),
+            fixed_order: RotationOrder::Xyz,
+            own_aside: aside(node).map(|turned| DMat3::from_quat(turned).transpose()),
+            parent_aside: node
+                .parent
+                .as_ref()
+                .and_then(|parent| aside(parent))
+                .map(DQuat::conjugate),
             taken: node
                 .scale_helper
                 .as_ref()
@@ -102,6 +114,7 @@ impl<'a> NodeCurves<'a> {
             parent_helps,
             last: Trs::IDENTITY,
         };
+        out.fixed_order = rotation_order(out.order.fixed.x as i64);
         let turns = [
             &out.rotation,
             &out.before.angles,
@@ -142,7 +155,10 @@ impl<'a> NodeCurves<'a> {
     }
 
     pub(super) fn rotation_order(&mut self, time: f64) -> RotationOrder {
-        rotation_order(self.order.at(time, Meaning::Plain).x as i64)
+        match self.order.moves() {
+            true => rotation_order(self.order.at(time, Meaning::Plain).x as i64),
+            false => self.fixed_order,
+        }
     }
 
     /// How its pre-rotation, its rotation and its post-rotation turn it.
@@ -201,16 +217,15 @@ impl<'a> NodeCurves<'a> {
             scale *= helped;
         }
         // A camera or light is turned to look along glTF's axis; its scale and its children are not.
-        if let Some(turned) = aside(node) {
-            let axes = DMat3::from_quat(turned).transpose();
+        if let Some(axes) = self.own_aside {
             scale = DVec3::from_array([0, 1, 2].map(|axis| {
                 let column = axes.row(axis);
                 (column * column).dot(scale)
             }));
         }
-        if let Some(turned) = node.parent.as_ref().and_then(|parent| aside(parent)) {
-            place = turned.conjugate() * place;
-            rotation = turned.conjugate() * rotation;
+        if let Some(back) = self.parent_aside {
+            place = back * place;
+            rotation = back * rotation;
         }
         mirror(&mut place, &mut rotation, node.adjust_mirror_axis);
         Trs {

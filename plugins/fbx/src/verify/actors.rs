@@ -1,8 +1,8 @@
 //! The file's pose and the keys' pose at a time, and how far they are apart.
 
 use super::bodies::{Bodies, Weights};
-use super::bound::Subject;
 use super::chain::{Chain, down};
+use super::found::Subject;
 use super::played;
 use crate::clips::{MorphCurves, Player, Pose, SHELL, Shells, Source, play};
 use crate::curves::{Majorant, NodeCurves, Over, Rates, Reading};
@@ -49,6 +49,9 @@ pub(super) struct Actors<'a> {
     /// Poses of nodes that were worked out, and what costs as much.
     work: usize,
 }
+
+/// Axes that differ by no more than this share are about as long.
+const ALIKE: f64 = 1e-3;
 
 struct Morph<'a> {
     mesh: usize,
@@ -277,23 +280,29 @@ impl<'a> Actors<'a> {
             let least = columns.into_iter().fold(f64::INFINITY, f64::min);
             return Majorant::still(SHELL / least.max(1e-9));
         }
-        let mut out = Majorant::ZERO;
-        for column in columns {
-            let half = chain.axes.1;
-            let (least, most) = ((column - half).max(0.0), column + half);
-            let mut axis = chain.axes;
-            axis.0[0] = most;
-            // 1 / length is exp(-1/2 ln(length squared)).
-            let power = axis.product(&axis).logarithm(least * least, most * most);
+        let half = chain.axes.1;
+        let of = |shortest: f64, longest: f64| {
+            let (least, most) = ((shortest - half).max(0.0), longest + half);
             let (near, far) = (SHELL / most.max(1e-9), SHELL / least.max(1e-9));
-            let mut moves = power.scaled(0.5).exponential().scaled(far);
-            if least <= 1e-9 {
-                moves = Majorant::within(far, far);
-            }
+            let mut moves = match least <= 1e-9 {
+                true => Majorant::within(far, far),
+                false => {
+                    let mut axis = chain.axes;
+                    axis.0[0] = most;
+                    let squared = axis.product(&axis);
+                    squared.reciprocal_root(least * least).scaled(SHELL)
+                }
+            };
             moves.1 = moves.1.min(moves.0[1] / 2.0).min(far - near);
-            out = out.max(&moves);
+            moves
+        };
+        let [x, y, z] = columns;
+        let (shortest, longest) = (x.min(y).min(z), x.max(y).max(z));
+        // One for all where they are about as long.
+        if longest - shortest <= ALIKE * shortest {
+            return of(shortest, longest);
         }
-        out
+        of(x, x).max(&of(y, y)).max(&of(z, z))
     }
 
     /// Majorants of how far a point of a body that a node carries is moved.

@@ -22,10 +22,11 @@
 //! where a power of nothing begins: spans that have one are halved until it lies in a short one.
 //!
 //! Times of glTF are in f32, so that a key of the result stands some nanoseconds beside the file's. Both are taken to be at the first of them:
-//! over the nanoseconds one motion is then off its continuation by no more than its speeds before and after it come to, which is
-//! added ([`Span::skew`]), once more for the look that stands there, or where that is too much they are a span of their own.
+//! over the nanoseconds one motion is then off its continuation by no more than its two pieces, before and after, go there, which is
+//! added ([`Span::skew`]), once more for looks that stand there, or where that is too much they are a span of their own. So they are where
+//! more than one key of each lies there, where spans beside them are not far longer, and where keys jump ([`times`](super::times)).
 //!
-//! A span is done with where its bound is no more than [`SLACK`] above the largest error that was found anywhere: the largest of all bounds is
+//! A span is done with where its bound is no more than [`SLACK`](super::found) above the largest error that was found anywhere: the largest of all bounds is
 //! what is stated, so that no error is above it, and some error is below it by no more than that. What is not done with by the second
 //! is by the third, or put aside and looked at more finely when the largest error of all is about known, the largest bound first. What jumps (steps of
 //! curves) is no part of any span; both sides of it are looked at.
@@ -38,13 +39,10 @@
 //! hundredth of a bound of 0.1 mm for `n = 4` (0.3^4 / 24 / 64 = 5e-6 m a metre), so three looks for most spans, and two to
 //! eight mixtures of these for those whose error is above half of the largest.
 
+use super::found::{End, Found, Open, Span, Subject};
 use super::places::{Places, dense, within};
 use crate::curves::Majorant;
-use std::collections::{BinaryHeap, VecDeque};
-
-/// What is stated may be above what was found by this factor: at keys and between them, and where it lies within frames, which
-/// nothing is held to.
-const SLACK: [f64; 2] = [1.06, 1.5];
+use std::collections::VecDeque;
 
 /// A first look has as many times as bring the rest below this share of the largest error, the same two.
 const ROUGH: [f64; 2] = [0.15, 0.3];
@@ -68,224 +66,10 @@ const SKEWED: f64 = 0.004;
 /// How much longer a polynomial may be than at [`dense`] places: 1 / cos(pi / 12).
 const RIPPLE: f64 = 1.035_277;
 
-/// Lebesgue constants of places with the ends are below this.
-const SKEWED_LOOKS: f64 = 2.0;
-
-/// Halvings of a span at most.
-const DEPTH: u32 = 30;
-
-/// What is held: a largest error at each time, and how fast it may change.
-pub(crate) trait Subject {
-    /// The largest error at a time; what is less than `floor` may be said to be `floor`.
-    fn look(&mut self, time: f64, floor: f64) -> f64;
-    /// What the last look saw, about, also where that is less than its floor.
-    fn about(&self) -> f64 {
-        f64::INFINITY
-    }
-    /// Keeps what the last look saw, as number `index` of a span's.
-    fn keep(&mut self, _index: usize) {}
-    /// What was kept as number `index` is that of the next span's begin too.
-    fn keep_end(&mut self, _index: usize) {}
-    /// What the last span's end kept becomes number 0.
-    fn keep_again(&mut self) {}
-    /// The largest error of the polynomials through what was kept, for each row of weights; `None` where errors are no
-    /// polynomials of that.
-    fn mixed(&mut self, _rows: &[Vec<f64>], _floor: f64) -> Option<f64> {
-        None
-    }
-    /// The majorant of all errors over a span between keys.
-    fn rate(&mut self, from: f64, to: f64) -> Majorant;
-    /// What all that was asked so far cost, in poses of nodes.
-    fn work(&self) -> usize;
-}
-
-/// A time between neighbouring keys.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Span {
-    pub(crate) from: f64,
-    pub(crate) to: f64,
-    /// So much of it at its begin is before a key that is taken to be there, seconds.
-    pub(crate) skew: f64,
-    /// It lies within frames.
-    pub(crate) within: bool,
-    /// Nothing jumps at its ends.
-    pub(crate) ends: bool,
-    pub(crate) depth: u32,
-}
-
-impl Span {
-    fn halves(&self) -> [Self; 2] {
-        let middle = f64::midpoint(self.from, self.to);
-        let depth = self.depth + 1;
-        [
-            Self {
-                to: middle,
-                depth,
-                ..*self
-            },
-            Self {
-                from: middle,
-                depth,
-                ..*self
-            },
-        ]
-    }
-
-    fn can_be_halved(&self) -> bool {
-        let middle = f64::midpoint(self.from, self.to);
-        let length = self.to - self.from;
-        self.depth < DEPTH && length > 1e-13 * (1.0 + middle.abs()) * 64.0
-    }
-}
-
-/// A span that is to be looked at again.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Open {
-    bound: f64,
-    /// Of it, what lies between places; the rest is what the majorant leaves.
-    seen: f64,
-    span: Span,
-    rate: Majorant,
-}
-
-impl Eq for Open {}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Open {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.bound
-            .total_cmp(&other.bound)
-            .then_with(|| other.span.from.total_cmp(&self.span.from))
-    }
-}
-
-/// What a search found of times that count as keyed, or of those within frames.
-#[derive(Debug, Clone, Default)]
-struct Kind {
-    /// The largest error at a time that was looked at.
-    found: f64,
-    /// No error of spans that are done with is above this.
-    bound: f64,
-    /// What keys beside each other may add to it.
-    skewed: f64,
-    open: BinaryHeap<Open>,
-}
-
-/// What was found, and what that proves.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Found {
-    kinds: [Kind; 2],
-    /// An error that is expected, which steers how finely spans are looked at, and one that does not matter.
-    expected: f64,
-    nothing: f64,
-    /// Times that were looked at.
-    pub(crate) looks: usize,
-    /// What the look at the end of the last span found.
-    end: Option<End>,
-    /// The largest error in the span before, about.
-    before: f64,
-    /// How fast what is off may change in the span before, a second; `None` where there is none.
-    speed: Option<f64>,
-    /// Seconds of spans whose bounds stand because work came to its limit.
-    pub(crate) loose: f64,
-    /// Times whose errors are above this are kept.
-    high: f64,
-    pub(crate) peaks: Vec<f64>,
-}
-
-/// Peaks that are kept.
-const PEAKS: usize = 512;
-
-/// A look at the end of a span.
-#[derive(Debug, Clone, Copy)]
-struct End {
-    time: f64,
-    /// The error, or `floor` where it is less.
-    error: f64,
-    floor: f64,
-}
+/// Lebesgue constants of places are below this.
+const SKEWED_LOOKS: f64 = 2.2;
 
 impl Found {
-    /// `nothing` is an error that does not matter; times of errors above `high` are kept as peaks.
-    pub(crate) fn new(expected: f64, nothing: f64, high: f64) -> Self {
-        Self {
-            expected,
-            nothing,
-            high,
-            ..Self::default()
-        }
-    }
-
-    /// A search of its own that knows what was found so far.
-    pub(crate) fn apart(&self) -> Self {
-        let mut out = Self::new(self.expected, self.nothing, self.high);
-        for (kind, known) in out.kinds.iter_mut().zip(&self.kinds) {
-            kind.found = known.found;
-        }
-        out
-    }
-
-    /// The largest error that was seen at keys and between them, and that with what lies within frames.
-    pub(crate) fn seen(&self) -> [f64; 2] {
-        let [keyed, within] = &self.kinds;
-        [keyed.found, keyed.found.max(within.found)]
-    }
-
-    /// No error is above these: the same two.
-    pub(crate) fn bounds(&self) -> [f64; 2] {
-        let [keyed, within] = [0, 1].map(|i| {
-            let kind = &self.kinds[i];
-            kind.bound.max(kind.found) + kind.skewed
-        });
-        [keyed, keyed.max(within)]
-    }
-
-    /// What a span's bound may be.
-    fn enough(&self, within: bool) -> f64 {
-        let seen = self.seen()[usize::from(within)];
-        let stated = match within {
-            true => self.kinds[1].bound.max(self.kinds[0].bound),
-            false => self.kinds[0].bound,
-        };
-        (seen * SLACK[usize::from(within)])
-            .max(seen + self.nothing)
-            .max(stated)
-    }
-
-    /// One time by itself.
-    pub(crate) fn look(
-        &mut self,
-        subject: &mut impl Subject,
-        time: f64,
-        within: bool,
-        floor: f64,
-    ) -> f64 {
-        self.looks += 1;
-        let error = subject.look(time, floor);
-        let kind = &mut self.kinds[usize::from(within)];
-        if error > floor {
-            kind.found = kind.found.max(error);
-            if !within && error > self.high && self.peaks.len() < PEAKS {
-                self.peaks.push(time);
-            }
-        }
-        match error.is_nan() {
-            true => f64::INFINITY,
-            false => error,
-        }
-    }
-
-    /// Both sides of a jump, or a key.
-    pub(crate) fn key(&mut self, subject: &mut impl Subject, time: f64) {
-        let floor = self.kinds[0].found;
-        self.look(subject, time, false, floor);
-    }
-
     /// The largest of a span's places, the middle first: what the majorant is of is there.
     fn largest(
         &mut self,
@@ -360,24 +144,26 @@ impl Found {
         }
     }
 
-    fn prove(&mut self, within: bool, bound: f64) {
-        let kind = &mut self.kinds[usize::from(within)];
-        kind.bound = kind.bound.max(bound);
-    }
-
     /// A first look at a span, after the one before it.
     /// No more than `most` work is done.
     pub(crate) fn first(&mut self, subject: &mut impl Subject, mut span: Span, most: usize) {
-        let rate = subject.rate(span.from, span.to);
-        let speed = rate.0[1] / (span.to - span.from);
-        let before = self.speed.replace(speed).unwrap_or(f64::INFINITY);
+        let mut rate = subject.rate(span.from, span.to);
+        let length = span.to - span.from;
+        let before = self.changed.replace((rate, length));
         if span.skew > 0.0 {
-            let skewed = (speed + before) * span.skew;
-            // The look at its begin is off by that too.
-            let counts = if span.ends { 1.0 + SKEWED_LOOKS } else { 1.0 };
+            let by = span.skew / length;
+            // The majorant may be of what begins at the second of both keys.
+            let longer = rate.longer(by);
+            let skewed = before.map_or(f64::INFINITY, |(rate, length)| {
+                rate.beyond(span.skew / length)
+            }) + longer.0[1] * by;
+            // Looks there are off by that too.
+            let counts = 1.0 + SKEWED_LOOKS;
             if skewed <= SKEWED * self.enough(span.within).max(self.expected) {
                 let kind = &mut self.kinds[usize::from(span.within)];
                 kind.skewed = kind.skewed.max(counts * skewed);
+                self.changed = Some((longer, length));
+                rate = longer;
             } else {
                 let key = span.from + span.skew;
                 let aside = Span {
@@ -401,11 +187,9 @@ impl Found {
         rate: Option<Majorant>,
         most: usize,
     ) {
-        let mut queue = VecDeque::from([span]);
-        let mut known = rate;
-        while let Some(span) = queue.pop_front() {
-            let rate = known.take();
-            let rate = rate.unwrap_or_else(|| subject.rate(span.from, span.to));
+        let mut queue = VecDeque::from([(span, rate)]);
+        while let Some((span, known)) = queue.pop_front() {
+            let rate = known.unwrap_or_else(|| subject.rate(span.from, span.to));
             let kind = usize::from(span.within);
             let before = std::mem::take(&mut self.before);
             let rough = ROUGH[kind] * self.enough(span.within).max(self.expected);
@@ -434,27 +218,14 @@ impl Found {
                 }
                 None => {
                     self.before = self.before.max(before);
-                    queue.extend(span.halves());
+                    let known = of_half(&rate, all, rough);
+                    queue.extend(span.halves().map(|half| (half, known)));
                     continue;
                 }
             };
             let rest = places.rest(&rate);
             let bound = self.bound(subject, &span, places, rest);
             self.settle(span, rate, bound, rest);
-        }
-    }
-
-    /// With what was found in another part of the clip.
-    pub(crate) fn join(&mut self, part: Self) {
-        self.looks += part.looks;
-        self.loose += part.loose;
-        self.peaks.extend(part.peaks);
-        self.peaks.truncate(PEAKS);
-        for (kind, part) in self.kinds.iter_mut().zip(part.kinds) {
-            kind.found = kind.found.max(part.found);
-            kind.bound = kind.bound.max(part.bound);
-            kind.skewed = kind.skewed.max(part.skewed);
-            kind.open.extend(part.open);
         }
     }
 
@@ -503,8 +274,9 @@ impl Found {
         let Some(places) = last else {
             match span.can_be_halved() {
                 true => {
+                    let known = of_half(rate, all, fine);
                     let halves = span.halves().into_iter();
-                    halves.for_each(|half| self.split(subject, half, None, most));
+                    halves.for_each(|half| self.split(subject, half, known, most));
                 }
                 false => self.prove(span.within, best),
             }
@@ -526,9 +298,18 @@ impl Found {
     }
 }
 
+/// What the majorant of a span says of each of its halves, where that is enough for places of these, or of their halves, to leave
+/// no more than `near`: it is known, while another costs as much as some looks.
+fn of_half(rate: &Majorant, all: &[Places], near: f64) -> Option<Majorant> {
+    let half = rate.halved();
+    let is_enough = |rate: &Majorant| all.iter().any(|places| places.rest(rate) <= near);
+    (is_enough(&half) || is_enough(&half.halved())).then_some(half)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::verify::found::SLACK;
 
     /// A point that goes around on an ellipse, in units of time that are seconds.
     struct Swing {

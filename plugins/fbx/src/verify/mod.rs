@@ -9,11 +9,12 @@ mod actors;
 mod bodies;
 mod bound;
 mod chain;
+mod found;
 mod places;
 mod played;
 mod times;
 
 pub(crate) use bodies::Bodies;
-pub(crate) use bound::{Found, Span, Subject};
 pub(crate) use chain::{Chain, down};
+pub(crate) use found::{Found, Span, Subject};
 pub(crate) use times::{Checked, check, doubts};
