@@ -6,7 +6,7 @@
 #          long, since the neighbours that are merged in a round are a fixed share of all.
 # Seen:    `random: less than 9 times, row: more than 9 times, uneven row: less than 9 times`. In a row of equal boxes
 #          the two neighbours of each are equally good, all take the one on the same side, and a round merges a single
-#          pair: time goes with the square of the number (about 15 times for four times as many; 16 000 boxes took 880
+#          pair: time goes with the square of the number (about 15 times for four times as many; 16 000 boxes took 890
 #          times as long as random ones). Boxes that lie within each other, and equal ones in one place, do the same.
 #          Sizes that differ by up to 3 % mend it.
 set -euo pipefail
