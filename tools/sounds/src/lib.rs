@@ -8,6 +8,7 @@
 //! | [`steps`], [`weather`], [`things`] | the sounds |
 //! | [`catalogue`] | all of them by name |
 //! | [`wave`] | files in the format WAV, 16 bits, one channel |
+//! | [`picture`] | a picture of all of them |
 //!
 //! Everything is f64 arithmetic with functions of `libm`, so that a sound is the same bytes on every machine.
 //! Samples are in −1 to 1.
@@ -15,6 +16,7 @@
 pub mod catalogue;
 pub mod filter;
 pub mod noise;
+pub mod picture;
 pub mod shape;
 pub mod steps;
 pub mod things;

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use dolomite_sounds::SEED;
 use dolomite_sounds::catalogue::SOUNDS;
 use dolomite_sounds::wave::wav;
+use dolomite_sounds::{SEED, picture};
 use thiserror::Error;
 
 /// Makes the sounds of `dolomite_sound`.
@@ -21,10 +21,13 @@ struct Arguments {
     /// Only sounds whose name contains this.
     #[arg(long, default_value = "")]
     only: String,
+    /// Writes a picture of all sounds, an SVG file, and no sound.
+    #[arg(long, value_name = "FILE.svg")]
+    picture: Option<PathBuf>,
 }
 
 #[derive(Debug, Error)]
-#[error("{}: {source}; give another folder by --out", .path.display())]
+#[error("{}: {source}; give another place by --out or --picture", .path.display())]
 struct WriteError {
     path: PathBuf,
     source: std::io::Error,
@@ -35,6 +38,12 @@ fn run(arguments: &Arguments) -> Result<(), WriteError> {
         path: path.clone(),
         source,
     };
+    if let Some(path) = &arguments.picture {
+        let picture = picture::svg(arguments.seed);
+        std::fs::write(path, &picture).map_err(|error| refused(path, error))?;
+        println!("{} bytes in {}", picture.len(), path.display());
+        return Ok(());
+    }
     std::fs::create_dir_all(&arguments.out).map_err(|error| refused(&arguments.out, error))?;
     let mut all = 0;
     for sound in SOUNDS {

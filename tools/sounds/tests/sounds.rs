@@ -1,8 +1,8 @@
 //! The committed sounds are those that this program makes, and they are fit to be played.
 
-use dolomite_sounds::SEED;
 use dolomite_sounds::catalogue::SOUNDS;
 use dolomite_sounds::wave::wav;
+use dolomite_sounds::{SEED, picture};
 use std::path::Path;
 
 /// What all files together may take.
@@ -34,6 +34,23 @@ fn the_committed_files_are_what_is_made() {
             .is_some_and(|ending| ending == "wav")
     });
     assert_eq!(waves.count(), SOUNDS.len(), "a file that nothing makes");
+}
+
+#[test]
+fn the_committed_picture_is_what_is_made() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../plugins/sound/sounds.svg");
+    let kept = std::fs::read_to_string(&path).unwrap();
+    let made = picture::svg(SEED);
+    assert!(
+        made == kept,
+        "{} is another: `cargo run -p dolomite_sounds -- --picture plugins/sound/sounds.svg` makes it anew",
+        path.display()
+    );
+    let names = SOUNDS.iter().filter(|sound| {
+        let name = sound.name.replace('_', " ");
+        made.contains(&format!(">{name}</text>"))
+    });
+    assert_eq!(names.count(), SOUNDS.len());
 }
 
 /// Loops: the step over the seam is one as others are, and there is no more of them around it. Others begin and end in
