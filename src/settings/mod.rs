@@ -59,7 +59,8 @@ pub struct Settings {
     /// Time in which the ground's detail is to be chosen and drawn, milliseconds of the GPU; above 0, at most
     /// 1000. The error in the picture follows it; `max_error` then does not count.
     pub budget: Option<f32>,
-    /// The ground's triangles are chosen in blocks: coarse ground at once, finer from frame to frame.
+    /// The ground's triangles are chosen in blocks: coarse ground at once, finer from frame to frame. Else cell by cell,
+    /// all of them in the frame that first needs them.
     pub blocks: bool,
     /// Who lights the picture.
     pub renderer: Renderer,
@@ -140,7 +141,7 @@ impl Default for Settings {
             finest_patch: 16.0,
             max_error: Some(1.0),
             budget: None,
-            blocks: false,
+            blocks: true,
             renderer: Renderer::Bevy,
             preset: Preset::Auto,
             bloom: None,

@@ -15,6 +15,7 @@ use bevy::prelude::*;
 use dolomite::DolomitePlugins;
 use dolomite::ground::detail::budget::{Budget, BudgetReport, FrameTime, ViewWork, WorkCurve};
 use dolomite::ground::detail::{Metric, TerrainLod};
+use dolomite::ground::render::GroundProgress;
 use dolomite::ground::{GroundPlugin, TerrainView};
 use dolomite::terrain::{Fractal, Ground};
 use dolomite::tessellation::render::GeometryStats;
@@ -25,6 +26,8 @@ const SPAN: DiagnosticPath = DiagnosticPath::const_new("render/made_up/elapsed_g
 const TOLERANCES: [f32; 3] = [32.0, 1.0, 2.0];
 /// Counters come two or three frames late, and a choice takes one frame to be drawn.
 const SETTLED: usize = 8;
+/// What a view asks for is made over some frames, a dozen of them here.
+const MOST: usize = 400;
 /// In each the tolerance moves by half a percent at the least; from one end of the range to the other in some
 /// ten. An estimate that was wrong costs a few more.
 const FRAMES: usize = 90;
@@ -98,7 +101,7 @@ impl Scene {
         taken
     }
 
-    /// Draws until counters have settled; the last frame's milliseconds.
+    /// Draws until all that is asked for has been made, and counters have settled; the last frame's milliseconds.
     fn settled(&mut self, metric: Metric) -> f64 {
         let detail = TerrainLod {
             metric,
@@ -106,7 +109,17 @@ impl Scene {
             ..TerrainLod::default()
         };
         self.app.world_mut().entity_mut(self.camera).insert(detail);
-        (0..SETTLED).map(|_| self.frame()).last().expect("frames")
+        let mut calm = 0;
+        for _ in 0..MOST {
+            let taken = self.frame();
+            let ground = self.app.world().resource::<GroundProgress>().all();
+            let rests = ground.is_some_and(|ground| ground.settled);
+            calm = if rests { calm + 1 } else { 0 };
+            if calm == SETTLED {
+                return taken;
+            }
+        }
+        panic!("not settled within {MOST} frames");
     }
 
     fn report(&self) -> BudgetReport {

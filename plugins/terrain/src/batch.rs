@@ -259,9 +259,10 @@ fn fill_tile(batch: &impl Batch, tile: &HeightTile, mut out: Planes) -> Result<(
     Ok(())
 }
 
-/// Fills a tile on all cores: bands of rows, each written by one task.
-fn fill_tile_parallel(
+/// Fills a tile by the threads of a pool: bands of rows, each written by one task.
+fn fill_tile_on(
     batch: &impl Batch,
+    pool: &TaskPool,
     tile: &HeightTile,
     out: Planes,
 ) -> Result<(), BatchError> {
@@ -270,7 +271,7 @@ fn fill_tile_parallel(
         return Ok(());
     }
     let grid = tile.grid();
-    ComputeTaskPool::get_or_init(TaskPool::default).scope(|scope| {
+    pool.scope(|scope| {
         let starts = (0..tile.height).step_by(ROWS_PER_TASK);
         for (start, mut part) in starts.zip(out.parts(ROWS_PER_TASK * tile.width)) {
             let rows = start..tile.height.min(start + ROWS_PER_TASK);
@@ -308,7 +309,23 @@ macro_rules! batch_methods {
             /// # Errors
             /// As above.
             pub fn fill_tile_parallel(&self, tile: &HeightTile, out: Planes) -> Result<(), BatchError> {
-                fill_tile_parallel(self, tile, out)
+                let pool = ComputeTaskPool::get_or_init(TaskPool::default);
+                fill_tile_on(self, pool, tile, out)
+            }
+
+            /// The same by this thread and those of `pool`: the same bits. What is made in the background takes
+            /// Bevy's `AsyncComputeTaskPool`: of the compute task pool the systems of every frame have need, and wait
+            /// behind what it has been given before.
+            ///
+            /// # Errors
+            /// As above.
+            pub fn fill_tile_on(
+                &self,
+                pool: &TaskPool,
+                tile: &HeightTile,
+                out: Planes,
+            ) -> Result<(), BatchError> {
+                fill_tile_on(self, pool, tile, out)
             }
 
             /// Heights and gradients of a list of places, on this thread.

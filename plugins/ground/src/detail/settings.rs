@@ -114,9 +114,9 @@ impl Metric {
 #[reflect(Default)]
 pub enum Choice {
     /// In blocks of 16 × 16 cells, see [`blocks`](crate::blocks): they are made over some frames, coarse ground first.
+    #[default]
     Blocks,
     /// Cell by cell, see [`detail`](crate::detail): all of them are made in the frame that first needs them.
-    #[default]
     Cells,
 }
 

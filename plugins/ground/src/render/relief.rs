@@ -14,7 +14,7 @@ use bevy::math::DVec2;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
+use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, poll_once};
 use dolomite_terrain::{GroundPoint, HeightTile, Planes, Terrain};
 use half::f16;
 use std::time::Duration;
@@ -167,8 +167,8 @@ fn texel(terrain: &Terrain, side: u32) -> f64 {
     terrain.extent().size().max_element() / f64::from(side)
 }
 
-/// Samples the terrain on `side` × `side` texel centres from the extent's least corner, on all
-/// cores.
+/// Samples the terrain on `side` × `side` texel centres from the extent's least corner, by this thread and those for
+/// work in the background.
 pub fn relief_map(terrain: &Terrain, side: u32) -> Image {
     let n = side as usize;
     let spacing = texel(terrain, side);
@@ -186,7 +186,10 @@ pub fn relief_map(terrain: &Terrain, side: u32) -> Image {
         dx: &mut dx,
         dz: &mut dz,
     };
-    let filled = terrain.fill_tile_parallel(&tile, planes);
+    // Systems of the frames meanwhile have the compute task pool for themselves: on two cores it is one thread, behind
+    // whose bands of a map they once waited for longer than a second.
+    let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
+    let filled = terrain.fill_tile_on(pool, &tile, planes);
     debug_assert!(filled.is_ok(), "the planes have the tile's size");
     if let Some(sea) = terrain.sea_level() {
         for height in &mut heights {

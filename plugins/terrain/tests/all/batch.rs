@@ -3,6 +3,7 @@
 use crate::support;
 
 use bevy::math::DVec2;
+use bevy::tasks::TaskPoolBuilder;
 use dolomite_terrain::{
     BatchError, Filter, Fractal, GroundPoint, Height, HeightMap, HeightTile, Hill, Layer, Mask,
     PermutationNoise, Planes, Source, Terrain,
@@ -127,6 +128,12 @@ fn all_cores_give_the_bits_of_one() {
         .fill_tile_parallel(&tile, all.planes())
         .expect("right size");
     assert_eq!(one.bits(), all.bits());
+    let pool = TaskPoolBuilder::new().num_threads(2).build();
+    let mut named = Buffers::new(tile.len());
+    terrain
+        .fill_tile_on(&pool, &tile, named.planes())
+        .expect("right size");
+    assert_eq!(one.bits(), named.bits());
     assert!(
         one.0.iter().flatten().all(|v| v.is_finite()),
         "every sample is written"
