@@ -21,6 +21,7 @@ use bevy::prelude::*;
 use bevy::render::pipelined_rendering::{RenderAppChannels, RenderExtractApp};
 use bevy::tasks::{ComputeTaskPool, futures_lite::future};
 use bevy::window::WindowCloseRequested;
+use bevy::winit::WINIT_WINDOWS;
 use dolomite::inspector::Inspector;
 
 use super::ended::end;
@@ -217,6 +218,18 @@ fn leave_if_asked(world: &World) {
     let closed = world.get_resource::<Messages<WindowCloseRequested>>();
     let closed = closed.is_some_and(|closed| !closed.is_empty());
     if escape || closed {
+        hide_windows();
         end(0);
     }
+}
+
+/// Takes the windows off the display before the process ends. Its memory, some gigabyte, is freed by the last of its threads
+/// to go; where that is the one by which software Vulkan keeps compiled shaders, which runs when no other program wants to,
+/// busy cores take more than a second for it, and what is still open stands there all the while.
+fn hide_windows() {
+    WINIT_WINDOWS.with_borrow(|all| {
+        for window in all.windows.values() {
+            window.set_visible(false);
+        }
+    });
 }

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy::render::view::ColorGrading;
 use dolomite::sky::{SeenSky, Sky, SkySystems, Sun};
 
+use super::start::Starting;
 use super::{city, quality};
 use crate::scene::CurrentScene;
 use crate::settings::Settings;
@@ -24,7 +25,11 @@ impl Plugin for DaylightPlugin {
             .add_systems(
                 Update,
                 turn_sun
-                    .run_if(resource_changed::<CurrentScene>.or_else(resource_changed::<Settings>)),
+                    .run_if(
+                        resource_changed::<CurrentScene>
+                            .or_else(resource_changed::<Settings>)
+                            .or_else(resource_removed::<Starting>),
+                    ),
             )
             .add_systems(PostUpdate, fade.after(SkySystems::See));
     }
@@ -46,8 +51,13 @@ fn place(scene: &CurrentScene, settings: &Settings) -> Sun {
         .map_or(scene.sun, |(azimuth, elevation)| Sun { azimuth, elevation })
 }
 
-/// The sky of the scene's cameras: whether there is a sea, and how dark nights are.
-pub fn sky(scene: &CurrentScene) -> Sky {
+/// Side of the sky's maps below the start screen, texels. All maps take a sixteenth of the half second of two cores that the
+/// usual ones take, in which the window would answer nobody; those are made in the background once there is a picture.
+const FIRST_SIDE: u32 = 32;
+
+/// The sky of the scene's cameras: whether there is a sea, and how dark nights are. While the start screen is shown it is
+/// coarse.
+pub fn sky(scene: &CurrentScene, starting: bool) -> Sky {
     let usual = Sky::default();
     let (night_ev100, stars) = match scene.city {
         Some(_) => (city::NIGHT_EV100, city::STARS),
@@ -57,6 +67,7 @@ pub fn sky(scene: &CurrentScene) -> Sky {
         sea: scene.terrain.sea_level().is_some(),
         night_ev100,
         stars,
+        side: if starting { FIRST_SIDE } else { usual.side },
         ..usual
     }
 }
@@ -66,6 +77,7 @@ fn turn_sun(
     settings: Res<Settings>,
     mut suns: Query<&mut Sun>,
     mut skies: Query<&mut Sky>,
+    starting: Option<Res<Starting>>,
     mut last: Local<Option<Sun>>,
 ) {
     // A sun that was turned otherwise, as by the console, stays where it is while the settings change in other things.
@@ -76,7 +88,7 @@ fn turn_sun(
         }
     }
     for mut seen in &mut skies {
-        seen.set_if_neq(sky(&scene));
+        seen.set_if_neq(sky(&scene, starting.is_some()));
     }
 }
 

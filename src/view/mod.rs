@@ -77,6 +77,7 @@ use scaled::{Scaled, ScaledPlugin};
 use senses::SensesPlugin;
 use shapes::ShapesPlugin;
 use sharpen::Widened;
+use start::Starting;
 use things::ThingViewPlugin;
 use torch::TorchPlugin;
 use vegetation::PlantPlugin;
@@ -185,7 +186,7 @@ fn dress_camera(
     target: Option<Res<OffscreenTarget>>,
     settings: Res<Settings>,
     scene: Res<CurrentScene>,
-    widened: Option<Res<Widened>>,
+    (widened, starting): (Option<Res<Widened>>, Option<Res<Starting>>),
     chosen: Res<Quality>,
     cameras: Query<(Entity, &FreeCamera)>,
 ) {
@@ -226,7 +227,7 @@ fn dress_camera(
                 pixels_per_edge: settings.pixels_per_edge,
                 ..default()
             },
-            daylight::sky(&scene),
+            daylight::sky(&scene, starting.is_some()),
             UiCamera,
         ));
         quality::effects(&mut entity, &chosen);

@@ -1,5 +1,5 @@
 //! The maps of the skies that cameras see: made once for all cameras that see the same, anew when the
-//! sun has gone far enough, and in the background where it has not gone far.
+//! sun has gone far enough, and in the background where it has not gone far, or where other sizes of the same sky are there.
 
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, poll_once};
@@ -40,11 +40,12 @@ impl MapKey {
         }
     }
 
-    /// How far the sun has gone from there to here, degrees; `None` where something else differs.
+    /// How far the sun has gone from there to here, degrees; `None` where something else differs but the maps' sides.
     fn away(&self, other: &Self) -> Option<f32> {
         let same = Self {
             towards_sun: other.towards_sun,
             ev100: other.ev100,
+            side: other.side,
             ..*self
         } == *other;
         let near = (self.ev100 - other.ev100).abs() <= STOPS;
@@ -108,7 +109,7 @@ impl MapStore {
     }
 
     /// The maps of a sky seen with an exposure, or ones of a sun not farther than `step` degrees from
-    /// it; meanwhile, where the sun has gone but a little, those that there are.
+    /// it; meanwhile, where the sun has gone but a little or the maps are to have another side, those that there are.
     pub fn find(
         &mut self,
         seen: &SeenSky,
@@ -117,15 +118,19 @@ impl MapStore {
         images: &mut Assets<Image>,
     ) -> &MapHandles {
         let key = MapKey::new(seen, ev100);
-        let nearest = self
-            .kept
-            .iter()
-            .enumerate()
-            .filter_map(|(k, kept)| Some((k, kept.key.away(&key)?)))
-            .min_by(|(_, a), (_, b)| a.total_cmp(b));
-        let found = match nearest {
-            Some((k, away)) if away <= step => k,
-            Some((k, away)) if away <= NEAR => {
+        let nearest = |fits: &dyn Fn(&MapKey, f32) -> bool| {
+            self.kept
+                .iter()
+                .enumerate()
+                .filter_map(|(k, kept)| Some((k, kept.key.away(&key)?)))
+                .filter(|(k, away)| fits(&self.kept[*k].key, *away))
+                .min_by(|(_, a), (_, b)| a.total_cmp(b))
+                .map(|(k, _)| k)
+        };
+        let exact = nearest(&|kept, away| kept.side == key.side && away <= step);
+        let found = match exact.or_else(|| nearest(&|_, away| away <= NEAR)) {
+            Some(k) if exact.is_some() => k,
+            Some(k) => {
                 let heavens = seen.heavens;
                 self.making.get_or_insert_with(|| {
                     let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
@@ -136,7 +141,7 @@ impl MapStore {
                 });
                 k
             }
-            _ => {
+            None => {
                 self.keep(key, make(key, &seen.heavens, Cores::All), images);
                 self.kept.len() - 1
             }
@@ -246,6 +251,17 @@ mod tests {
             ),
             (1, Some(0.0))
         );
+        // Larger maps of the same sky: the small ones are seen until they are there.
+        let mut large = sky(30.2);
+        large.sky.side = 16;
+        let small = found;
+        let mut found = frame(&mut store, &mut images, &[(large, 0.25)]);
+        assert_eq!(small, found);
+        while found == small && std::time::Instant::now() < limit {
+            found = frame(&mut store, &mut images, &[(large, 0.25)]);
+        }
+        assert_ne!(found, small);
+        assert_eq!((store.kept.len(), store.kept[0].key.side), (1, 16));
         // A leap is not waited for.
         let leapt = frame(&mut store, &mut images, &[(sky(40.0), 0.25)]);
         assert_ne!(leapt, found);
