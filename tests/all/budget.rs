@@ -244,8 +244,8 @@ fn gpu_the_ground_counts_what_each_tolerance_asks_for() {
                 "counted at {pixels} px, of {other} px: {off:.3} of {}",
                 drawn[j]
             );
-            // Counts of an eighth of an octave are taken as spread evenly over it, and the curve has six points an
-            // octave between which it is straight: 4 % each. Finer than counted, it goes on as steeply as it comes,
+            // Counts of half an octave are taken as spread evenly over it, and the curve has six points an octave
+            // between which it is straight: 6 % and 4 %. Finer than counted, it goes on as steeply as it comes,
             // which holds to some tenths an octave.
             let most = if j >= k { 0.1 } else { 0.3 * (k - j) as f64 };
             assert!((off - 1.0).abs() <= most, "{off} is farther than {most}");
