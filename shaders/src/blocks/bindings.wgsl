@@ -79,7 +79,7 @@ const SLOPES: u32 = 64u;
 
 // Most blocks that a round makes, and that it refreshes.
 const MOST_MADE: u32 = 64u;
-const MOST_REFRESHED: u32 = 256u;
+const MOST_REFRESHED: u32 = 1024u;
 
 fn record_at(slot: u32) -> u32 {
     return slot * RECORD_WORDS;

@@ -234,7 +234,7 @@ pub fn meets(place: BlockPlace, edited: &[EditedRect]) -> bool {
 const MOST_ROUNDS: u32 = 32;
 
 /// In how many rounds an edit is taken over that makes at most so many blocks anew: a round makes [`MOST_MADE`] of any level
-/// that are ready, and refreshes four times as many. A block is ready when its parent has been made or refreshed.
+/// that are ready, and refreshes many more. A block is ready when its parent has been made or refreshed.
 #[must_use]
 pub fn edit_rounds(lattice: &DetailLattice, most: u32) -> u32 {
     halves(lattice).count() as u32 + most.div_ceil(MOST_MADE).min(MOST_ROUNDS)

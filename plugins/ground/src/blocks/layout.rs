@@ -140,9 +140,9 @@ pub const SEEN_BYTES: u64 = 192;
 pub const COUNT_WORDS: usize = ALL_COUNT_WORDS;
 /// Most blocks that a frame makes, and roots that a ground has.
 pub const MOST_MADE: u32 = 64;
-/// Most blocks that a round of an edit refreshes. All that are kept at the defaults and need it, a few thousand, have time for it
-/// in the rounds that there are.
-pub const MOST_REFRESHED: u32 = 256;
+/// Most blocks that a round of an edit refreshes. There is a round for every level at least, and hardly a view keeps more of
+/// one level; what waits in the end all the same is dropped.
+pub const MOST_REFRESHED: u32 = 1024;
 /// Samples of a block.
 pub const SAMPLE_COUNT: u32 = 89 * 89;
 /// Fours of samples of a block, the last of a row not whole: what a thread of the pass that samples works on.

@@ -2,9 +2,9 @@
 //!
 //! A quarter takes two things of its parent's record. It **copies** what is older than itself: all numbers of the vertices on
 //! its square. And it **cuts** by the errors of centres and the intervals of cells, of those on its square and of a ring of one
-//! about it. What it copies is part of no other of its numbers: where that alone has become another the quarter is
-//! [refreshed](refreshed), for which nothing of the ground is asked. What it cuts by counts for its own vertices, and of these
-//! only what was cut is kept: there it is made anew. What is neither copied nor cut by leaves it as it is, and all below it.
+//! about it. What it copies is part of no other of its numbers: where that alone has become another the quarter is [`refreshed`],
+//! for which nothing of the ground is asked. What it cuts by counts for its own vertices, and of these only what was cut is kept:
+//! there it is made anew. What is neither copied nor cut by leaves it as it is, and all below it.
 
 use bevy::math::IVec2;
 
