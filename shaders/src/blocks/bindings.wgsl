@@ -41,8 +41,9 @@ struct SeenBlock {
 // Of this view.
 @group(0) @binding(4) var<storage, read_write> seen: array<SeenBlock>;
 // By DetailParams.capacity = n: n blocks to look at, n that are drawn, n that are shown, n beside the eye, then blocks to make,
-// then whether there was nothing left to make in the last round, then how many blocks the last edit made anew, and dropped.
-// While an edit is taken over the first two lists hold blocks that wait to be made anew, and that are dropped.
+// then whether there was nothing left to make in the last round, then how many blocks the last edit made anew, dropped and
+// refreshed. While an edit is taken over the first three lists hold blocks that wait to be made anew, that are dropped, and that
+// wait to be refreshed.
 @group(0) @binding(6) var<storage, read_write> lists: array<u32>;
 
 // Words of `counts`, all of them 0 before the first pass; from 352 on the map of the horizon.
@@ -69,11 +70,16 @@ const WAITING: u32 = 40u;
 const REMADE: u32 = 41u;
 const ROUND: u32 = 42u;
 const LOST: u32 = 43u;
-// By the blocks of a round: not 0 where a record has become another.
-const DIFFERS: u32 = 64u;
+// The same of blocks that are refreshed: those that are to be, those of them that have been, and those of the last round.
+const STALE: u32 = 44u;
+const REFRESHED: u32 = 45u;
+const REFRESHES: u32 = 46u;
+// By the blocks that a round makes: for which quarters gradients have become others, see others.wgsl.
+const SLOPES: u32 = 64u;
 
-// Most blocks that a round makes.
+// Most blocks that a round makes, and that it refreshes.
 const MOST_MADE: u32 = 64u;
+const MOST_REFRESHED: u32 = 1024u;
 
 fn record_at(slot: u32) -> u32 {
     return slot * RECORD_WORDS;
@@ -109,6 +115,10 @@ fn waiting_list() -> u32 {
 
 fn lost_list() -> u32 {
     return drawn_list();
+}
+
+fn refresh_list() -> u32 {
+    return shown_list();
 }
 
 fn remade_word() -> u32 {

@@ -1,7 +1,7 @@
-// Drops what an edit reaches and no round has made anew, with all that is finer: it is made when a view wishes for it. One
-// workgroup, a level of the tree after the other.
+// Drops what an edit makes another and no round has made anew or refreshed, with all that is finer: it is made when a view wishes
+// for it. One workgroup, a level of the tree after the other.
 
-#import dolomite::blocks::bindings::{LOST, REMADE, ROUND, WAITING, heads, lists, lost_list, remade_word, waiting_list}
+#import dolomite::blocks::bindings::{LOST, REFRESHED, REFRESHES, REMADE, ROUND, STALE, WAITING, heads, lists, lost_list, refresh_list, remade_word, waiting_list}
 #import dolomite::blocks::record::NO_BLOCK
 #import dolomite::blocks::stock::stock
 #import dolomite::detail::bindings::counts
@@ -41,6 +41,8 @@ fn drop_edited(@builtin(local_invocation_index) thread: u32) {
     // The last that were found have not been made: there was no round after them.
     let remade = atomicLoad(&counts[REMADE]) - atomicLoad(&counts[ROUND]);
     let waiting = atomicLoad(&counts[WAITING]);
+    let refreshed = atomicLoad(&counts[REFRESHED]) - atomicLoad(&counts[REFRESHES]);
+    let stale = atomicLoad(&counts[STALE]);
     if thread == 0u {
         atomicStore(&lost, atomicLoad(&counts[LOST]));
     }
@@ -48,6 +50,11 @@ fn drop_edited(@builtin(local_invocation_index) thread: u32) {
     // Roots do not wait: they were first.
     for (var k = remade + thread; k < waiting; k += GROUP) {
         let slot = lists[waiting_list() + k];
+        take_from_parent(slot);
+        lose(slot);
+    }
+    for (var k = refreshed + thread; k < stale; k += GROUP) {
+        let slot = lists[refresh_list() + k];
         take_from_parent(slot);
         lose(slot);
     }
@@ -65,5 +72,6 @@ fn drop_edited(@builtin(local_invocation_index) thread: u32) {
     if thread == 0u {
         lists[remade_word()] = remade;
         lists[remade_word() + 1u] = begin;
+        lists[remade_word() + 2u] = refreshed;
     }
 }

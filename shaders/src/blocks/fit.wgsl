@@ -147,7 +147,10 @@ fn take(slot: u32, quarter: u32) {
         0.0,
         0.0,
         0.0,
-        vec4(0u),
+        0u,
+        0u,
+        0u,
+        0u,
     );
     heads[slot].children[quarter] = child;
     lists[made_list() + number] = child;

@@ -4,11 +4,12 @@
 #import dolomite::detail::bindings::{counts, detail}
 #import dolomite::detail::lattice::on_lattice
 #import dolomite::detail::unseen::unseen
-#import dolomite::blocks::bindings::{DIFFERS, heads, lists, made_list, record_at, records}
+#import dolomite::blocks::bindings::{SLOPES, heads, lists, made_list, record_at, records}
 #import dolomite::blocks::border::{border_point, metres_between}
 #import dolomite::blocks::errors::{BEYOND, TAIL, bend, bend_of_bed, greater, twist}
 #import dolomite::blocks::nest::{Nest, centre_count, middle_count, nest_centre, nest_middle, tails, twists}
-#import dolomite::blocks::record::{ALWAYS, CELLS, CELL_HIGHS, CELL_LOWS, CORNERS, CORNER_COUNT, ERRORS, HEIGHTS, HIGHS, LOWS, NEST, NO_BLOCK, RINGED, RINGED_COUNT, RING_ERRORS, VERTICES, block_quarter, number_at, quarter_corner, ring_number, ringed_number}
+#import dolomite::blocks::others::{copiers, copy_corner, cutters, put_bits, taken_by}
+#import dolomite::blocks::record::{ALWAYS, CELLS, CELL_HIGHS, CELL_LOWS, CORNERS, CORNER_COUNT, ERRORS, HEIGHTS, HIGHS, LOWS, NEST, NO_BLOCK, RINGED, RINGED_COUNT, RING_ERRORS, block_quarter, number_at, quarter_corner, ring_number, ringed_number}
 #import dolomite::blocks::samples::{BEFORE_BLOCK, SAMPLES, SAMPLE_COUNT, WIDE, WIDE_COUNT, drawn, sample_row, samples}
 #import dolomite::blocks::uneven::{has_border, put_uneven}
 #import dolomite::terrain::fixed::ground_offset
@@ -33,9 +34,8 @@ var<workgroup> mixed: array<f32, 361>;
 var<workgroup> largest: atomic<u32>;
 var<workgroup> lowest: atomic<u32>;
 var<workgroup> highest: atomic<u32>;
-
-// Not 0 where this thread has written what was not there before: who makes a block anew asks whether it has become another.
-var<private> differs: u32;
+// Which quarters take something that has become another.
+var<workgroup> all_taken_by: atomic<u32>;
 
 struct Made {
     // Its first sample.
@@ -272,19 +272,8 @@ fn around(first: vec2<i32>, n: i32) -> vec2<f32> {
     return vec2(low, high);
 }
 
-fn put_bits(at: u32, bits: u32) {
-    differs |= records[at] ^ bits;
-    records[at] = bits;
-}
-
-fn put(made: Made, word: u32, value: f32) {
-    put_bits(made.record + word, bitcast<u32>(value));
-}
-
-fn copy(made: Made, number: u32, from_number: u32) {
-    for (var field = HEIGHTS; field < RING_ERRORS; field += VERTICES) {
-        put_bits(made.record + field + number, records[made.parent + field + from_number]);
-    }
+fn put(made: Made, word: u32, value: f32, whose: u32) {
+    put_bits(made.record + word, bitcast<u32>(value), whose);
 }
 
 fn ordered(value: f32) -> u32 {
@@ -352,6 +341,7 @@ fn make_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         atomicStore(&largest, 0u);
         atomicStore(&lowest, 0xffffffffu);
         atomicStore(&highest, 0u);
+        atomicStore(&all_taken_by, 0u);
     }
     for (var k = thread; k < WIDE_COUNT; k += GROUP) {
         look_at_cell(made.row, k);
@@ -383,19 +373,21 @@ fn make_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     for (var k = thread; k < RINGED_COUNT; k += GROUP) {
         let cell = vec2(i32(k % RINGED), i32(k / RINGED)) - vec2(1);
         let wide = (cell.y + AROUND) * i32(WIDE) + cell.x + AROUND;
-        put(made, CELL_LOWS + k, lows[wide]);
-        put(made, CELL_HIGHS + k, highs[wide]);
+        let cut_by = cutters(cell);
+        put(made, CELL_LOWS + k, lows[wide], cut_by);
+        put(made, CELL_HIGHS + k, highs[wide], cut_by);
         let error = centre_error(made, cell);
         if all(cell >= vec2(0)) && all(cell < vec2(i32(CELLS))) {
             let place = bitcast<vec2<u32>>(2 * cell + vec2(1));
             let number = number_at(place);
             let interval = around(cell - vec2(1), 3);
-            put(made, HEIGHTS + number, height_at(made, place));
-            put(made, ERRORS + number, error);
-            put(made, LOWS + number, interval.x);
-            put(made, HIGHS + number, interval.y);
+            let copied = copiers(place);
+            put(made, HEIGHTS + number, height_at(made, place), copied);
+            put(made, ERRORS + number, error, copied | cut_by);
+            put(made, LOWS + number, interval.x, copied);
+            put(made, HIGHS + number, interval.y, copied);
         } else {
-            put(made, RING_ERRORS + ring_number(cell), error);
+            put(made, RING_ERRORS + ring_number(cell), error, cut_by);
         }
     }
     var greatest = 0.0;
@@ -414,18 +406,16 @@ fn make_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
                 low = min(low, interval.x);
                 high = max(high, interval.y);
             }
-            put(made, HEIGHTS + k, height_at(made, 2u * corner));
-            put(made, ERRORS + k, error);
-            put(made, LOWS + k, interval.x);
-            put(made, HIGHS + k, interval.y);
+            let copied = copiers(2u * corner);
+            put(made, HEIGHTS + k, height_at(made, 2u * corner), copied);
+            put(made, ERRORS + k, error, copied);
+            put(made, LOWS + k, interval.x, copied);
+            put(made, HIGHS + k, interval.y, copied);
         } else {
-            let above = (corner >> vec2(1u)) + made.inside;
-            copy(made, k, number_at(2u * above + (corner & vec2(1u))));
+            copy_corner(made.record, made.parent, made.inside, corner);
         }
     }
-    if differs != 0u {
-        atomicOr(&counts[DIFFERS + group.x], 1u);
-    }
+    atomicOr(&all_taken_by, taken_by);
     atomicMax(&largest, bitcast<u32>(greatest));
     atomicMin(&lowest, ordered(low));
     atomicMax(&highest, ordered(high));
@@ -434,5 +424,6 @@ fn make_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         heads[slot].mixed_error = bitcast<f32>(atomicLoad(&largest));
         heads[slot].low = unordered(atomicLoad(&lowest));
         heads[slot].high = unordered(atomicLoad(&highest));
+        heads[slot].others = atomicLoad(&all_taken_by) | atomicLoad(&counts[SLOPES + group.x]);
     }
 }

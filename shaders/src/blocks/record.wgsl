@@ -53,7 +53,11 @@ struct BlockHead {
     // Of the intervals of its vertices.
     low: f32,
     high: f32,
-    pad: vec4<u32>,
+    // Which quarters take what has become another when it was last made or refreshed, see others.wgsl.
+    others: u32,
+    pad_a: u32,
+    pad_b: u32,
+    pad_c: u32,
 }
 
 // The k-th corner of mixed parity, by rows.

@@ -1,8 +1,9 @@
 // Gradients at the vertices that are new in the blocks that are made. A thread a vertex, a row of workgroups a block.
 
 #import dolomite::detail::bindings::{counts, detail}
-#import dolomite::blocks::bindings::{DIFFERS, heads, lists, made_list, record_at, records}
+#import dolomite::blocks::bindings::{SLOPES, heads, lists, made_list, record_at, records}
 #import dolomite::blocks::border::border_point
+#import dolomite::blocks::others::copiers
 #import dolomite::blocks::record::{GRADIENTS, NO_BLOCK, OWN, VERTICES, number_at, own_vertex, pack_gradient, vertex_at}
 #import dolomite::terrain::height::terrain_height
 #ifdef TERRAIN_TILED
@@ -28,7 +29,7 @@ fn slope_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
     let at = record_at(slot) + GRADIENTS + number_at(place);
     let packed = pack_gradient(gradient);
     if records[at] != packed {
-        atomicOr(&counts[DIFFERS + group.y], 1u);
+        atomicOr(&counts[SLOPES + group.y], copiers(place));
     }
     records[at] = packed;
 }

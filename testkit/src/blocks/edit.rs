@@ -7,6 +7,17 @@ use dolomite_ground::blocks::changed::{EditReach, edited_lines, join_edited};
 use dolomite_ground::blocks::layout::remade_at;
 use dolomite_terrain::{GroundRect, Terrain};
 
+/// What an edit came to, blocks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RemadeBlocks {
+    /// Made anew from their samples.
+    pub made: u32,
+    /// Given anew what they copy from their parents.
+    pub refreshed: u32,
+    /// Dropped, as there was no room for more, or as their samples have gone.
+    pub dropped: u32,
+}
+
 impl BlockStage<'_> {
     /// Takes other edits of the ground over, as a store of an app does: the next choice makes anew what they reach. The
     /// definitions of the passes stay: the ground has to have had a layer of edits before.
@@ -28,13 +39,17 @@ impl BlockStage<'_> {
         self.buffers.terrain = data_of(self.gpu, terrain);
     }
 
-    /// How many blocks the newest edit made anew, and how many it dropped.
+    /// What the newest edit came to.
     ///
     /// # Errors
     /// [`DetailError`].
-    pub fn remade(&self) -> Result<[u32; 2], DetailError> {
+    pub fn remade(&self) -> Result<RemadeBlocks, DetailError> {
         let lists = words(self.gpu, &self.buffers.lists)?;
         let at = remade_at(self.slots) as usize;
-        Ok([lists[at], lists[at + 1]])
+        Ok(RemadeBlocks {
+            made: lists[at],
+            dropped: lists[at + 1],
+            refreshed: lists[at + 2],
+        })
     }
 }

@@ -7,6 +7,7 @@ mod edit;
 mod records;
 mod run;
 
+pub use edit::RemadeBlocks;
 pub use records::MadeBlock;
 
 use crate::detail::{DetailError, PassTime};

@@ -1,15 +1,13 @@
-//! Ground that changes within rectangles: which blocks are made anew, and which are kept.
+//! Ground that changes within rectangles: which blocks these reach, on the CPU and as the passes are told.
 //!
 //! A block is a function of the heights at its samples, of what may lie between them, and of its parent's record. So one
-//! whose samples a change does not reach is as it was, unless its parent has become another; and what is below it likewise:
-//! the samples of a block lie within its parent's.
+//! whose samples a change does not reach is as it was, unless something has become another that it takes from its parent
+//! ([`super::others`]); and what is below it likewise: the samples of a block lie within its parent's.
 
 use bevy::math::{DVec2, UVec2};
 use dolomite_terrain::{GroundPoint, GroundRect, Terrain};
 
-use super::kept::{KeptBlocks, lattice_of};
 use super::layout::MOST_MADE;
-use super::make::make;
 use super::place::{BlockPlace, CELLS, LEAST_HALF};
 use super::triangle::AROUND;
 use crate::detail::DetailLattice;
@@ -231,201 +229,22 @@ pub fn meets(place: BlockPlace, edited: &[EditedRect]) -> bool {
     })
 }
 
-/// Rounds of making that an edit may take beside one for each level of the tree: two thousand blocks. What more becomes another
-/// is dropped.
+/// Rounds of making that an edit may take beside one for each level of the tree: two thousand blocks. What more is to be made
+/// anew is dropped.
 const MOST_ROUNDS: u32 = 32;
 
-/// In how many rounds of [`MOST_MADE`] blocks an edit is taken over where there are so many slots: a round takes what is ready
-/// of any level, and a level is ready when the one above it has been made.
+/// In how many rounds an edit is taken over that makes at most so many blocks anew: a round makes [`MOST_MADE`] of any level
+/// that are ready, and refreshes many more. A block is ready when its parent has been made or refreshed.
 #[must_use]
-pub fn edit_rounds(lattice: &DetailLattice, slots: u32) -> u32 {
-    // Where an edit reaches few blocks as many as are kept may become others: coarse vertices, of which more is known or less,
-    // are vertices of all that is finer at their places.
-    halves(lattice).count() as u32 + slots.div_ceil(MOST_MADE).min(MOST_ROUNDS)
-}
-
-impl KeptBlocks {
-    /// The ground is `terrain` from now on, which differs within these rectangles alone: blocks that are others are made anew in
-    /// their slots, parents first. How many that were. Afterwards blocks are those of a ground that never was another. Where
-    /// the terrain has another lattice all begins anew.
-    pub fn change(&mut self, terrain: Terrain, finest: f32, changed: &[GroundRect]) -> usize {
-        if lattice_of(&terrain, finest) != self.lattice {
-            let keep = self.keep;
-            *self = Self::new(terrain, finest);
-            self.keep = keep;
-            return self.len();
-        }
-        let edits = EditReach::between(self.terrain(), &terrain, &self.lattice);
-        self.set_terrain(terrain);
-        let mut made = 0;
-        let mut open: Vec<(u32, bool)> = self.roots().iter().map(|&root| (root, false)).collect();
-        while let Some((slot, parent_changed)) = open.pop() {
-            let place = self.place(slot);
-            if !parent_changed && !is_reached(&self.lattice, place, edits, changed) {
-                continue;
-            }
-            let old = self.block(slot);
-            let parent = (!place.is_root(&self.lattice)).then(|| self.block(old.head.parent));
-            let (mut block, _) = make(self.terrain(), &self.lattice, place, parent);
-            block.head.parent = old.head.parent;
-            block.head.children = old.head.children;
-            block.head.looked = old.head.looked;
-            // Heights that are no numbers differ from themselves: more is made then than has to be.
-            let is_other = *block != *old;
-            let children = block.head.children.into_iter().filter(|&child| child != 0);
-            open.extend(children.map(|child| (child, is_other)));
-            self.replace(slot, block);
-            made += 1;
-        }
-        made
-    }
+pub fn edit_rounds(lattice: &DetailLattice, most: u32) -> u32 {
+    halves(lattice).count() as u32 + most.div_ceil(MOST_MADE).min(MOST_ROUNDS)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::blocks::choose::{Limits, settle};
-    use crate::blocks::record::Block;
-    use crate::detail::{DetailView, Lens, Metric, TerrainLod};
-    use bevy::math::{DQuat, DVec3};
-    use dolomite_terrain::{
-        Edit, EditKind, Fractal, Hill, Layer, Source, TerrainData, TerrainEdits,
-    };
-    use std::collections::HashMap;
-
-    /// Noise with as many hills as are given, and their rectangles.
-    fn ground(hills: &[Hill]) -> Terrain {
-        let noise = Source::Fractal(Fractal {
-            octaves: 9,
-            amplitude: 40.0,
-            wavelength: 300.0,
-            ..Fractal::default()
-        });
-        let sources = [noise]
-            .into_iter()
-            .chain(hills.iter().copied().map(Source::Hill));
-        Terrain::new(TerrainData {
-            extent: GroundRect::new(DVec2::new(-512.0, -256.0), DVec2::new(512.0, 256.0)),
-            layers: sources.map(|source| Layer { source, mask: None }).collect(),
-            base: 0.0,
-            sea_level: None,
-        })
-        .expect("valid")
-    }
-
-    fn view(eye: DVec3) -> DetailView {
-        let turn = DQuat::from_rotation_x(-0.6);
-        let lens = Lens::Perspective(0.577);
-        let mut view = DetailView::new(eye, turn, lens, UVec2::new(320, 180), 0.1);
-        view.set_metric(&TerrainLod {
-            metric: Metric::ErrorBound { pixels: 3.0 },
-            ..TerrainLod::default()
-        });
-        view
-    }
-
-    /// What there is, by place, but for slots.
-    fn by_place(blocks: &KeptBlocks) -> HashMap<[u32; 2], Block> {
-        let of = |slot: u32| {
-            let mut block = blocks.block(slot).clone();
-            block.head.parent = 0;
-            block.head.children = [0; 4];
-            block.head.looked = 0;
-            (block.head.centre.to_array(), block)
-        };
-        blocks.used().map(of).collect()
-    }
-
-    /// Blocks are those of ground that was never another.
-    fn same_as_fresh(blocks: &KeptBlocks, terrain: Terrain, eyes: &[DVec3]) {
-        let mut fresh = KeptBlocks::new(terrain, 0.125);
-        for &eye in eyes {
-            settle(&mut fresh, &view(eye), Limits::default());
-        }
-        let (changed, fresh) = (by_place(blocks), by_place(&fresh));
-        let both = fresh.keys().filter(|place| changed.contains_key(*place));
-        assert!(both.clone().count() > 40);
-        for place in both {
-            assert!(changed[place] == fresh[place], "{place:?}");
-        }
-    }
-
-    /// What is between samples of an edit is known of whole nodes of its tree: they count for blocks beside it.
-    #[test]
-    fn blocks_of_edited_ground_are_those_of_ground_that_was_always_so() {
-        let eyes = [
-            DVec3::new(-300.0, 60.0, 120.0),
-            DVec3::new(260.0, 50.0, 200.0),
-        ];
-        let mut now = ground(&[]);
-        let mut edits = TerrainEdits::new(&now).expect("fits");
-        let mut blocks = KeptBlocks::new(now.clone(), 0.125);
-        for eye in eyes {
-            settle(&mut blocks, &view(eye), Limits::default());
-        }
-        let before = by_place(&blocks);
-        for k in 0..6_u32 {
-            let stroke = Edit {
-                kind: [EditKind::Raise, EditKind::Lower][k as usize % 2].clone(),
-                place: DVec2::new(-330.0 + 37.0 * f64::from(k), 30.0 - 11.0 * f64::from(k)),
-                radius: 4.0 + 5.0 * f64::from(k),
-                strength: 3.0,
-                falloff: 0.7,
-            };
-            let next = edits.apply(&now, &stroke).expect("valid").terrain;
-            let changed = next.changed_since(&now).expect("the same ground");
-            now = next;
-            let made = blocks.change(now.clone(), 0.125, &changed);
-            assert!(made > 4 && made <= blocks.len(), "{made}");
-            same_as_fresh(&blocks, now.clone(), &eyes);
-        }
-        while let Some(undone) = edits.undo(&now) {
-            let changed = undone.changed_since(&now).expect("the same ground");
-            now = undone;
-            blocks.change(now.clone(), 0.125, &changed);
-        }
-        assert!(by_place(&blocks) == before, "to the bit");
-    }
-
-    #[test]
-    fn blocks_of_changed_ground_are_those_of_ground_that_was_never_another() {
-        let eyes = [
-            DVec3::new(-300.0, 60.0, 120.0),
-            DVec3::new(260.0, 50.0, 200.0),
-        ];
-        let hill = |x: f64, z: f64, radius: f32| Hill {
-            centre: DVec2::new(x, z),
-            radius,
-            height: 25.0,
-        };
-        let mut blocks = KeptBlocks::new(ground(&[]), 0.125);
-        for eye in eyes {
-            settle(&mut blocks, &view(eye), Limits::default());
-        }
-        let all = blocks.len();
-        assert!(all > 40, "{all}");
-        // One after the other, so that the second change finds what the first left; then both are taken back.
-        let mut hills = vec![hill(-310.0, 20.0, 8.0)];
-        let first = [GroundRect::square(hills[0].centre, 16.0)];
-        let made = blocks.change(ground(&hills), 0.125, &first);
-        assert!(made > 4 && made < all, "{made} of {all}");
-        hills.push(hill(250.0, 90.0, 30.0));
-        let second = [GroundRect::square(hills[1].centre, 60.0)];
-        blocks.change(ground(&hills), 0.125, &second);
-        let compare = |blocks: &KeptBlocks, terrain: Terrain| {
-            same_as_fresh(blocks, terrain, &eyes);
-        };
-        compare(&blocks, ground(&hills));
-        blocks.change(ground(&[]), 0.125, &[first[0], second[0]]);
-        compare(&blocks, ground(&[]));
-        // A wrong rectangle leaves blocks of the old ground: the comparison sees it.
-        let elsewhere = [GroundRect::square(DVec2::new(5000.0, 0.0), 10.0)];
-        blocks.change(ground(&hills), 0.125, &elsewhere);
-        let stale = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-            compare(&blocks, ground(&hills));
-        }));
-        assert!(stale.is_err());
-    }
+    use crate::blocks::kept::lattice_of;
+    use crate::blocks::tests::remade::ground;
 
     #[test]
     fn changes_beyond_the_ground_reach_nothing_and_others_whoever_samples_them() {

@@ -86,7 +86,9 @@ pub struct GpuHead {
     pub mixed_error: f32,
     pub low: f32,
     pub high: f32,
-    pub pad: [u32; 4],
+    /// See [`Others`](super::others::Others): when it was last made or refreshed.
+    pub others: u32,
+    pub pad: [u32; 3],
 }
 
 impl GpuHead {
@@ -103,7 +105,8 @@ impl GpuHead {
             mixed_error: 0.0,
             low: 0.0,
             high: 0.0,
-            pad: [0; 4],
+            others: 0,
+            pad: [0; 3],
         }
     }
 
@@ -137,6 +140,9 @@ pub const SEEN_BYTES: u64 = 192;
 pub const COUNT_WORDS: usize = ALL_COUNT_WORDS;
 /// Most blocks that a frame makes, and roots that a ground has.
 pub const MOST_MADE: u32 = 64;
+/// Most blocks that a round of an edit refreshes. There is a round for every level at least, and hardly a view keeps more of
+/// one level; what waits in the end all the same is dropped.
+pub const MOST_REFRESHED: u32 = 1024;
 /// Samples of a block.
 pub const SAMPLE_COUNT: u32 = 89 * 89;
 /// Fours of samples of a block, the last of a row not whole: what a thread of the pass that samples works on.
@@ -153,10 +159,11 @@ pub const LEAST_SLOTS: u32 = 128;
 /// Words of the lists.
 #[must_use]
 pub const fn list_words(slots: u32) -> u64 {
-    remade_at(slots) + 2
+    remade_at(slots) + 3
 }
 
-/// Word of the lists that says how many blocks the newest edit made anew; the next one says how many it dropped.
+/// Word of the lists that says how many blocks the newest edit made anew; the next ones say how many it dropped and how many it
+/// refreshed.
 #[must_use]
 pub const fn remade_at(slots: u32) -> u64 {
     done_at(slots) + 1
@@ -211,6 +218,8 @@ pub enum Groups {
     Sweep,
     /// One, before a choice whose ground was edited; no dispatch elsewhere.
     Edit,
+    /// As the arguments at these bytes say, before a choice whose ground was edited; no dispatch elsewhere.
+    EditAt(u64),
 }
 
 /// What a pass binds beside what all share.
@@ -234,7 +243,7 @@ pub enum Second {
 pub type Pass = (&'static str, &'static str, Second, Groups);
 
 /// The passes of a choice, in order; behind them those of an edit, which come before a choice.
-pub const PASSES: [Pass; 15] = [
+pub const PASSES: [Pass; 16] = [
     (
         "blocks/sweep.wgsl",
         "sweep_blocks",
@@ -310,6 +319,12 @@ pub const PASSES: [Pass; 15] = [
         Groups::Edit,
     ),
     (
+        "blocks/refresh.wgsl",
+        "refresh_blocks",
+        Second::Nothing,
+        Groups::EditAt(84),
+    ),
+    (
         "blocks/drop.wgsl",
         "drop_edited",
         Second::Arguments,
@@ -317,10 +332,12 @@ pub const PASSES: [Pass; 15] = [
     ),
 ];
 
-/// The pass that finds the blocks which a round makes anew, among [`PASSES`].
+/// The pass that finds the blocks which a round makes anew or refreshes, among [`PASSES`].
 pub const SPREAD: usize = 13;
-/// The pass that drops those which no round has made anew.
-pub const DROP: usize = 14;
+/// The pass that refreshes blocks.
+pub const REFRESH: usize = 14;
+/// The pass that drops those which no round has made anew or refreshed.
+pub const DROP: usize = 15;
 
 /// File and entry of the pass that answers height queries, after a choice. Group 0 is what all passes share, group 1 holds
 /// [`Asked`](crate::detail::probe::Asked) at 2, places at 3, answers at 4, as recorded by

@@ -321,7 +321,7 @@ impl Made<'_> {
 }
 
 /// Takes what is older than the block from its parent.
-fn from_parent(block: &mut Block, place: BlockPlace, parent: &Block) {
+pub(super) fn from_parent(block: &mut Block, place: BlockPlace, parent: &Block) {
     for number in 0..CORNER_COUNT {
         let corner = vertex_at(number) / 2;
         if corner_kind(corner) == CornerKind::Mixed {

@@ -20,7 +20,9 @@
 //! | [`mod@make`] | a block from its samples and its parent |
 //! | [`gate`] | which can be made of a map that is read by tiles |
 //! | [`kept`] | the blocks of a terrain |
-//! | [`changed`] | which of them are others where the ground changed |
+//! | [`changed`] | which of them are reached where the ground changed |
+//! | [`others`] | what follows for the quarters of one that has become another |
+//! | [`remade`] | blocks of ground that changed, made anew in their slots |
 //! | [`ratio`] | errors in a view |
 //! | [`mod@choose`] | which blocks a view draws, how coarsely, and what it wants |
 //! | [`leaves`] | which vertices of a block are there, and its triangles |
@@ -38,9 +40,11 @@ pub mod leaves;
 pub mod locate;
 pub mod make;
 pub mod mesh;
+pub mod others;
 pub mod place;
 pub mod ratio;
 pub mod record;
+pub mod remade;
 pub mod triangle;
 
 #[cfg(test)]

@@ -185,7 +185,8 @@ fn the_records_of_blocks_lie_as_in_rust() {
     use dolomite_ground::blocks::choose::AHEAD;
     use dolomite_ground::blocks::errors::{BED_SHARE, TAIL};
     use dolomite_ground::blocks::layout::{
-        BlockNumbers, GpuHead as BlockHead, MOST_MADE, RECORD_WORDS, SAMPLE_COUNT, SEEN_BYTES,
+        BlockNumbers, GpuHead as BlockHead, MOST_MADE, MOST_REFRESHED, RECORD_WORDS, SAMPLE_COUNT,
+        SEEN_BYTES,
     };
     use dolomite_ground::blocks::place::{CORNER_COUNT, LEAST_HALF, VERTICES};
     use dolomite_ground::blocks::record::{ALWAYS, GROWTH, NEST, RING, RINGED_COUNT, WINDOW};
@@ -202,6 +203,8 @@ fn the_records_of_blocks_lie_as_in_rust() {
             mixed_error,
             low,
             high,
+            others,
+            pad,
         }
     );
     same_layout!(
@@ -269,6 +272,8 @@ fn the_records_of_blocks_lie_as_in_rust() {
     assert_eq!(samples, SAMPLE_COUNT as usize);
     let made = constant("blocks/bindings.wgsl", "MOST_MADE");
     assert_eq!(made, MOST_MADE as usize);
+    let refreshed = constant("blocks/bindings.wgsl", "MOST_REFRESHED");
+    assert_eq!(refreshed, MOST_REFRESHED as usize);
     let ring = constant("blocks/edited.wgsl", "RING");
     assert_eq!(ring, EditReach::NEAR.wide_cells as usize);
     // A lattice may be halved as often.

@@ -5,5 +5,6 @@ pub mod grounds;
 mod guarantee;
 mod near;
 mod nested;
+pub mod remade;
 mod still;
 mod surface;

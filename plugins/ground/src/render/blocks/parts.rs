@@ -7,7 +7,7 @@ use super::record::{Extras, Step, beginning};
 /// A part of a choice; parts are passes of their own on the GPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// What comes before: roots of a new ground are made, blocks are dropped, and others made anew. Where the ground was
+    /// What comes before: roots of a new ground are made, blocks are dropped, and others made anew or refreshed. Where the ground was
     /// edited counts are cleared before it.
     Begin,
     /// Finds what is to be made, and draws nothing. Counts are cleared before it.
@@ -31,7 +31,7 @@ impl Part {
             .position(|(_, entry, ..)| *entry == LAST_LOOK)
             .unwrap_or(PASSES.len());
         let is_wanted = move |pass: &usize| match PASSES[*pass] {
-            (.., Groups::Sweep | Groups::Edit) => false,
+            (.., Groups::Sweep | Groups::Edit | Groups::EditAt(_)) => false,
             (.., Second::Ground, _) => self == Self::Make,
             (.., Groups::Horizon(_)) => self == Self::Choose && extras.occluded,
             _ => self == Self::Choose || (self == Self::Look && *pass <= fit),
@@ -63,7 +63,7 @@ mod tests {
                 };
                 let mut parts = names(&[Part::Begin, Part::Choose, Part::Make], extras);
                 let mut whole: Vec<_> = steps(extras).map(|step| PASSES[step.pass].1).collect();
-                let most = 20 + edits.map_or(0, |rounds| 4 * rounds as usize + 2);
+                let most = 20 + edits.map_or(0, |rounds| 5 * rounds as usize + 2);
                 assert!(parts.len() <= most && parts.len() == whole.len());
                 parts.sort_unstable();
                 whole.sort_unstable();
@@ -80,6 +80,7 @@ mod tests {
         };
         let round = [
             "spread_edits",
+            "refresh_blocks",
             "sample_blocks",
             "slope_blocks",
             "make_blocks",

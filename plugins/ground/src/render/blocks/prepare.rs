@@ -84,7 +84,7 @@ impl<K> BlockViews<K> {
 }
 
 /// An edit makes anew as many blocks as so many frames make; the others that it reaches are dropped, the finest of them, and
-/// are made as all that is missing.
+/// are made as all that is missing. Those that are only refreshed do not count: no height is looked up for them.
 const EDIT_FRAMES: u32 = 4;
 
 /// The stores that the cameras need: one for each size of the smallest cell, as large as the greatest view of it asks

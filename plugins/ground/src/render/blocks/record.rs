@@ -1,6 +1,8 @@
 //! What is recorded for a choice, in wgpu's own types: Bevy's systems, tests and studies all call this.
 
-use crate::blocks::layout::{DROP, Groups, PASSES, SPREAD, Second, done_at, making, slot_groups};
+use crate::blocks::layout::{
+    DROP, Groups, PASSES, REFRESH, SPREAD, Second, done_at, making, slot_groups,
+};
 
 /// What the passes bind and read.
 #[derive(Clone, Copy)]
@@ -63,7 +65,7 @@ pub struct Extras {
 /// The dispatches of a choice.
 pub fn steps(extras: Extras) -> impl Iterator<Item = Step> {
     let is_wanted = move |pass: &usize| match PASSES[*pass].3 {
-        Groups::Sweep | Groups::Edit => false,
+        Groups::Sweep | Groups::Edit | Groups::EditAt(_) => false,
         Groups::Horizon(_) => extras.occluded,
         _ => true,
     };
@@ -89,11 +91,11 @@ pub(super) fn beginning(extras: Extras) -> impl Iterator<Item = Step> {
         .chain(extras.edits.into_iter().flat_map(remaking))
 }
 
-/// The dispatches that make anew what an edit reaches, in so many rounds, and drop what is left then.
+/// The dispatches that make anew or refresh what an edit makes another, in so many rounds, and drop what is left then.
 fn remaking(rounds: u32) -> impl Iterator<Item = Step> {
     let round = || {
         let [(sample, _), (slope, _), (make, _)] = making(0);
-        [SPREAD, sample, slope, make]
+        [SPREAD, REFRESH, sample, slope, make]
     };
     let rounds = (0..rounds).flat_map(move |_| round());
     // The last look finds what the last round leaves to be dropped.
@@ -133,7 +135,7 @@ pub fn record_step(
             pass.dispatch_workgroups(slot_groups(bound.slots), 1, 1)
         }
         (None, Groups::Looked) => pass.dispatch_workgroups_indirect(bound.looked_arguments, 0),
-        (None, Groups::At(at) | Groups::Horizon(at)) => {
+        (None, Groups::At(at) | Groups::Horizon(at) | Groups::EditAt(at)) => {
             pass.dispatch_workgroups_indirect(bound.other_arguments, at)
         }
     }
