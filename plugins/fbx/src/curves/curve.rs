@@ -40,6 +40,36 @@ pub(crate) struct Curve<'a> {
     at: usize,
     /// What lies between the key of this number and the next one: many times do.
     piece: Option<(usize, Piece)>,
+    /// The same of the last time that was asked for, whatever it is.
+    last: Option<Stretch>,
+}
+
+/// What lies between two keys.
+#[derive(Debug, Clone, Copy)]
+struct Stretch {
+    from: f64,
+    to: f64,
+    how: How,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum How {
+    Stands(f64),
+    /// From a value by so much.
+    Line(f64, f64),
+    Bends(Piece),
+}
+
+impl Stretch {
+    /// At a time between the keys.
+    fn at(&self, time: f64) -> f64 {
+        let share = || (time - self.from) / (self.to - self.from);
+        match &self.how {
+            How::Stands(value) => *value,
+            How::Line(value, way) => value + way * share(),
+            How::Bends(piece) => piece.at(share()),
+        }
+    }
 }
 
 /// A Bézier curve from one key to the next: its four values, and where in time the two between lie, as shares of the way from
@@ -93,6 +123,7 @@ impl<'a> Curve<'a> {
             ticks: if ticks > 0.0 { ticks } else { TICKS },
             at: 0,
             piece: None,
+            last: None,
         })
     }
 
@@ -114,11 +145,18 @@ impl<'a> Curve<'a> {
             ticks: 46_186_158_000.0,
             at: 0,
             piece: None,
+            last: None,
         }
     }
 
     /// Its value at `time`, seconds on the file's clock. Fast where times grow.
     pub(crate) fn at(&mut self, time: f64) -> f64 {
+        if let Some(last) = &self.last
+            && time > last.from
+            && time < last.to
+        {
+            return last.at(time);
+        }
         let (Some(first), Some(last)) = (self.keys.first(), self.keys.last()) else {
             return 0.0;
         };
@@ -142,14 +180,17 @@ impl<'a> Curve<'a> {
         if time <= key.time {
             return key.value;
         }
-        let length = next.time - key.time;
-        let share = (time - key.time) / length;
-        match key.interpolation {
-            Interpolation::ConstantPrev => key.value,
-            Interpolation::ConstantNext => next.value,
-            Interpolation::Linear => key.value + (next.value - key.value) * share,
-            Interpolation::Cubic => self.piece(at, key, next).at(share),
-        }
+        let last = Stretch {
+            from: key.time,
+            to: next.time,
+            how: match key.interpolation {
+                Interpolation::ConstantPrev => How::Stands(key.value),
+                Interpolation::ConstantNext => How::Stands(next.value),
+                Interpolation::Linear => How::Line(key.value, next.value - key.value),
+                Interpolation::Cubic => How::Bends(*self.piece(at, key, next)),
+            },
+        };
+        self.last.insert(last).at(time)
     }
 
     /// What lies between key `at` and the next one, where it is cubic.
@@ -355,6 +396,7 @@ mod tests {
             ticks: 46_186_158_000.0,
             at: 0,
             piece: None,
+            last: None,
         }
     }
 
