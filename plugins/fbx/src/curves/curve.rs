@@ -1,10 +1,7 @@
 //! One curve.
 
+use super::tangents::{mended, reach};
 use ufbx::{AnimCurve, Extrapolation, ExtrapolationMode, Interpolation, Keyframe};
-
-/// The part of the time between two keys that a tangent reaches over where the file says no weight, as
-/// ufbx has it; it means a third.
-const THIRD: f32 = 0.333_333;
 
 /// Times beyond a curve's keys that are told apart: more are as good as none.
 const MOST_REPEATS: f64 = 1e6;
@@ -82,9 +79,13 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    fn of(key: &Keyframe, next: &Keyframe, length: f64) -> Self {
+    /// From key `at` to the next one.
+    fn of(keys: &[Keyframe], at: usize, key: &Keyframe, next: &Keyframe) -> Self {
+        let length = next.time - key.time;
         let (out, out_slope) = reach(key.right, length);
         let (into, into_slope) = reach(next.left, length);
+        let out_slope = out_slope * mended(keys, at, key.right);
+        let into_slope = into_slope * mended(keys, at + 1, next.left);
         let (a, d) = (key.value, next.value);
         Self {
             values: [a, a + out_slope * out, d - into_slope * into, d],
@@ -198,7 +199,8 @@ impl<'a> Curve<'a> {
         if self.piece.as_ref().is_none_or(|(known, _)| *known != at) {
             self.piece = None;
         }
-        let made = || (at, Piece::of(key, next, next.time - key.time));
+        let keys = self.keys;
+        let made = || (at, Piece::of(keys, at, key, next));
         &self.piece.get_or_insert_with(made).1
     }
 
@@ -300,20 +302,6 @@ fn stands(keys: &[Keyframe], beyond: [&Extrapolation; 2]) -> bool {
         .any(|how| how.mode == ExtrapolationMode::Slope);
     let level = |key: &Keyframe| key.left.dy == 0.0 && key.right.dy == 0.0;
     keys.windows(2).all(lies) && (!climbs || keys.iter().all(level))
-}
-
-/// A tangent's reach as a share of the time between the two keys, and its slope over that time.
-pub(super) fn reach(tangent: ufbx::Tangent, length: f64) -> (f64, f64) {
-    let (dx, dy) = (f64::from(tangent.dx), f64::from(tangent.dy));
-    if dx == 0.0 {
-        return (0.0, 0.0);
-    }
-    // ufbx keeps reaches in f32; where it is the usual one, it is a third.
-    let usual = f64::from((f64::from(THIRD) * length) as f32);
-    match dx == usual {
-        true => (1.0 / 3.0, dy / dx * length),
-        false => (dx / length, dy / dx * length),
-    }
 }
 
 /// Where a Bézier curve's time, through 0, `a`, `b` and 1, is `x`.
@@ -429,7 +417,7 @@ mod tests {
     #[test]
     fn cubics_are_those_of_hermite() {
         // Slopes of 3 and -2 a second over two seconds, no weights.
-        let dx = (f64::from(THIRD) * 2.0) as f32;
+        let dx = (f64::from(crate::curves::tangents::THIRD) * 2.0) as f32;
         let mut keys = [
             key(1.0, 10.0, Interpolation::Cubic),
             key(3.0, 14.0, Interpolation::Cubic),

@@ -1,10 +1,11 @@
 //! Majorants of one curve over a span between keys.
 
 use super::cubic::{cubic, cubic_over_time, part};
-use super::curve::{Curve, reach, solve};
+use super::curve::{Curve, solve};
 use super::majorant::Majorant;
 use super::number::Number;
 use super::over::Over;
+use super::tangents::reach;
 use ufbx::{ExtrapolationMode, Interpolation};
 
 impl Curve<'_> {

@@ -15,6 +15,7 @@ mod over;
 mod pose;
 mod rates;
 mod squares;
+mod tangents;
 mod value;
 mod value_rates;
 
