@@ -66,7 +66,7 @@ pub(crate) fn weight_error(
     } else {
         4 * groups.len()
     };
-    let mut farthest = off(&vertices, &groups, skin, &world, &rest, 0.0).0;
+    let mut farthest = off(&vertices, &groups, &matrices(skin, &world), &rest, 0.0).0;
     for take in takes {
         let stretches: Vec<Stretch> = take.plan.gaps().collect();
         let mut poser = Poser::of(
@@ -157,20 +157,23 @@ fn vertices<'a>(refitted: &'a Refitted, model: &Model) -> Vec<Vertex<'a>> {
     out.into_values().collect()
 }
 
-/// The largest distance in one pose, `floor` where it is less, and how many vertices were held by themselves; `weights` are
-/// those of morph targets.
+/// Where joints have the mesh.
+fn matrices(skin: &Skin, world: &[DAffine3]) -> Vec<DAffine3> {
+    let joints = skin.joints.iter().zip(&skin.inverse_bind);
+    joints
+        .map(|(&joint, bind)| world[joint] * DAffine3::from_mat4(*bind))
+        .collect()
+}
+
+/// The largest distance in one pose, `floor` where it is less, and how many vertices were held by themselves; `matrices` are
+/// where joints have the mesh, and `weights` those of morph targets.
 fn off(
     vertices: &[Vertex],
     groups: &[Group],
-    skin: &Skin,
-    world: &[DAffine3],
+    matrices: &[DAffine3],
     weights: &[f64],
     floor: f64,
 ) -> (f64, usize) {
-    let joints = skin.joints.iter().zip(&skin.inverse_bind);
-    let matrices: Vec<DAffine3> = joints
-        .map(|(&joint, bind)| world[joint] * DAffine3::from_mat4(*bind))
-        .collect();
     let far = |vertex: &Vertex| {
         let mut p = vertex.position;
         for (offset, weight) in vertex.offsets.iter().zip(weights) {
@@ -188,7 +191,7 @@ fn off(
     }
     let (mut farthest, mut count) = (floor, 0);
     for group in groups {
-        if group.bound(&matrices) <= farthest {
+        if group.bound(matrices) <= farthest {
             continue;
         }
         count += group.members.len();
@@ -221,6 +224,10 @@ struct Poser<'a> {
     weights: Vec<f64>,
     /// The time that all of this is of.
     posed: Option<f64>,
+    /// Where joints have the mesh: at the last look, at those of a span that were kept, and at the end of the span before.
+    matrices: Vec<DAffine3>,
+    kept: Vec<Vec<DAffine3>>,
+    end: Vec<DAffine3>,
     rates: Vec<Rates>,
     chains: Vec<Chain>,
     work: usize,
@@ -285,6 +292,9 @@ impl<'a> Poser<'a> {
             world,
             weights: rest,
             posed: None,
+            matrices: Vec::new(),
+            kept: Vec::new(),
+            end: Vec::new(),
             work: 0,
         }
     }
@@ -306,20 +316,58 @@ impl<'a> Poser<'a> {
     }
 }
 
+impl Poser<'_> {
+    /// The largest distance where joints have the mesh, `floor` where it is less.
+    fn farthest(&mut self, floor: f64) -> f64 {
+        let (vertices, groups) = (self.vertices, self.groups);
+        let (far, held) = off(vertices, groups, &self.matrices, &self.weights, floor);
+        self.work += 4 * groups.len() + held;
+        far
+    }
+}
+
 impl Subject for Poser<'_> {
     fn look(&mut self, time: f64, floor: f64) -> f64 {
         self.to(time);
-        let (vertices, groups) = (self.vertices, self.groups);
-        let (far, held) = off(
-            vertices,
-            groups,
-            self.skin,
-            &self.world,
-            &self.weights,
-            floor,
-        );
-        self.work += 4 * groups.len() + held;
-        far
+        self.matrices = matrices(self.skin, &self.world);
+        self.farthest(floor)
+    }
+
+    fn keep(&mut self, index: usize) {
+        if self.kept.len() <= index {
+            self.kept.resize(index + 1, Vec::new());
+        }
+        self.kept[index].clone_from(&self.matrices);
+    }
+
+    fn keep_end(&mut self, index: usize) {
+        self.end.clone_from(&self.kept[index]);
+    }
+
+    fn keep_again(&mut self) {
+        if self.kept.is_empty() {
+            self.kept.push(Vec::new());
+        }
+        std::mem::swap(&mut self.kept[0], &mut self.end);
+    }
+
+    /// A vertex is off by so much of each matrix, but where morph targets move it too.
+    fn mixed(&mut self, rows: &[Vec<f64>], floor: f64) -> Option<f64> {
+        if self.groups.is_empty() {
+            return None;
+        }
+        let mut most = floor;
+        for row in rows {
+            for (joint, out) in self.matrices.iter_mut().enumerate() {
+                *out = DAffine3::ZERO;
+                for (weight, kept) in row.iter().zip(&self.kept) {
+                    out.matrix3 += kept[joint].matrix3 * *weight;
+                    out.translation += kept[joint].translation * *weight;
+                }
+            }
+            most = self.farthest(most);
+        }
+        Some(most)
     }
 
     /// A vertex is off by a sum of where its joints would have it, times differences of weights.

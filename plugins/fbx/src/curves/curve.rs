@@ -1,10 +1,7 @@
 //! One curve.
 
+use super::tangents::{mended, reach};
 use ufbx::{AnimCurve, Extrapolation, ExtrapolationMode, Interpolation, Keyframe};
-
-/// The part of the time between two keys that a tangent reaches over where the file says no weight, as
-/// ufbx has it; it means a third.
-const THIRD: f32 = 0.333_333;
 
 /// Times beyond a curve's keys that are told apart: more are as good as none.
 const MOST_REPEATS: f64 = 1e6;
@@ -40,6 +37,36 @@ pub(crate) struct Curve<'a> {
     at: usize,
     /// What lies between the key of this number and the next one: many times do.
     piece: Option<(usize, Piece)>,
+    /// The same of the last time that was asked for, whatever it is.
+    last: Option<Stretch>,
+}
+
+/// What lies between two keys.
+#[derive(Debug, Clone, Copy)]
+struct Stretch {
+    from: f64,
+    to: f64,
+    how: How,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum How {
+    Stands(f64),
+    /// From a value by so much.
+    Line(f64, f64),
+    Bends(Piece),
+}
+
+impl Stretch {
+    /// At a time between the keys.
+    fn at(&self, time: f64) -> f64 {
+        let share = || (time - self.from) / (self.to - self.from);
+        match &self.how {
+            How::Stands(value) => *value,
+            How::Line(value, way) => value + way * share(),
+            How::Bends(piece) => piece.at(share()),
+        }
+    }
 }
 
 /// A Bézier curve from one key to the next: its four values, and where in time the two between lie, as shares of the way from
@@ -52,9 +79,13 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    fn of(key: &Keyframe, next: &Keyframe, length: f64) -> Self {
+    /// From key `at` to the next one.
+    fn of(keys: &[Keyframe], at: usize, key: &Keyframe, next: &Keyframe) -> Self {
+        let length = next.time - key.time;
         let (out, out_slope) = reach(key.right, length);
         let (into, into_slope) = reach(next.left, length);
+        let out_slope = out_slope * mended(keys, at, key.right);
+        let into_slope = into_slope * mended(keys, at + 1, next.left);
         let (a, d) = (key.value, next.value);
         Self {
             values: [a, a + out_slope * out, d - into_slope * into, d],
@@ -93,6 +124,7 @@ impl<'a> Curve<'a> {
             ticks: if ticks > 0.0 { ticks } else { TICKS },
             at: 0,
             piece: None,
+            last: None,
         })
     }
 
@@ -114,11 +146,18 @@ impl<'a> Curve<'a> {
             ticks: 46_186_158_000.0,
             at: 0,
             piece: None,
+            last: None,
         }
     }
 
     /// Its value at `time`, seconds on the file's clock. Fast where times grow.
     pub(crate) fn at(&mut self, time: f64) -> f64 {
+        if let Some(last) = &self.last
+            && time > last.from
+            && time < last.to
+        {
+            return last.at(time);
+        }
         let (Some(first), Some(last)) = (self.keys.first(), self.keys.last()) else {
             return 0.0;
         };
@@ -142,14 +181,17 @@ impl<'a> Curve<'a> {
         if time <= key.time {
             return key.value;
         }
-        let length = next.time - key.time;
-        let share = (time - key.time) / length;
-        match key.interpolation {
-            Interpolation::ConstantPrev => key.value,
-            Interpolation::ConstantNext => next.value,
-            Interpolation::Linear => key.value + (next.value - key.value) * share,
-            Interpolation::Cubic => self.piece(at, key, next).at(share),
-        }
+        let last = Stretch {
+            from: key.time,
+            to: next.time,
+            how: match key.interpolation {
+                Interpolation::ConstantPrev => How::Stands(key.value),
+                Interpolation::ConstantNext => How::Stands(next.value),
+                Interpolation::Linear => How::Line(key.value, next.value - key.value),
+                Interpolation::Cubic => How::Bends(*self.piece(at, key, next)),
+            },
+        };
+        self.last.insert(last).at(time)
     }
 
     /// What lies between key `at` and the next one, where it is cubic.
@@ -157,7 +199,8 @@ impl<'a> Curve<'a> {
         if self.piece.as_ref().is_none_or(|(known, _)| *known != at) {
             self.piece = None;
         }
-        let made = || (at, Piece::of(key, next, next.time - key.time));
+        let keys = self.keys;
+        let made = || (at, Piece::of(keys, at, key, next));
         &self.piece.get_or_insert_with(made).1
     }
 
@@ -261,20 +304,6 @@ fn stands(keys: &[Keyframe], beyond: [&Extrapolation; 2]) -> bool {
     keys.windows(2).all(lies) && (!climbs || keys.iter().all(level))
 }
 
-/// A tangent's reach as a share of the time between the two keys, and its slope over that time.
-pub(super) fn reach(tangent: ufbx::Tangent, length: f64) -> (f64, f64) {
-    let (dx, dy) = (f64::from(tangent.dx), f64::from(tangent.dy));
-    if dx == 0.0 {
-        return (0.0, 0.0);
-    }
-    // ufbx keeps reaches in f32; where it is the usual one, it is a third.
-    let usual = f64::from((f64::from(THIRD) * length) as f32);
-    match dx == usual {
-        true => (1.0 / 3.0, dy / dx * length),
-        false => (dx / length, dy / dx * length),
-    }
-}
-
 /// Where a Bézier curve's time, through 0, `a`, `b` and 1, is `x`.
 pub(super) fn solve(a: f64, b: f64, x: f64) -> f64 {
     let time = |t: f64| {
@@ -355,6 +384,7 @@ mod tests {
             ticks: 46_186_158_000.0,
             at: 0,
             piece: None,
+            last: None,
         }
     }
 
@@ -387,7 +417,7 @@ mod tests {
     #[test]
     fn cubics_are_those_of_hermite() {
         // Slopes of 3 and -2 a second over two seconds, no weights.
-        let dx = (f64::from(THIRD) * 2.0) as f32;
+        let dx = (f64::from(crate::curves::tangents::THIRD) * 2.0) as f32;
         let mut keys = [
             key(1.0, 10.0, Interpolation::Cubic),
             key(3.0, 14.0, Interpolation::Cubic),

@@ -1,7 +1,11 @@
 //! Majorants of one curve over a span between keys.
 
-use super::curve::{Curve, reach, solve};
-use super::majorant::{Majorant, Number, Over, cubic, cubic_over_time, part};
+use super::cubic::{cubic, cubic_over_time, part};
+use super::curve::{Curve, solve};
+use super::majorant::Majorant;
+use super::number::Number;
+use super::over::Over;
+use super::tangents::reach;
 use ufbx::{ExtrapolationMode, Interpolation};
 
 impl Curve<'_> {
@@ -139,7 +143,7 @@ pub(super) fn line(value: f64, way: f64) -> Number {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curves::majorant::holds;
+    use crate::curves::holds;
     use ufbx::{Keyframe, Tangent};
 
     #[test]

@@ -33,7 +33,7 @@ pub(crate) struct NodeCurves<'a> {
     /// The order where nothing moves it.
     fixed_order: RotationOrder,
     /// What a camera or light takes its scale by, and what its children are turned back by.
-    own_aside: Option<DMat3>,
+    pub(super) own_aside: Option<DMat3>,
     parent_aside: Option<DQuat>,
     /// The scale that the node's helper has, if it has one.
     pub(super) taken: Option<Value<'a>>,
@@ -146,12 +146,6 @@ impl<'a> NodeCurves<'a> {
     /// What is no transform leaves it at rest from here on.
     pub(crate) fn forget(&mut self) {
         self.last = rest_of(self.node);
-    }
-
-    /// Its scale is the same at all times.
-    pub(crate) fn keeps_scale(&self) -> bool {
-        let helped = self.node.is_scale_helper && self.helpers.iter().any(Value::moves);
-        !self.scale.moves() && !helped
     }
 
     pub(super) fn rotation_order(&mut self, time: f64) -> RotationOrder {

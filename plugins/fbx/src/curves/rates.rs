@@ -1,7 +1,10 @@
 //! Majorants of what places nodes, and of blend weights, over a span between keys.
 
-use super::majorant::{Majorant, Number, Over};
+use super::majorant::Majorant;
+use super::number::Number;
+use super::over::Over;
 use super::pose::{BlendWeight, NodeCurves, Turn};
+use super::squares::Squares;
 use crate::model::Trs;
 use crate::read::convert::vec3;
 use ufbx::RotationOrder;
@@ -110,6 +113,27 @@ impl NodeCurves<'_> {
 }
 
 impl NodeCurves<'_> {
+    /// Of the squares of its scales over a span between keys.
+    pub(crate) fn squares_over(&mut self, over: Over) -> Squares {
+        let node = self.node;
+        let mut scale = self.scale.over(over, true);
+        if node.is_scale_helper {
+            let above = self.helpers.len() - usize::from(self.parent_helps);
+            for helper in &mut self.helpers[..above] {
+                let helped = helper.over(over, true);
+                scale = [0, 1, 2].map(|i| scale[i].product(&helped[i]));
+            }
+        }
+        let mut squares = Squares::of(&scale);
+        if self.own_aside.is_some() {
+            squares = squares.in_any_order();
+        }
+        match node.has_adjust_transform {
+            true => squares.scaled(node.adjust_pre_scale * node.adjust_post_scale),
+            false => squares,
+        }
+    }
+
     /// The majorant of the matrix that turns it; `changes` says that its order does.
     fn spin_over(&mut self, over: Over, order: RotationOrder, changes: bool) -> Majorant {
         let around = self.node.use_rotation_space;

@@ -98,6 +98,11 @@ impl<'a> Value<'a> {
 
     /// What it is at `time`, seconds on the file's clock.
     pub(crate) fn at(&mut self, time: f64, meaning: Meaning) -> DVec3 {
+        match &mut self.parts[..] {
+            [] => return self.fixed,
+            [part] if matches!(part.mode, Mode::Base | Mode::Override) => return part.own(time),
+            _ => {}
+        }
         let meaning = if self.plain { Meaning::Plain } else { meaning };
         let mut sum = self.fixed;
         for part in &mut self.parts {

@@ -1,7 +1,9 @@
 //! Majorants of a property over a span between keys, as its layers have it.
 
 use super::layers::{Mode, Weight};
-use super::majorant::{Majorant, Number, ORDERS, Over};
+use super::majorant::{Majorant, ORDERS};
+use super::number::Number;
+use super::over::Over;
 use super::value::{Part, Value, angles, turn};
 use glam::{DQuat, DVec3};
 use ufbx::RotationOrder;
@@ -242,7 +244,7 @@ fn part_of(whole: DQuat, share: f64) -> DQuat {
 mod tests {
     use super::*;
     use crate::curves::curve_rates::line;
-    use crate::curves::majorant::holds;
+    use crate::curves::holds;
 
     #[test]
     fn angles_at_a_pole_stay_within() {

@@ -1,11 +1,12 @@
 //! The file's pose and the keys' pose at a time, and how far they are apart.
 
-use super::bodies::{Bodies, Weights};
-use super::chain::{Chain, down};
+use super::bodies::{Bodies, Scratch, Weights};
+use super::chain::{Chain, down, length};
 use super::found::Subject;
+use super::lengths::Lengths;
 use super::played;
 use crate::clips::{MorphCurves, Player, Pose, SHELL, Shells, Source, play};
-use crate::curves::{Majorant, NodeCurves, Over, Rates, Reading};
+use crate::curves::{Majorant, NodeCurves, Over, Rates, Reading, Squares};
 use crate::model::{Channel, Clip, Property, Trs};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
@@ -29,6 +30,7 @@ pub(super) struct Actors<'a> {
     off: Vec<DAffine3>,
     /// Bodies that move, and their morph targets' weights.
     bodies: Vec<(usize, Weights)>,
+    scratch: Scratch,
     all: &'a Bodies,
     /// What looks at a span saw: for each, what is off of each node that moves, and how far the three axes of its shell are.
     kept: Vec<Vec<(DAffine3, DMat3)>>,
@@ -39,11 +41,12 @@ pub(super) struct Actors<'a> {
     nodes: f64,
     /// No morph target moves.
     is_plain: bool,
-    /// Neither in the file nor by the keys does any scale change.
-    keeps_scales: bool,
     /// Scratch of [`Actors::rate`].
     rates: [Vec<Rates>; 2],
     chains: [Vec<Chain>; 2],
+    /// Of nodes whose scales move, and of those whose axes do not keep their lengths.
+    squares: Vec<Option<Squares>>,
+    lengths: Vec<Lengths>,
     /// The time that both poses are of.
     posed: Option<f64>,
     /// Poses of nodes that were worked out, and what costs as much.
@@ -107,6 +110,7 @@ impl<'a> Actors<'a> {
         let order = shells.in_order().iter().copied();
         Self {
             bodies: bodies.collect(),
+            scratch: Scratch::default(),
             all: source.bodies,
             movers: order.filter(|&node| moving[node]).collect(),
             off: vec![nothing(); count],
@@ -118,9 +122,9 @@ impl<'a> Actors<'a> {
             is_plain: morphs.is_empty(),
             rates: [vec![Rates::UNKNOWN; count], vec![Rates::UNKNOWN; count]],
             chains: [vec![Chain::ROOT; count], vec![Chain::ROOT; count]],
+            squares: vec![None; count],
+            lengths: vec![Lengths::still(&DMat3::IDENTITY); count],
             work: 0,
-            keeps_scales: curves.iter().all(|(_, curves)| curves.keeps_scale())
-                && channels.iter().all(|c| c.property != Property::Scale),
             curves,
             morphs: source
                 .take
@@ -227,7 +231,8 @@ impl<'a> Actors<'a> {
             let body = &self.all.0[*body];
             let (model, off) = (self.source.model, &self.off);
             let world = &self.true_world;
-            farthest = body.farthest(model, off, world, weights, farthest, &mut self.work);
+            let own = (&mut self.scratch, &mut self.work);
+            farthest = body.farthest(model, off, world, weights, farthest, own);
         }
         farthest
     }
@@ -237,9 +242,12 @@ impl<'a> Actors<'a> {
         for &node in &self.movers {
             self.rates[0][node] = Rates::still(&self.truth[node]);
             self.rates[1][node] = Rates::still(&self.played[node]);
+            self.squares[node] = None;
         }
         for (node, curves) in &mut self.curves {
-            self.rates[0][*node] = curves.over(over);
+            let rates = curves.over(over);
+            self.squares[*node] = (!rates.scale.is_still()).then(|| curves.squares_over(over));
+            self.rates[0][*node] = rates;
         }
         let label = over.since(self.begin);
         for (channel, player) in self.channels.iter().zip(&mut self.players) {
@@ -271,38 +279,72 @@ impl<'a> Actors<'a> {
         }
     }
 
-    /// Of how far out the shell of a node is, in its own unit: as far as its axes are short.
-    fn shell(&self, node: usize) -> Majorant {
+    /// Majorants of how long the axes of nodes are that do not keep their lengths.
+    fn lengths(&mut self) {
+        for &node in &self.movers {
+            if self.chains[0][node].keeps {
+                continue;
+            }
+            let still = |axes: &DMat3| (Lengths::still(axes), Majorant::still(length(axes)));
+            let (above, axes) = match self.shells.parent(node) {
+                None => still(&DMat3::IDENTITY),
+                Some(parent) if self.moving[parent] => {
+                    let chain = &self.chains[0][parent];
+                    let lengths = match chain.keeps {
+                        true => Lengths::still(&self.true_world[parent].matrix3),
+                        false => self.lengths[parent],
+                    };
+                    (lengths, chain.axes)
+                }
+                Some(parent) => still(&self.true_world[parent].matrix3),
+            };
+            let scales = self.squares[node];
+            let scales = scales.unwrap_or_else(|| Squares::still(self.truth[node].scale));
+            self.lengths[node] = above.below(&axes, &self.rates[0][node], &scales);
+        }
+    }
+
+    /// Of how far out the shell of a node is, in its own unit: as far as its axes are short. `posed` says that poses are those of the
+    /// span's middle.
+    fn shell(&self, node: usize, posed: bool) -> Majorant {
         let chain = &self.chains[0][node];
         let axes = &self.true_world[node].matrix3;
-        let columns = [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length);
+        let columns = || [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length);
         if chain.keeps {
+            let columns = columns();
             let least = columns.into_iter().fold(f64::INFINITY, f64::min);
             return Majorant::still(SHELL / least.max(1e-9));
         }
-        let half = chain.axes.1;
-        let of = |shortest: f64, longest: f64| {
-            let (least, most) = ((shortest - half).max(0.0), longest + half);
-            let (near, far) = (SHELL / most.max(1e-9), SHELL / least.max(1e-9));
-            let mut moves = match least <= 1e-9 {
+        let lengths = &self.lengths[node];
+        // As they are in the middle of the span, or as they are known to be.
+        let (columns, off) = match posed {
+            true => (columns(), 0.0),
+            false => (lengths.middles.map(f64::sqrt), lengths.off),
+        };
+        let of = |squared: &Majorant, shortest: f64, longest: f64| {
+            let least = (shortest * shortest * (1.0 - off) - squared.1).max(0.0);
+            let most = longest * longest * (1.0 + off) + squared.1;
+            let [near, far] = [most, least].map(|square| SHELL / square.sqrt().max(1e-9));
+            let mut moves = match least <= 1e-18 {
                 true => Majorant::within(far, far),
-                false => {
-                    let mut axis = chain.axes;
-                    axis.0[0] = most;
-                    let squared = axis.product(&axis);
-                    squared.reciprocal_root(least * least).scaled(SHELL)
-                }
+                false => squared.reciprocal_root(least).scaled(SHELL),
             };
             moves.1 = moves.1.min(moves.0[1] / 2.0).min(far - near);
             moves
         };
-        let [x, y, z] = columns;
+        let ([x, y, z], [a, b, c]) = (columns, &lengths.squares);
         let (shortest, longest) = (x.min(y).min(z), x.max(y).max(z));
         // One for all where they are about as long.
         if longest - shortest <= ALIKE * shortest {
-            return of(shortest, longest);
+            return of(&a.max(b).max(c), shortest, longest);
         }
-        of(x, x).max(&of(y, y)).max(&of(z, z))
+        let of = |squared: &Majorant, long: f64| {
+            // As fast as the axes move, each is no longer than it is.
+            let mut axis = chain.axes;
+            axis.0[0] = (long * long * (1.0 + off) + squared.1).sqrt();
+            of(&squared.min(&axis.product(&axis)), long, long)
+        };
+        of(a, x).max(&of(b, y)).max(&of(c, z))
     }
 
     /// Majorants of how far a point of a body that a node carries is moved.
@@ -431,20 +473,23 @@ impl Subject for Actors<'_> {
             to,
             slack: 1e-7 * (to - self.begin).abs() + 1e-9,
         };
-        // Of the poses only lengths of axes are asked, which are the same at all times where no scale changes.
-        let any = self.posed.is_some() && self.keeps_scales && self.is_plain;
-        if !any {
+        // Of the poses only lengths of axes are asked, which mostly are the same at all times, or known.
+        if self.posed.is_none() || !self.is_plain {
             self.pose(over.middle());
         }
         self.work += 8 * self.movers.len();
         self.locals(over);
         self.chains();
-        if any && !self.movers.iter().all(|&node| self.chains[0][node].keeps) {
+        self.lengths();
+        let is_known =
+            |&node: &usize| self.chains[0][node].keeps || self.lengths[node].off <= ALIKE;
+        if !self.movers.iter().all(is_known) {
             self.pose(over.middle());
         }
+        let posed = self.posed == Some(over.middle());
         let mut out = Majorant::ZERO;
         for &node in &self.movers {
-            let shell = self.shell(node);
+            let shell = self.shell(node, posed);
             let moved = |chain: &Chain| chain.origin.plus(&chain.axes.product(&shell));
             let both = self.chains.each_ref().map(|chains| moved(&chains[node]));
             out = out.max(&both[0].plus(&both[1]));

@@ -73,6 +73,14 @@ struct Row {
     weights: f64,
 }
 
+/// What a look at a body fills anew.
+#[derive(Default)]
+pub(super) struct Scratch {
+    sizes: Vec<f64>,
+    bounds: Vec<f64>,
+    moved: Vec<(DAffine3, DMat3)>,
+}
+
 /// All of a model's.
 pub(crate) struct Bodies(pub(super) Vec<Body>);
 
@@ -218,7 +226,7 @@ impl Body {
         world: &[DAffine3],
         weights: &Weights,
         floor: f64,
-        work: &mut usize,
+        (scratch, work): (&mut Scratch, &mut usize),
     ) -> f64 {
         let mut morphed = 0.0;
         if self.has_targets() {
@@ -231,22 +239,22 @@ impl Body {
             });
             morphed = each.fold(0.0, f64::max);
         }
-        let sizes: Vec<f64> = self
-            .joints
-            .iter()
-            .map(|(joint, _)| size(&off[*joint].matrix3))
-            .collect();
-        let bounds: Vec<f64> = self
-            .balls
-            .iter()
-            .map(|balls| {
-                let far = |ball: &Ball| {
-                    let middle = off[self.joints[ball.joint].0].transform_point3(ball.middle);
-                    middle.length() + sizes[ball.joint] * ball.radius
-                };
-                SUM * (balls.iter().map(far).fold(0.0, f64::max) + morphed)
-            })
-            .collect();
+        let Scratch {
+            sizes,
+            bounds,
+            moved,
+        } = scratch;
+        sizes.clear();
+        let joints = self.joints.iter();
+        sizes.extend(joints.map(|(joint, _)| size(&off[*joint].matrix3)));
+        bounds.clear();
+        bounds.extend(self.balls.iter().map(|balls| {
+            let far = |ball: &Ball| {
+                let middle = off[self.joints[ball.joint].0].transform_point3(ball.middle);
+                middle.length() + sizes[ball.joint] * ball.radius
+            };
+            SUM * (balls.iter().map(far).fold(0.0, f64::max) + morphed)
+        }));
         *work += self.balls.len() / 2;
         let Some(first) = (0..bounds.len()).max_by(|&a, &b| bounds[a].total_cmp(&bounds[b])) else {
             return floor;
@@ -254,11 +262,12 @@ impl Body {
         if bounds[first] <= floor {
             return floor;
         }
-        let moved: Vec<(DAffine3, DMat3)> = self
-            .joints
-            .iter()
-            .map(|(joint, bind)| (off[*joint] * *bind, world[*joint].matrix3 * bind.matrix3))
-            .collect();
+        moved.clear();
+        moved.extend(
+            self.joints
+                .iter()
+                .map(|(joint, bind)| (off[*joint] * *bind, world[*joint].matrix3 * bind.matrix3)),
+        );
         let mut farthest = floor;
         // What is expected to be the farthest goes first.
         let others = (0..bounds.len()).filter(|&at| at != first);
@@ -269,7 +278,7 @@ impl Body {
             let some = self.groups[at * GROUPS..].iter().take(GROUPS);
             for group in some {
                 *work += 1;
-                let bound = SUM * (group.bound(&self.joints, off, &sizes) + morphed);
+                let bound = SUM * (group.bound(&self.joints, off, sizes) + morphed);
                 if bound <= farthest {
                     continue;
                 }
@@ -277,7 +286,7 @@ impl Body {
                     true => bound,
                     false => {
                         *work += group.vertices.len() / 2;
-                        farthest.max(self.each(group, model, &moved, weights))
+                        farthest.max(self.each(group, model, moved, weights))
                     }
                 };
             }

@@ -10,6 +10,7 @@ mod bodies;
 mod bound;
 mod chain;
 mod found;
+mod lengths;
 mod places;
 mod played;
 mod times;
