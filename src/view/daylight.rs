@@ -24,12 +24,11 @@ impl Plugin for DaylightPlugin {
         app.add_systems(Startup, spawn)
             .add_systems(
                 Update,
-                turn_sun
-                    .run_if(
-                        resource_changed::<CurrentScene>
-                            .or_else(resource_changed::<Settings>)
-                            .or_else(resource_removed::<Starting>),
-                    ),
+                turn_sun.run_if(
+                    resource_changed::<CurrentScene>
+                        .or_else(resource_changed::<Settings>)
+                        .or_else(resource_removed::<Starting>),
+                ),
             )
             .add_systems(PostUpdate, fade.after(SkySystems::See));
     }
