@@ -46,6 +46,9 @@ fn at(pixels: &[[u8; 4]], place: UVec2) -> [u8; 4] {
     pixels[(place.y * SIZE.x + place.x) as usize]
 }
 
+/// Level of the cells of a root where nothing is finer: it is drawn by all of its 16 × 16.
+const ROOT: u32 = 4;
+
 /// Passes of inspections and of pictures, pipelines of both, and how many cameras have an inspection.
 fn census(app: &mut App) -> [u64; 4] {
     let world = app.sub_app(RenderApp).world();
@@ -99,7 +102,7 @@ mod gpu {
         // Below the middle is ground, and above it sky.
         let (ground, sky) = (UVec2::new(220, 120), UVec2::new(220, 10));
         for (name, expected, what) in [
-            ("ground_level", level_colour(0), GroundInspection::Level),
+            ("ground_level", level_colour(ROOT), GroundInspection::Level),
             ("ground_error", ramp(0.0), GroundInspection::Error),
             (
                 "ground_overdraw",
