@@ -8,7 +8,7 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::render_resource::ShaderType;
 use dolomite_geometry::GeometryStats;
-use dolomite_ground::detail::{Metric, TerrainLod};
+use dolomite_ground::detail::{Choice, Metric, TerrainLod};
 use dolomite_ground::render::{GroundLook, TerrainRelief};
 use dolomite_ground::{
     GroundLayer, GroundMaterial, MOST_TERRAINS, PatchDetail, Surface, TerrainView,
@@ -176,8 +176,10 @@ fn gpu_what_does_not_depend_on_the_view_is_kept_once() {
     let (terrain, material) = ground(0.0, GREEN);
     let heights = terrain.gpu();
     let terrain = app.world_mut().spawn((terrain, material)).id();
+    // Blocks: gpu_blocks_are_kept_once_within_their_memory, in chosen.rs.
     let detail = TerrainLod {
         max_vertices: 1 << 14,
+        choice: Choice::Cells,
         ..default()
     };
     let target = app::target(&mut app, 32, 32);
