@@ -13,7 +13,9 @@ use dolomite_ground::render::{GroundLook, TerrainRelief};
 use dolomite_ground::{
     GroundLayer, GroundMaterial, MOST_TERRAINS, PatchDetail, Surface, TerrainView,
 };
-use dolomite_terrain::{GroundProbe, GroundRect, Hill, Layer, Source, Terrain, TerrainData};
+use dolomite_terrain::{
+    Fractal, GroundProbe, GroundRect, Hill, Layer, Source, Terrain, TerrainData,
+};
 
 const RED: [f32; 3] = [0.8, 0.02, 0.02];
 const GREEN: [f32; 3] = [0.02, 0.8, 0.02];
@@ -300,7 +302,23 @@ fn gpu_a_camera_that_lost_its_detail_sees_by_the_default() {
         brightness: 3000.0,
         ..default()
     });
-    app.world_mut().spawn(ground(0.0, GREEN));
+    // Ground that the cells of a root, 6 m wide, do not show to a pixel.
+    let (_, material) = ground(0.0, GREEN);
+    let rough = Terrain::new(TerrainData {
+        extent: GroundRect::square(DVec2::ZERO, 100.0),
+        layers: vec![Layer {
+            source: Source::Fractal(Fractal {
+                octaves: 4,
+                amplitude: 4.0,
+                wavelength: 16.0,
+                ..default()
+            }),
+            mask: None,
+        }],
+        base: 0.0,
+        sea_level: None,
+    });
+    app.world_mut().spawn((rough.expect("valid"), material));
     let target = app::target(&mut app, 128, 64);
     let place = Transform::from_xyz(0.0, 30.0, 80.0).looking_at(Vec3::Y * 5.0, Vec3::Y);
     let camera = app::camera(&mut app, &target, (TerrainView, place));

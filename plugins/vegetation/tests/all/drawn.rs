@@ -46,7 +46,8 @@ fn hills_in(base: f32, sea_level: Option<f32>) -> Option<(App, Handle<Image>)> {
     let mut app = app::app(|app| {
         app::bevys(app);
         app.insert_resource(bevy::pbr::DefaultOpaqueRendererMethod::deferred())
-            .add_plugins((GroundPlugin::default(), VegetationPlugin));
+            // A relief map would arrive between two pictures.
+            .add_plugins((GroundPlugin { relief_side: 0 }, VegetationPlugin));
     })?;
     let hills = Fractal {
         seed: 4,
