@@ -61,7 +61,7 @@ try:
 finally:
     for process in busy:
         process.kill()
-# Which thread is the last is chance: three times in four it is that of the cache.
+# Which thread is the last is chance: that of the cache in 8 of 12 tries.
 sys.exit(0 if lowest == 19 and most["false"] > 5 * most["true"] else 1)
 PY
 driver=$(compgen -G '/usr/share/vulkan/icd.d/lvp_icd*.json' | head -n 1) || { echo 'needs mesa-vulkan-drivers'; exit 1; }

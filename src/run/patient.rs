@@ -223,7 +223,7 @@ fn leave_if_asked(world: &World) {
     }
 }
 
-/// Takes the windows off the display before the process ends. Its memory, some gigabyte, is freed by the last of its threads
+/// Takes the windows off the display before the process ends. Its memory, most of a gigabyte, is freed by the last of its threads
 /// to go; where that is the one by which software Vulkan keeps compiled shaders, which runs when no other program wants to,
 /// busy cores take more than a second for it, and what is still open stands there all the while.
 fn hide_windows() {

@@ -50,8 +50,9 @@ fn place(scene: &CurrentScene, settings: &Settings) -> Sun {
         .map_or(scene.sun, |(azimuth, elevation)| Sun { azimuth, elevation })
 }
 
-/// Side of the sky's maps below the start screen, texels. All maps take a sixteenth of the half second of two cores that the
-/// usual ones take, in which the window would answer nobody; those are made in the background once there is a picture.
+/// Side of the sky's maps below the start screen, texels. The frame that makes them, in which the window answers nobody, takes 0.1
+/// to 0.2 s of two cores with all else that it does, where by the usual ones it takes 0.55 to 0.8 s (tests' profile); those are
+/// made in the background once there is a picture.
 const FIRST_SIDE: u32 = 32;
 
 /// The sky of the scene's cameras: whether there is a sea, and how dark nights are. While the start screen is shown it is

@@ -4,6 +4,7 @@
 use crate::support::app;
 use crate::support::camera;
 use crate::support::hills;
+use crate::support::rest;
 
 use std::time::Duration;
 
@@ -15,7 +16,6 @@ use bevy::prelude::*;
 use dolomite::DolomitePlugins;
 use dolomite::ground::detail::budget::{Budget, BudgetReport, FrameTime, ViewWork, WorkCurve};
 use dolomite::ground::detail::{Metric, TerrainLod};
-use dolomite::ground::render::GroundProgress;
 use dolomite::ground::{GroundPlugin, TerrainView};
 use dolomite::terrain::{Fractal, Ground};
 use dolomite::tessellation::render::GeometryStats;
@@ -26,8 +26,6 @@ const SPAN: DiagnosticPath = DiagnosticPath::const_new("render/made_up/elapsed_g
 const TOLERANCES: [f32; 3] = [32.0, 1.0, 2.0];
 /// Counters come two or three frames late, and a choice takes one frame to be drawn.
 const SETTLED: usize = 8;
-/// What a view asks for is made over some frames, a dozen of them here.
-const MOST: usize = 400;
 /// In each the tolerance moves by half a percent at the least; from one end of the range to the other in some
 /// ten. An estimate that was wrong costs a few more.
 const FRAMES: usize = 90;
@@ -113,17 +111,13 @@ impl Scene {
             ..TerrainLod::default()
         };
         self.app.world_mut().entity_mut(self.camera).insert(detail);
-        let mut calm = 0;
-        for _ in 0..MOST {
-            let taken = self.frame();
-            let ground = self.app.world().resource::<GroundProgress>().all();
-            let rests = ground.is_some_and(|ground| ground.settled);
-            calm = if rests { calm + 1 } else { 0 };
-            if calm == SETTLED {
-                return taken;
-            }
-        }
-        panic!("not settled within {MOST} frames");
+        let mut taken = 0.0;
+        let rests = rest::comes_to_rest(SETTLED, || {
+            taken = self.frame();
+            rest::is_settled(&self.app)
+        });
+        assert!(rests, "{metric:?} does not come to rest");
+        taken
     }
 
     fn report(&self) -> BudgetReport {

@@ -5,6 +5,7 @@ use crate::support::app;
 use crate::support::camera;
 use crate::support::hills;
 use crate::support::picture;
+use crate::support::rest;
 
 use std::time::Duration;
 
@@ -15,7 +16,6 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use dolomite::DolomitePlugins;
 use dolomite::ground::detail::{Metric, TerrainLod};
-use dolomite::ground::render::GroundProgress;
 use dolomite::ground::{GroundPlugin, TerrainView};
 use dolomite::terrain::{Fractal, Ground, Terrain};
 use dolomite::tessellation::GeometryCamera;
@@ -40,20 +40,12 @@ fn steep(app: &mut App) -> Terrain {
 
 /// The picture once it rests, and triangles of the camera.
 fn at_rest(app: &mut App, target: &Handle<Image>) -> (Vec<u8>, u32) {
-    // What a view asks for is made over some frames; counters come three frames late.
-    let mut calm = 0;
-    for _ in 0..400 {
+    let rests = rest::comes_to_rest(5, || {
         app.update();
-        let ground = app.world().resource::<GroundProgress>().all();
-        let rests = ground.is_some_and(|ground| ground.settled)
-            && app.world().resource::<GeometryStats>().dispatches == 0;
-        calm = if rests { calm + 1 } else { 0 };
-        if calm == 5 {
-            break;
-        }
-    }
+        rest::is_settled(app) && app.world().resource::<GeometryStats>().dispatches == 0
+    });
+    assert!(rests, "it does not come to rest");
     let stats = app.world().resource::<GeometryStats>().clone();
-    assert_eq!((calm, stats.dispatches), (5, 0), "at rest");
     let image = picture::picture(app, target, 0);
     (image.data.expect("pixels"), stats.primitives)
 }

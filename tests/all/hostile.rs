@@ -5,6 +5,7 @@ use crate::support::app;
 use crate::support::camera;
 use crate::support::hills;
 use crate::support::picture;
+use crate::support::rest;
 
 use std::time::{Duration, Instant};
 
@@ -15,7 +16,6 @@ use bevy::prelude::*;
 use dolomite::DolomitePlugins;
 use dolomite::ground::detail::budget::{Budget, BudgetError, BudgetReport};
 use dolomite::ground::detail::{Metric, TerrainLod};
-use dolomite::ground::render::GroundProgress;
 use dolomite::ground::{GroundPlugin, TerrainView};
 use dolomite::terrain::{Fractal, Ground, Terrain};
 use dolomite::tessellation::render::GeometryStats;
@@ -158,18 +158,11 @@ impl Scene {
     /// The picture with this on the camera, once all that it asks for has been made.
     fn picture(&mut self, name: &str, components: impl Bundle + Clone) -> Vec<u8> {
         self.frames(name, components);
-        // Some dozens of frames make all blocks of such a view; counters come three frames late.
-        let mut calm = 0;
-        for _ in 0..400 {
+        let rests = rest::comes_to_rest(5, || {
             self.app.update();
-            let ground = self.app.world().resource::<GroundProgress>().all();
-            let rests = ground.is_some_and(|ground| ground.settled);
-            calm = if rests { calm + 1 } else { 0 };
-            if calm == 5 {
-                break;
-            }
-        }
-        assert_eq!(calm, 5, "{name}: it does not come to rest");
+            rest::is_settled(&self.app)
+        });
+        assert!(rests, "{name}: it does not come to rest");
         let image = picture::picture(&mut self.app, &self.target, 0);
         image.data.expect("pixels")
     }

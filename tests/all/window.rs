@@ -22,7 +22,8 @@ const SHOWN: Duration = Duration::from_secs(6);
 const LEFT: Duration = Duration::from_secs(1);
 
 /// And the process has ended after this: its memory is freed at the lowest priority where the thread that keeps compiled
-/// shaders is the last of it. Measured beside compilers that take both cores: 0.04 to 8.2 s.
+/// shaders is the last of it. Measured beside compilers that take both cores: 0.04 to 8.2 s,
+/// with other work seven times that.
 const ENDED: Duration = Duration::from_secs(60);
 
 /// Software Vulkan on two busy cores compiles the passes of the first picture within this.

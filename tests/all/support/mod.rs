@@ -7,4 +7,5 @@ pub mod display;
 pub mod game;
 pub mod hills;
 pub mod picture;
+pub mod rest;
 pub mod views;

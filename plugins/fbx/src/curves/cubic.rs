@@ -71,12 +71,6 @@ mod tests {
     use super::*;
     use crate::curves::{Over, holds};
 
-    const WHOLE: Over = Over {
-        from: 0.0,
-        to: 1.0,
-        slack: 0.0,
-    };
-
     #[test]
     fn parts_of_cubics_are_cubics() {
         let points = [1.0, -2.0, 5.0, 0.5];
@@ -85,6 +79,6 @@ mod tests {
         for t in [0.0, 0.3, 1.0] {
             assert!((at(cut, t) - at(points, 0.2 + 0.5 * t)).abs() < 1e-12);
         }
-        holds(&cubic(cut), WHOLE, |t| [at(cut, t)]);
+        holds(&cubic(cut), Over::WHOLE, |t| [at(cut, t)]);
     }
 }

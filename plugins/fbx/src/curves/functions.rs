@@ -124,12 +124,6 @@ mod tests {
     use crate::curves::{Number, Over, holds};
     use glam::DVec3;
 
-    const WHOLE: Over = Over {
-        from: 0.0,
-        to: 1.0,
-        slack: 0.0,
-    };
-
     /// 2 + 0.3 t + 0.4 t^2, and its number.
     fn number() -> (impl Fn(f64) -> f64, Number) {
         let mut moves = Majorant::moving(2.7, 1.1);
@@ -140,20 +134,22 @@ mod tests {
     #[test]
     fn products_powers_and_exponentials_hold() {
         let (f, number) = number();
-        holds(&number.moves, WHOLE, |t| [f(t)]);
-        holds(&number.product(&number).moves, WHOLE, |t| [f(t) * f(t)]);
-        holds(&number.moves.reciprocal(2.0), WHOLE, |t| [1.0 / f(t)]);
-        holds(&number.moves.reciprocal_root(2.0), WHOLE, |t| {
+        holds(&number.moves, Over::WHOLE, |t| [f(t)]);
+        holds(&number.product(&number).moves, Over::WHOLE, |t| {
+            [f(t) * f(t)]
+        });
+        holds(&number.moves.reciprocal(2.0), Over::WHOLE, |t| [1.0 / f(t)]);
+        holds(&number.moves.reciprocal_root(2.0), Over::WHOLE, |t| {
             [1.0 / f(t).sqrt()]
         });
-        holds(&number.moves.exponential(), WHOLE, |t| {
+        holds(&number.moves.exponential(), Over::WHOLE, |t| {
             glam::DVec2::from_angle(f(t)).to_array()
         });
-        holds(&number.moves.rotation(), WHOLE, |t| {
+        holds(&number.moves.rotation(), Over::WHOLE, |t| {
             glam::DVec2::from_angle(f(t)).to_array()
         });
         let weight = line(0.4, 0.5);
-        holds(&number.power(&weight).moves, WHOLE, |t| {
+        holds(&number.power(&weight).moves, Over::WHOLE, |t| {
             [DVec3::splat(f(t)).powf(0.15 + 0.5 * t).x]
         });
     }

@@ -225,12 +225,6 @@ mod tests {
     use super::*;
     use crate::curves::{Number, Over, holds};
 
-    const WHOLE: Over = Over {
-        from: 0.0,
-        to: 1.0,
-        slack: 0.0,
-    };
-
     /// 2 + 0.3 t + 0.4 t^2, and its number.
     fn number() -> (impl Fn(f64) -> f64, Number) {
         let mut moves = Majorant::moving(2.7, 1.1);
@@ -241,14 +235,14 @@ mod tests {
     #[test]
     fn halves_of_spans_hold() {
         let (f, number) = number();
-        holds(&number.moves.halved(), WHOLE, |t| [f(t / 2.0)]);
-        holds(&number.moves.halved(), WHOLE, |t| [f(0.5 + t / 2.0)]);
+        holds(&number.moves.halved(), Over::WHOLE, |t| [f(t / 2.0)]);
+        holds(&number.moves.halved(), Over::WHOLE, |t| [f(0.5 + t / 2.0)]);
         // From a half back to the whole.
         let mut half = Majorant::moving(2.25, 0.35);
         half.0[2] = 0.1;
-        holds(&half.longer(1.0), WHOLE, |t| [f(t)]);
+        holds(&half.longer(1.0), Over::WHOLE, |t| [f(t)]);
         assert!((half.beyond(1.0) - 0.45).abs() < 1e-12);
         let somewhere = Majorant::within(2.7, 0.4);
-        holds(&somewhere.halved(), WHOLE, |t| [f(0.5 + t / 2.0)]);
+        holds(&somewhere.halved(), Over::WHOLE, |t| [f(0.5 + t / 2.0)]);
     }
 }

@@ -115,12 +115,6 @@ mod tests {
     use super::*;
     use crate::curves::{Over, holds};
 
-    const WHOLE: Over = Over {
-        from: 0.0,
-        to: 1.0,
-        slack: 0.0,
-    };
-
     fn line(middle: f64, way: f64) -> Number {
         Number::of(middle, Majorant::moving(middle + way / 2.0, way))
     }
@@ -139,7 +133,7 @@ mod tests {
             let power = number.power(&exponent);
             assert!(power.moves.0[1].is_infinite() && power.moves.1 < 4.2);
             let at = |number: &Number, t: f64| number.middle + number.moves.0[1] * (t - 0.5);
-            holds(&power.moves, WHOLE, |t| {
+            holds(&power.moves, Over::WHOLE, |t| {
                 let (x, e) = (at(&number, t), at(&exponent, t));
                 match e <= 0.0 {
                     true => [1.0],

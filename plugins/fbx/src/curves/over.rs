@@ -27,6 +27,16 @@ impl Over {
     }
 }
 
+#[cfg(test)]
+impl Over {
+    /// From 0 to 1.
+    pub(crate) const WHOLE: Self = Self {
+        from: 0.0,
+        to: 1.0,
+        slack: 0.0,
+    };
+}
+
 /// Whether divided differences of a function over a span keep to a majorant: each is a mean of Taylor coefficients there
 /// (Hermite and Genocchi).
 #[cfg(test)]

@@ -80,12 +80,6 @@ mod tests {
     use crate::curves::{Number, Over, holds};
     use glam::DQuat;
 
-    const WHOLE: Over = Over {
-        from: 0.0,
-        to: 1.0,
-        slack: 0.0,
-    };
-
     fn line(middle: f64, way: f64) -> Number {
         let most = middle.abs() + way.abs() / 2.0;
         Number::of(middle, Majorant::moving(most, way))
@@ -119,10 +113,10 @@ mod tests {
                 .product(&own.scale);
             let twice = once.below(&axes, &own, &Squares::of(&scales));
             for axis in 0..3 {
-                holds(&once.squares[axis], WHOLE, |t| {
+                holds(&once.squares[axis], Over::WHOLE, |t| {
                     [(above * turned(t)).col(axis).length_squared()]
                 });
-                holds(&twice.squares[axis], WHOLE, |t| {
+                holds(&twice.squares[axis], Over::WHOLE, |t| {
                     let axes = above * turned(t) * turned(t);
                     [axes.col(axis).length_squared()]
                 });

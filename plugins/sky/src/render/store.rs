@@ -128,9 +128,9 @@ impl MapStore {
                 .map(|(k, _)| k)
         };
         let exact = nearest(&|kept, away| kept.side == key.side && away <= step);
-        let found = match exact.or_else(|| nearest(&|_, away| away <= NEAR)) {
-            Some(k) if exact.is_some() => k,
-            Some(k) => {
+        let found = match (exact, nearest(&|_, away| away <= NEAR)) {
+            (Some(k), _) => k,
+            (None, Some(k)) => {
                 let heavens = seen.heavens;
                 self.making.get_or_insert_with(|| {
                     let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
@@ -141,7 +141,7 @@ impl MapStore {
                 });
                 k
             }
-            None => {
+            (None, None) => {
                 self.keep(key, make(key, &seen.heavens, Cores::All), images);
                 self.kept.len() - 1
             }
