@@ -114,10 +114,6 @@ pub struct SceneArgs {
         conflicts_with = "max_error"
     )]
     budget: Option<f32>,
-    /// Choose the ground's triangles cell by cell, all of them in the frame that first needs them; by default in blocks,
-    /// which are made over some frames, coarse ground at once.
-    #[arg(long, help_heading = "Settings")]
-    cells: bool,
     /// Who lights the picture [default: that of the settings, else bevy].
     #[arg(long, value_enum, help_heading = "Settings")]
     renderer: Option<Renderer>,
@@ -194,7 +190,6 @@ impl SceneArgs {
             }
         }
         settings.detail = self.detail.or(settings.detail);
-        settings.blocks &= !self.cells;
         settings.sun = self.sun.map(|Degrees2(a, b)| (a, b)).or(settings.sun);
         let fov = self.is_classic().then_some(FIELD_OF_VIEW);
         settings.fov = self.fov.or(fov).unwrap_or(settings.fov);

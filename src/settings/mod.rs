@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 use dolomite::ground::GroundShading;
-use dolomite::ground::detail::Choice;
 use dolomite::ground::detail::settings::LEAST_PIXELS;
-use serde::{Deserialize, Serialize};
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
 
 use quality::{AntiAliasing, MOST_CASCADES, Occlusion, Preset, RESOLUTION_RANGE, SHADOW_MAP_RANGE};
@@ -59,9 +59,11 @@ pub struct Settings {
     /// Time in which the ground's detail is to be chosen and drawn, milliseconds of the GPU; above 0, at most
     /// 1000. The error in the picture follows it; `max_error` then does not count.
     pub budget: Option<f32>,
-    /// The ground's triangles are chosen in blocks: coarse ground at once, finer from frame to frame. Else cell by cell,
-    /// all of them in the frame that first needs them.
-    pub blocks: bool,
+    /// Was once how the ground's triangles are chosen: read over, so that older files load.
+    #[doc(hidden)]
+    #[reflect(ignore)]
+    #[serde(skip_serializing, deserialize_with = "read_over")]
+    pub blocks: (),
     /// Who lights the picture.
     pub renderer: Renderer,
     /// What pictures are drawn with, where the seven fields below do not say it.
@@ -141,7 +143,7 @@ impl Default for Settings {
             finest_patch: 16.0,
             max_error: Some(1.0),
             budget: None,
-            blocks: true,
+            blocks: (),
             renderer: Renderer::Bevy,
             preset: Preset::Auto,
             bloom: None,
@@ -207,17 +209,12 @@ pub(crate) fn ron_options() -> ron::Options {
         .with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES)
 }
 
-impl Settings {
-    /// How the ground's triangles are chosen.
-    #[must_use]
-    pub const fn choice(&self) -> Choice {
-        if self.blocks {
-            Choice::Blocks
-        } else {
-            Choice::Cells
-        }
-    }
+/// Reads any value of a field that no longer counts.
+fn read_over<'de, D: Deserializer<'de>>(value: D) -> Result<(), D::Error> {
+    IgnoredAny::deserialize(value).map(drop)
+}
 
+impl Settings {
     /// Reads `named`; without a name the file of the user where there is one, else the defaults.
     ///
     /// # Errors
@@ -390,6 +387,18 @@ mod tests {
                 "{} is missing",
                 field.0
             );
+        }
+    }
+
+    #[test]
+    fn files_that_say_how_triangles_are_chosen_still_load() {
+        for blocks in ["true", "false"] {
+            let settings = parse(&format!("(blocks: {blocks}, fov: 60.0)")).unwrap();
+            let expected = Settings {
+                fov: 60.0,
+                ..Settings::default()
+            };
+            assert_eq!(settings, expected);
         }
     }
 

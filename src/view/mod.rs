@@ -8,7 +8,6 @@
 //! | [`senses`], [`lines`] | what logic senses, as lines; lines as a mesh |
 //! | [`panel`], [`passes`] | figures over the picture; times of render passes |
 //! | [`start`], [`progress`] | the start screen; what has been made of the first picture |
-//! | [`sharpen`] | the first ground in a window is coarse |
 //! | [`quality`] | bloom, anti-aliasing and shadows as they were chosen |
 //! | [`scaled`] | the scene in a resolution of its own |
 //! | [`bloom`] | bloom in views of any shape |
@@ -37,7 +36,6 @@ pub mod renderer;
 pub mod scaled;
 pub mod senses;
 pub mod shapes;
-pub mod sharpen;
 pub mod start;
 pub mod textures;
 pub mod things;
@@ -52,8 +50,8 @@ use bevy::ecs::schedule::ScheduleLabel;
 use bevy::pbr::DefaultOpaqueRendererMethod;
 use bevy::prelude::*;
 use bevy::render::view::{ColorGrading, ColorGradingGlobal, ColorGradingSection};
-use dolomite::ground::detail::TerrainLod;
 use dolomite::ground::detail::budget::{Budget, FrameTime, frame_time};
+use dolomite::ground::detail::{Metric, TerrainLod};
 use dolomite::ground::{GroundTextures, PatchDetail, TerrainView};
 use dolomite::terrain::Ground;
 use dolomite::tessellation::GeometryCamera;
@@ -76,7 +74,6 @@ use renderer::RendererPlugin;
 use scaled::{Scaled, ScaledPlugin};
 use senses::SensesPlugin;
 use shapes::ShapesPlugin;
-use sharpen::Widened;
 use start::Starting;
 use things::ThingViewPlugin;
 use torch::TorchPlugin;
@@ -168,11 +165,7 @@ impl Plugin for ViewPlugin {
             .add_systems(
                 Update,
                 (
-                    (
-                        sharpen::sharpen.run_if(resource_exists::<Widened>),
-                        follow_switches.after(CameraSystems),
-                    )
-                        .chain(),
+                    follow_switches.after(CameraSystems),
                     dress_landscape
                         .run_if(resource_exists::<SceneTextures>)
                         .run_if(resource_changed::<CurrentScene>),
@@ -181,12 +174,20 @@ impl Plugin for ViewPlugin {
     }
 }
 
+/// Ground that is nowhere farther than so many pixels from the true one.
+fn bounded(pixels: f32) -> TerrainLod {
+    TerrainLod {
+        metric: Metric::ErrorBound { pixels },
+        ..default()
+    }
+}
+
 fn dress_camera(
     mut commands: Commands,
     target: Option<Res<OffscreenTarget>>,
     settings: Res<Settings>,
     scene: Res<CurrentScene>,
-    (widened, starting): (Option<Res<Widened>>, Option<Res<Starting>>),
+    starting: Option<Res<Starting>>,
     chosen: Res<Quality>,
     cameras: Query<(Entity, &FreeCamera)>,
 ) {
@@ -218,11 +219,7 @@ fn dress_camera(
             },
             Scaled,
             (TerrainView, VegetationView),
-            Widened::detail(
-                widened.as_deref(),
-                settings.max_error.unwrap_or(1.0),
-                settings.choice(),
-            ),
+            bounded(settings.max_error.unwrap_or(1.0)),
             GeometryCamera {
                 pixels_per_edge: settings.pixels_per_edge,
                 ..default()
@@ -259,7 +256,6 @@ fn follow_switches(
     switches: Res<Switches>,
     settings: Res<Settings>,
     scene: Res<CurrentScene>,
-    widened: Option<Res<Widened>>,
     figures: Query<&Figure>,
     mut views: Query<(
         Entity,
@@ -280,8 +276,7 @@ fn follow_switches(
     for (entity, mut camera, mut detail, patches, budget) in &mut views {
         // A budget moves the metric itself.
         if let (None, Some(pixels)) = (settings.budget, settings.max_error) {
-            let wanted = Widened::detail(widened.as_deref(), pixels, settings.choice());
-            detail.set_if_neq(wanted);
+            detail.set_if_neq(bounded(pixels));
         }
         let by_patches = settings.budget.is_none() && settings.max_error.is_none();
         let wanted = by_patches.then(|| PatchDetail {

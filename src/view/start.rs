@@ -12,7 +12,6 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, futures_lite::future};
 use dolomite::ground::detail::MakingBudget;
 
 use super::progress::{Made, Progress, textures_are_there};
-use super::sharpen::Widened;
 use super::textures::TextureError;
 use super::{Dress, SceneTextures, textures};
 use crate::scene::CurrentScene;
@@ -33,7 +32,6 @@ impl Plugin for StartPlugin {
     fn build(&self, app: &mut App) {
         super::init_dress(app);
         app.insert_resource(Starting)
-            .init_resource::<Widened>()
             .init_resource::<Finished>()
             .add_systems(Startup, (spawn, read_textures))
             .add_systems(

@@ -5,7 +5,7 @@ use dolomite_terrain::Terrain;
 
 use crate::material::GroundMaterial;
 
-/// Terrains that are drawn at a time. Each takes pools and cells of its own in every view that sees it.
+/// Terrains that are drawn at a time. Each takes pools and blocks of its own in every view that sees it.
 pub const MOST_TERRAINS: usize = 4;
 
 /// The terrains that are drawn: visible, with a [`GroundMaterial`]. Each keeps its slot while it is shown; the first

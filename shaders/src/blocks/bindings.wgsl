@@ -46,7 +46,7 @@ struct SeenBlock {
 // wait to be refreshed.
 @group(0) @binding(6) var<storage, read_write> lists: array<u32>;
 
-// Words of `counts`, all of them 0 before the first pass; from 352 on the map of the horizon.
+// Words of `counts`, all of them 0 before the first pass; from HORIZON on the map of the horizon.
 const VERTICES: u32 = 1u;
 const TRIANGLES: u32 = 2u;
 // Bits of what error ratios are divided by.

@@ -177,7 +177,7 @@ fn swept_by(plane: vec4<f32>) -> f32 {
     return max(dot(plane.xyz, detail.view.sweep), 0.0);
 }
 
-// Share of the detail of a box, as box_share in detail/view.wgsl: no loop and no jump, since software Vulkan reads what a
+// Share of the detail of a box, as DetailView::share in plugins/ground/src/detail/view.rs: no loop and no jump, since software Vulkan reads what a
 // loop indexes lane by lane.
 fn share_of(frame: Frame, low: vec3<f32>, high: vec3<f32>) -> f32 {
     let a = inside_of(detail.view.planes[0], low, high);

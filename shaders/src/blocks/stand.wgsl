@@ -1,5 +1,5 @@
-// Whether drawn ground may be as high as the eye beside it: see stand in plugins/ground/src/detail/horizon.rs. A workgroup a
-// block beside the eye.
+// Whether drawn ground may be as high as the eye beside it: then the map of the horizon is blind, see
+// plugins/ground/src/detail/horizon.rs. A workgroup a block beside the eye.
 
 #import dolomite::blocks::bindings::{heads, lists, near_list, records}
 #import dolomite::blocks::beside::is_beside

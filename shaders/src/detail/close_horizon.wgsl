@@ -1,7 +1,9 @@
 // What a layer of the horizon hides, those beyond it hide as well. A thread a column.
 
-#import dolomite::detail::bindings::{counts, GROUP, HORIZON}
+#import dolomite::detail::bindings::{counts, HORIZON}
 #import dolomite::detail::horizon::{COLUMNS, LAYERS}
+
+const GROUP: u32 = 64u;
 
 @compute @workgroup_size(64)
 fn close_horizon(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {

@@ -1,7 +1,7 @@
 #define_import_path dolomite::detail::horizon
 
-// Ground that other ground hides, by a map of the upright plane ahead of the eye. CPU reference:
-// plugins/ground/src/detail/horizon.rs, where it is derived. Columns are u, to the side; layers are
+// Ground that other ground hides, by a map of the upright plane ahead of the eye; it is derived in
+// plugins/ground/src/detail/horizon.rs. Columns are u, to the side; layers, four of which double a depth, are
 // depths; what they hold is s, upwards, in bits that are ordered like numbers: 0 for nothing yet.
 
 #import dolomite::detail::bindings::{counts, detail, HORIZON}
@@ -12,8 +12,11 @@ const OCCLUDED: u32 = 8u;
 const COLUMNS: u32 = 512u;
 const LAYERS: u32 = 96u;
 const AN_OCTAVE: f32 = 4.0;
+// What the logarithm of a depth may be off by, in layers.
 const LAYER_ROUNDING: f32 = 0.01;
+// Pixels that occluders are smaller by, and what they hide is larger by.
 const MARGIN: f32 = 0.25;
+// More than anything is: beyond are infinities.
 const MOST: f32 = 1e30;
 // Word behind the map: not 0 where drawn ground may be as high as the eye beside it.
 const BLIND: u32 = HORIZON + COLUMNS * LAYERS;
@@ -48,15 +51,6 @@ fn layer_of(depth: f32) -> f32 {
 fn ordered(value: f32) -> u32 {
     let bits = bitcast<u32>(value);
     return select(bits | 0x80000000u, ~bits, (bits >> 31u) != 0u);
-}
-
-fn clear_horizon(thread: u32, threads: u32) {
-    if (detail.flags & OCCLUDED) == 0u {
-        return;
-    }
-    for (var k = thread; k <= COLUMNS * LAYERS; k += threads) {
-        atomicStore(&counts[HORIZON + k], 0u);
-    }
 }
 
 // Whether all is behind drawn ground that lies at a depth and beyond, between two u, and no higher than `top`; no |s| in it is

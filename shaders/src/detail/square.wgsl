@@ -14,7 +14,7 @@ fn of_side(a: Mapped, b: Mapped, lift: f32, u: f32) -> f32 {
     return select(-1e30, s, (a.u - u) * (b.u - u) <= 0.0 && a.u != b.u);
 }
 
-// The same of the square: see side_of in horizon.rs.
+// The same of the square: of its far side where it is below the eye, else of its near side; -1e30 beside it.
 fn side_of(a: Mapped, b: Mapped, c: Mapped, d: Mapped, lift: f32, u: f32) -> f32 {
     let one = max(of_side(a, b, lift, u), of_side(b, c, lift, u));
     return max(max(-1e30, one), max(of_side(c, d, lift, u), of_side(d, a, lift, u)));

@@ -1,6 +1,6 @@
 #define_import_path dolomite::detail::types
 
-// Records of the terrain LOD, byte for byte as plugins/ground/src/detail/{view,cell,layout}.rs
+// Records of the terrain LOD, byte for byte as plugins/ground/src/detail/{view,horizon,layout}.rs
 // (a test compares them). Lengths metres; see there for what is behind the numbers.
 
 // A view: relative to its anchor, axes of the world.
@@ -39,15 +39,15 @@ struct HorizonView {
     pad_c: f32,
 }
 
-// A part of the ground that was edited: from the first to the last lattice line, after the choice of that number.
+// A part of the ground that was edited: from the first to the last lattice line.
 struct EditedRect {
     low: vec2<u32>,
     high: vec2<u32>,
-    stamp: u32,
-    // Of blocks: the smallest half side for which it counts from farther away, and from how many of their cells.
+    // The smallest half side of a block for which it counts from farther away, and from how many of its cells.
     wide_from: u32,
     wide_cells: u32,
-    pad: u32,
+    pad_a: u32,
+    pad_b: u32,
 }
 
 struct DetailParams {
@@ -61,7 +61,7 @@ struct DetailParams {
     roots: vec2<u32>,
     // How often a root is halved.
     depth: u32,
-    // Cells that there is room for.
+    // Blocks that there is room for, and the first slot, which is none.
     capacity: u32,
     // Number of this choice: what carries another is of an older one.
     stamp: u32,
@@ -79,7 +79,7 @@ struct DetailParams {
     // The cull view: from places in the stage to clip space, and half its size in pixels.
     clip: mat4x4<f32>,
     half_size: vec2<f32>,
-    // Cells that no choice from this one on has looked at may be dropped.
+    // Blocks that no choice from this one on has looked at may be dropped.
     oldest: u32,
     pad: f32,
     horizon: HorizonView,
@@ -95,78 +95,4 @@ struct DetailParams {
     first_z: vec2<u32>,
     last_z: vec2<u32>,
     edited: array<EditedRect, 16>,
-}
-
-// A cell as it was made, see Cell in cell.rs.
-struct Cell {
-    // Height and gradient at the centre; in w the lowest height of the drawn surface.
-    centre: vec4<f32>,
-    // Of the middles of the sides; then error bound and highest height.
-    west: vec3<f32>,
-    north_x: f32,
-    north_yz: vec2<f32>,
-    east_xy: vec2<f32>,
-    east_z: f32,
-    south_x: f32,
-    south_yz: vec2<f32>,
-    error: f32,
-    high: f32,
-    quarters_ab: vec2<f32>,
-    quarters_cd: vec2<f32>,
-    finer: f32,
-    // Number of the choice that looked at it last.
-    looked: u32,
-}
-
-// Where a cell stands among the others.
-struct Link {
-    // Its centre on the lattice; 0 for no cell.
-    centre: vec2<u32>,
-    parent: u32,
-    // The first of its four quarters; 0 while it has none.
-    children: u32,
-}
-
-// A cell in a view.
-struct ViewCell {
-    // Error ratios of the middles of the sides; of kept cells.
-    middles: vec4<f32>,
-    // Own error ratios: of the triangles at the sides.
-    sides: vec4<f32>,
-    // The cells of its size beyond the sides and beyond the corners; NO_CELL where this choice did not
-    // look at any.
-    beside: vec4<u32>,
-    across: vec4<u32>,
-    // As two triangles, and of everything finer.
-    whole: f32,
-    finer: f32,
-    // Error ratio of the centre; 0 where the cell is not drawn.
-    centre: f32,
-    // DetailParams.stamp of the choice that looked at it.
-    stamp: u32,
-    // Number of its first vertex: the centre, then the middles that it owns.
-    first: u32,
-    // Bits of the middles that it owns.
-    own: u32,
-    // 1 where it is seen, itself or its shadow.
-    seen: u32,
-    pad: u32,
-}
-
-const NO_CELL: u32 = 0xffffffffu;
-
-// The error ratio at which a vertex appears, still in the plane of the triangle that it cuts.
-const APPEARS: f32 = 0.75;
-
-fn cell_mid(cell: Cell, side: u32) -> vec3<f32> {
-    switch side {
-        case 0u: { return cell.west; }
-        case 1u: { return vec3(cell.north_x, cell.north_yz); }
-        case 2u: { return vec3(cell.east_xy, cell.east_z); }
-        default: { return vec3(cell.south_x, cell.south_yz); }
-    }
-}
-
-fn cell_quarters(cell: Cell) -> vec4<f32> {
-    return vec4(cell.quarters_ab, cell.quarters_cd);
 }

@@ -124,11 +124,7 @@ fn follow(
 ) {
     classic.set_if_neq(methods.settings());
     for (entity, mut camera, detail) in &mut cameras {
-        let wanted = methods.detail().map(|wanted| TerrainLod {
-            choice: settings.choice(),
-            ..wanted
-        });
-        match (wanted, detail) {
+        match (methods.detail(), detail) {
             (Some(wanted), Some(mut detail)) => {
                 detail.set_if_neq(wanted);
             }

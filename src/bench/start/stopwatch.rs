@@ -17,7 +17,6 @@ use dolomite::ground::render::GroundProgress;
 
 use crate::run::offscreen::{has_person, has_relief};
 use crate::settings::Settings;
-use crate::view::sharpen::Widened;
 use crate::view::start::Starting;
 
 /// Frames in a row that have to be settled: what the GPU has counted comes two or three frames late.
@@ -128,8 +127,6 @@ impl Stopwatch {
 struct Main {
     /// The start screen covers the scene.
     covered: bool,
-    /// The bound is still wider than what was asked for.
-    widened: bool,
     /// Relief map and figure are there.
     whole: bool,
     /// What was asked for, pixels.
@@ -168,7 +165,6 @@ fn look(world: &mut World) {
     let settings = world.resource::<Settings>();
     let main = Main {
         covered: world.contains_resource::<Starting>(),
-        widened: world.contains_resource::<Widened>(),
         whole,
         // A budget asks for what it comes to.
         asked: settings.max_error.filter(|_| settings.budget.is_none()),
@@ -226,9 +222,7 @@ fn tick(
         .any(|producer| producer.views.values().any(|view| view.is_shown()));
     let is = Is {
         shown: ready.0 && !main.covered && anything && ground.is_none_or(|ground| ground.drawn),
-        settled: !main.widened
-            && views.all(|view| view.settled)
-            && ground.is_none_or(|ground| ground.settled),
+        settled: views.all(|view| view.settled) && ground.is_none_or(|ground| ground.settled),
         whole: main.whole,
         held: ground.and_then(|ground| ground.held),
     };

@@ -10,10 +10,7 @@ use bevy::render::render_resource::{PipelineCache, PipelineDescriptor};
 use bevy::shader::{Shader, ShaderDefVal, ShaderImport};
 use dolomite::DolomitePlugins;
 use dolomite::ground::blocks::layout as blocks;
-use dolomite::ground::detail::layout::{
-    DEPTH_PASSES, LAST_PASSES, SWEEP_PASS, Second, all_without,
-};
-use dolomite::ground::detail::probe::ANSWER_PASS;
+use dolomite::ground::detail::layout::all_without;
 use dolomite::ground::render::GroundKind;
 use dolomite::ground::render::detail::detail_variants;
 use dolomite::ground::render::inspect::inspection_variants;
@@ -127,27 +124,17 @@ pub fn all() -> Option<Asked> {
         shader: Shader::from_wgsl(examples::WAVES, "waves.wgsl"),
         defs: Vec::new(),
     });
-    for (file, _, second, _) in DEPTH_PASSES.iter().chain(&LAST_PASSES).chain([&SWEEP_PASS]) {
-        let sets = match second {
-            Second::Ground => all_without(),
-            _ => vec![Vec::new()],
-        };
-        for set in sets {
-            variants.push(Variant::of_file("passes of the ground", file, &set));
-        }
-    }
     for (file, _, second, _) in blocks::PASSES {
         let sets = match second {
             blocks::Second::Ground => all_without(),
             _ => vec![Vec::new()],
         };
         for set in sets {
-            variants.push(Variant::of_file("blocks of the ground", file, &set));
+            variants.push(Variant::of_file("passes of the ground", file, &set));
         }
     }
-    for file in [ANSWER_PASS.0, blocks::ANSWER_PASS.0] {
-        variants.push(Variant::of_file("answers", file, &[]));
-    }
+    let (answers, _) = blocks::ANSWER_PASS;
+    variants.push(Variant::of_file("answers", answers, &[]));
     for defines in dolomite::inspector::picture::variants(&dolomite::WAYS) {
         let file = "inspector/picture.wgsl";
         variants.push(Variant::of_file("pictures of the frame", file, &defines));

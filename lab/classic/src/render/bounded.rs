@@ -11,9 +11,8 @@ use super::ClassicSettings;
 use crate::ClassicHeights;
 use dolomite_geometry::GeometryPlugin;
 use dolomite_ground::detail::TerrainLod;
-use dolomite_ground::render::HeightUniform;
-use dolomite_ground::render::choice;
 use dolomite_ground::render::detail::DetailKind;
+use dolomite_ground::render::{HeightUniform, add_kind};
 
 /// The kind: the height function, and who chooses.
 #[derive(Resource, AsBindGroup, Clone, Default)]
@@ -70,7 +69,7 @@ pub(super) fn build(app: &mut App, heights: &ClassicHeights) {
 
 /// The render half, when all plugins have been built.
 pub(super) fn finish(app: &mut App) {
-    choice::build::<BoundedClassicKind>(app);
+    add_kind::<BoundedClassicKind>(app);
 }
 
 /// Shows or hides the surface.

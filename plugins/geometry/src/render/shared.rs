@@ -13,7 +13,7 @@ pub struct GeometryStats {
     pub vertices: u32,
     /// Triangles and segments emitted.
     pub primitives: u32,
-    /// Patches and cells that were looked at.
+    /// Patches and blocks of ground that were looked at.
     pub patches: u32,
     /// Those of them that emit nothing.
     pub discarded: u32,
@@ -50,7 +50,7 @@ pub struct PoolStats {
 }
 
 impl GeometryStats {
-    /// Patches and cells that emit something. The counters of the GPU are some frames older than the number
+    /// Patches and blocks of ground that emit something. The counters of the GPU are some frames older than the number
     /// of patches: while patches go, more may have been discarded than there are.
     #[must_use]
     pub const fn seen(&self) -> u32 {

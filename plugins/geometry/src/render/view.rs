@@ -53,7 +53,7 @@ pub struct GeometryView {
     pub settled: bool,
     /// Whether the pools hold something that can be drawn. Set by producers.
     pub filled: bool,
-    /// How many patches or cells the producer looked at.
+    /// How many patches or blocks the producer looked at.
     pub looked_at: u32,
     /// Bytes that the producer keeps for this view in buffers of its own.
     pub own_bytes: u64,

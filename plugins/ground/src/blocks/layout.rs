@@ -21,7 +21,7 @@ use super::gate::Gate;
 use super::place::{BlockPlace, VERTICES};
 use super::record::{BlockHead, NO_BLOCK, RING, RINGED_COUNT};
 use crate::detail::DetailLattice;
-use crate::detail::layout::{ALL_COUNT_WORDS, GROUP, MOST_GROUPS};
+use crate::detail::horizon::{COLUMNS, LAYERS};
 
 /// What the passes depend on beside [`DetailParams`](crate::detail::layout::DetailParams) and buffers.
 #[repr(C)]
@@ -136,8 +136,14 @@ pub const HEAD_BYTES: u64 = size_of::<GpuHead>() as u64;
 pub const STOCK_HEAD_BYTES: u64 = 16;
 /// Bytes of a slot in a view.
 pub const SEEN_BYTES: u64 = 192;
-/// Words of the counts in all.
-pub const COUNT_WORDS: usize = ALL_COUNT_WORDS;
+/// Word of the counts from which on the map of the horizon stands.
+pub const HORIZON: usize = 128;
+/// Words of the counts in all: behind the map whether it is blind.
+pub const COUNT_WORDS: usize = HORIZON + COLUMNS * LAYERS + 1;
+/// Threads of a workgroup that works on a slot or a sample a thread.
+const GROUP: u32 = 64;
+/// Most workgroups of a dispatch.
+const MOST_GROUPS: u32 = 65_535;
 /// Most blocks that a frame makes, and roots that a ground has.
 pub const MOST_MADE: u32 = 64;
 /// Most blocks that a round of an edit refreshes. There is a round for every level at least, and hardly a view keeps more of
@@ -341,7 +347,7 @@ pub const DROP: usize = 15;
 
 /// File and entry of the pass that answers height queries, after a choice. Group 0 is what all passes share, group 1 holds
 /// [`Asked`](crate::detail::probe::Asked) at 2, places at 3, answers at 4, as recorded by
-/// `record_answers` of `render/detail/record.rs`.
+/// `record_answers` of `render/blocks/record.rs`.
 pub const ANSWER_PASS: (&str, &str) = ("blocks/answer.wgsl", "answer");
 
 /// Where the arguments lie of the passes over blocks that are drawn.

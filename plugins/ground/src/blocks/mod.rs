@@ -6,8 +6,8 @@
 //! function of the vertex and the view alone. No neighbour is asked, and nothing is passed up (P. Lindstrom, V.
 //! Pascucci 2002, with boxes of an interval in place of spheres).
 //!
-//! Beside [`detail`](crate::detail), of which it shares lattice, view and settings, it draws what cameras see that ask for
-//! it ([`Choice`](crate::detail::Choice)). What is here is the reference of the passes in `shaders/src/blocks`, which [`layout`] lists.
+//! What is asked of it, and on which lattice it stands, is in [`detail`](crate::detail). What is here is the reference of the
+//! passes in `shaders/src/blocks`, which [`layout`] lists.
 //!
 //! | part | what it does |
 //! |---|---|

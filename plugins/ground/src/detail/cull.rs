@@ -78,18 +78,10 @@ impl CullView {
         ab.perp_dot(ac) < -off * (around + 4.0 * off)
     }
 
-    /// Puts what is not hidden first, by nearer ground neither, as `occluded` says of three corners; how many these
-    /// are. `places` of the vertices are relative to the stage's anchor.
-    pub fn sort(
-        &self,
-        occluded: impl Fn([Vec3; 3]) -> bool,
-        triangles: &mut Vec<[u32; 3]>,
-        places: &[Vec3],
-    ) -> usize {
-        let hidden = |triangle: &[u32; 3]| {
-            let corners = triangle.map(|k| places[k as usize]);
-            self.hides(corners) || occluded(corners)
-        };
+    /// Puts what is not hidden first; how many these are. `places` of the vertices are relative to the stage's anchor.
+    pub fn sort(&self, triangles: &mut Vec<[u32; 3]>, places: &[Vec3]) -> usize {
+        let hidden =
+            |triangle: &[u32; 3]| self.hides(triangle.map(|corner| places[corner as usize]));
         let (others, mut first): (Vec<_>, Vec<_>) = triangles.drain(..).partition(hidden);
         let count = first.len();
         first.extend(others);
@@ -240,7 +232,7 @@ mod tests {
         assert!(one.hides(far) && two.hides(far));
         let mut triangles = vec![[0, 2, 1], [0, 1, 2], [3, 4, 5]];
         let places: Vec<Vec3> = [a, b, c].into_iter().chain(far).collect();
-        assert_eq!(one.sort(|_| false, &mut triangles, &places), 1);
+        assert_eq!(one.sort(&mut triangles, &places), 1);
         assert_eq!(triangles, [[0, 1, 2], [0, 2, 1], [3, 4, 5]]);
     }
 }

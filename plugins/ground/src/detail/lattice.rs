@@ -293,13 +293,6 @@ impl DetailLattice {
         cell.centre.cmplt(self.roots << (self.depth + 1)).all()
     }
 
-    /// Whether a vertex is a corner of roots: always there.
-    #[must_use]
-    pub const fn is_root_corner(&self, vertex: UVec2) -> bool {
-        let low = (1 << (self.depth + 1)) - 1;
-        (vertex.x | vertex.y) & low == 0
-    }
-
     /// World place of a lattice point.
     #[must_use]
     pub const fn point(&self, at: UVec2) -> GroundPoint {
@@ -311,12 +304,6 @@ impl DetailLattice {
     pub fn sides(&self, half: u32) -> DVec2 {
         let side = |step: u64| step as f64 / STEPS * 2.0 * f64::from(half);
         DVec2::new(side(self.step[0]), side(self.step[1]))
-    }
-
-    /// The depth of a cell, 0 for roots.
-    #[must_use]
-    pub const fn depth_of(&self, cell: CellPlace) -> u32 {
-        self.depth - cell.half.trailing_zeros()
     }
 }
 
@@ -389,7 +376,6 @@ mod tests {
         let far = lattice.roots << (lattice.depth + 1);
         assert_eq!(lattice.point(UVec2::ZERO).to_dvec2(), DVec2::splat(-2048.0));
         assert_eq!(lattice.point(far).to_dvec2(), DVec2::splat(2048.0));
-        assert!(lattice.is_root_corner(far) && !lattice.is_root_corner(far / 2));
         let odd = DetailLattice::new(
             GroundRect::new(DVec2::splat(-1e6), DVec2::new(-1e6 + 777.7, -1e6 + 1501.3)),
             0.01,

@@ -1,13 +1,12 @@
-//! What the shaders of the level of detail are told and keep, byte for byte as
-//! `shaders/src/detail/types.wgsl` and `bindings.wgsl` (a test compares them).
+//! What a choice of the ground is told, byte for byte as `shaders/src/detail/types.wgsl` (a test compares them); and which
+//! parts of its shaders a ground has no use for.
 
 use bytemuck::{Pod, Zeroable};
-use dolomite_terrain::{Filter, GpuTerrainUniform, Source, Terrain};
+use dolomite_terrain::{Filter, Source, Terrain};
 
-use super::cell::DetailCells;
 use super::cull::CullView;
-use super::horizon::{COLUMNS, HorizonView, LAYERS};
-use super::lattice::DetailLattice;
+use super::ground::DetailGround;
+use super::horizon::HorizonView;
 use super::view::DetailView;
 use crate::range::{DEPTH_RANGE, OPAQUE_DEPTH};
 
@@ -47,11 +46,10 @@ pub struct DetailParams {
     pub edited: [EditedRect; MOST_EDITED],
 }
 
-/// Most rectangles that are told to have been edited since cells were made.
+/// Most rectangles that are told to have been edited since the last choice.
 pub const MOST_EDITED: usize = 16;
 
-/// A part of the ground that was edited: cells on it are made anew where no choice after the one of `stamp` has looked at
-/// them.
+/// A part of the ground that was edited: blocks that it reaches are made anew before the next choice.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct EditedRect {
@@ -59,14 +57,12 @@ pub struct EditedRect {
     pub low: [u32; 2],
     /// Last ones.
     pub high: [u32; 2],
-    /// The newest choice before the edit; of cells alone.
-    pub stamp: u32,
-    /// Half the side of the smallest block for which it counts from farther away, lattice steps; of blocks alone.
+    /// Half the side of the smallest block for which it counts from farther away, lattice steps.
     pub wide_from: u32,
     /// From how far away, cells of the block.
     pub wide_cells: u32,
     /// 0.
-    pub pad: u32,
+    pub pad: [u32; 2],
 }
 
 /// Bit of [`DetailParams::flags`]: triangles that the camera does not see are left out.
@@ -78,15 +74,12 @@ pub const KEEP_OTHERS: u32 = 4;
 /// Bit of [`DetailParams::flags`]: triangles behind nearer ground are left out as well.
 pub const OCCLUDED: u32 = 8;
 
-/// Bit of [`DetailParams::flags`]: vertices are counted by their error ratio, for a budget.
-pub const COUNTED: u32 = 16;
-
 impl DetailParams {
-    /// For a view of the cells' ground, with room for so many cells, vertices and triangles. Nothing is left
+    /// For a view of a ground, with so many slots of blocks, and room for so many vertices and triangles. Nothing is left
     /// out of view; see [`Self::cull`].
     #[must_use]
-    pub fn new(cells: &DetailCells, view: DetailView, capacity: u32, pools: [u32; 2]) -> Self {
-        let lattice = &cells.lattice;
+    pub fn new(ground: &DetailGround, view: DetailView, capacity: u32, pools: [u32; 2]) -> Self {
+        let lattice = &ground.lattice;
         let words = |step: u64| [(step >> 32) as u32, step as u32];
         let border = lattice.border;
         let longer = |of: [u64; 2], axis: usize| match border.width {
@@ -106,10 +99,7 @@ impl DetailParams {
             max_vertices: pools[0],
             max_triangles: pools[1],
             depth_range: DEPTH_RANGE,
-            sea: cells
-                .terrain()
-                .sea_level()
-                .unwrap_or(GpuTerrainUniform::NO_SEA),
+            sea: ground.sea(),
             opaque_depth: OPAQUE_DEPTH,
             anchor_height: 0.0,
             flags: 0,
@@ -129,7 +119,7 @@ impl DetailParams {
         }
     }
 
-    /// The same with cells made anew where these rectangles were edited; beyond [`MOST_EDITED`] of them are left out.
+    /// The same with blocks made anew where these rectangles were edited; beyond [`MOST_EDITED`] of them are left out.
     #[must_use]
     pub fn edited(mut self, rects: &[EditedRect]) -> Self {
         let count = rects.len().min(MOST_EDITED);
@@ -161,199 +151,7 @@ impl DetailParams {
             ..self
         }
     }
-
-    /// Whether a pass has something to do.
-    #[must_use]
-    pub const fn needs(&self, groups: Groups) -> bool {
-        match groups {
-            Groups::Horizon => self.flags & OCCLUDED != 0,
-            Groups::Blocks => self.oldest > 0,
-            _ => true,
-        }
-    }
 }
-
-/// Which depth a pass works on.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-#[expect(missing_docs, reason = "see bindings.wgsl")]
-pub struct DetailPass {
-    pub depth: u32,
-    pub pad: [u32; 3],
-}
-
-/// Where a cell stands among the others.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-#[expect(missing_docs, reason = "each field is documented once, in types.wgsl")]
-pub struct Link {
-    pub centre: [u32; 2],
-    pub parent: u32,
-    pub children: u32,
-}
-
-/// Bytes of a cell that all views of a ground share: what was made of it, and its link.
-pub const SHARED_CELL_BYTES: u64 = (size_of::<super::cell::Cell>() + size_of::<Link>()) as u64;
-/// Bytes of the stock's head; behind it there is a byte for each cell that there is room for.
-pub const STOCK_HEAD_BYTES: u64 = 16;
-/// Bytes of a cell in a view.
-pub const VIEW_CELL_BYTES: u64 = 96;
-/// Bytes of the lists, for each cell that there is room for: of blocks two words for four, of kept cells one.
-pub const LIST_BYTES: u64 = 6;
-/// Bytes of what the height of a vertex depends on, and of the number of one that is geomorphing.
-pub const RECORD_BYTES: u64 = 20;
-/// Words of the counts that a choice begins with.
-pub const COUNT_WORDS: usize = 352;
-/// Words of the counts in all: behind those the map of the horizon, and whether it is blind.
-pub const ALL_COUNT_WORDS: usize = COUNT_WORDS + COLUMNS * LAYERS + 1;
-/// Word of the counts at which the histogram of error ratios begins, in halves of a vertex.
-pub const HISTOGRAM: usize = 96;
-/// Its steps.
-pub const BINS: usize = 256;
-/// Its steps in an octave.
-pub const STEPS_AN_OCTAVE: f32 = 8.0;
-/// Word of the counts: blocks to look at, of each depth.
-pub const LOOK: usize = 32;
-/// Word of the counts: blocks to make, of each depth.
-pub const MAKE: usize = 64;
-/// Threads of a workgroup that works on a cell or a vertex a thread.
-pub const GROUP: u32 = 64;
-/// Most workgroups of a dispatch.
-pub const MOST_GROUPS: u32 = 65_535;
-/// Word of the head that holds the coarsening, as f32.
-pub const HEAD_COARSENING: usize = 24;
-/// Word of the head that holds the greatest error ratio that finest cells leave, as f32.
-pub const HEAD_LEFT: usize = 25;
-/// Word of the head that holds how many cells are kept.
-pub const HEAD_USED: usize = 26;
-
-/// How many workgroups a pass has. All but one are counted on the GPU, from what the passes before found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Groups {
-    /// One for each block that its depth makes.
-    Make,
-    /// One for every 64 cells that its depth looks at.
-    Look,
-    /// One for every 64 cells that are kept, and one at least.
-    Kept,
-    /// The same, where what nearer ground hides is left out; no dispatch elsewhere.
-    Horizon,
-    /// One for every 64 blocks of four cells that there is room for.
-    Blocks,
-    /// One.
-    One,
-}
-
-/// What a pass binds beside what all share.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Second {
-    /// Nothing.
-    Nothing,
-    /// The ground's data.
-    Ground,
-    /// Arguments of the dispatches to come, written: of the next depth, and of the closing passes; and the
-    /// stock of cells.
-    Arguments,
-    /// Corners of the roots, read; vertices and what their heights depend on, written.
-    Vertices,
-    /// Vertices, read; indices, written.
-    Triangles,
-    /// Head of the producer's work, written; arguments of the closing passes, and the stock of cells.
-    Head,
-}
-
-/// A pass: file, entry, what it binds, how many workgroups it has.
-pub type Pass = (&'static str, &'static str, Second, Groups);
-
-/// The pass that drops cells which no choice has looked at for long: before the first depth, where room is
-/// short.
-pub const SWEEP_PASS: Pass = (
-    "detail/sweep.wgsl",
-    "sweep",
-    Second::Arguments,
-    Groups::Blocks,
-);
-
-/// Workgroups of [`SWEEP_PASS`].
-#[must_use]
-pub const fn sweep_groups(capacity: u32) -> u32 {
-    let groups = (capacity / 4).div_ceil(GROUP);
-    if groups < MOST_GROUPS {
-        groups
-    } else {
-        MOST_GROUPS
-    }
-}
-
-/// The passes of one depth, in order.
-pub const DEPTH_PASSES: [Pass; 3] = [
-    (
-        "detail/make.wgsl",
-        "make_cells",
-        Second::Ground,
-        Groups::Make,
-    ),
-    (
-        "detail/look.wgsl",
-        "look_at_cells",
-        Second::Nothing,
-        Groups::Look,
-    ),
-    (
-        "detail/keep.wgsl",
-        "keep_cells",
-        Second::Arguments,
-        Groups::Look,
-    ),
-];
-
-/// The passes that close a choice after its last depth, in order.
-pub const LAST_PASSES: [Pass; 9] = [
-    (
-        "detail/middles.wgsl",
-        "find_middles",
-        Second::Nothing,
-        Groups::Kept,
-    ),
-    ("detail/fit.wgsl", "fit", Second::Nothing, Groups::One),
-    (
-        "detail/number.wgsl",
-        "number_vertices",
-        Second::Nothing,
-        Groups::Kept,
-    ),
-    (
-        "detail/place_vertices.wgsl",
-        "place_vertices",
-        Second::Vertices,
-        Groups::Kept,
-    ),
-    (
-        "detail/raise.wgsl",
-        "raise_vertices",
-        Second::Vertices,
-        Groups::Kept,
-    ),
-    (
-        "detail/draw_horizon.wgsl",
-        "draw_horizon",
-        Second::Nothing,
-        Groups::Horizon,
-    ),
-    (
-        "detail/close_horizon.wgsl",
-        "close_horizon",
-        Second::Nothing,
-        Groups::Horizon,
-    ),
-    (
-        "detail/emit_triangles.wgsl",
-        "emit_triangles",
-        Second::Triangles,
-        Groups::Kept,
-    ),
-    ("detail/finish.wgsl", "finish", Second::Head, Groups::One),
-];
 
 /// Definitions that leave a kind of layers out, and which layers those are.
 const LEFT_OUT: [(&str, fn(&Source) -> bool); 6] = [
@@ -382,7 +180,7 @@ const LEFT_OUT: [(&str, fn(&Source) -> bool); 6] = [
 /// Leaves edits out.
 const WITHOUT_EDITS: &str = "TERRAIN_WITHOUT_EDITS";
 
-/// Definitions for the shader that makes cells: the kinds of layers that a terrain has not. Software Vulkan runs
+/// Definitions for the shaders that look heights up: the kinds of layers that a terrain has not. Software Vulkan runs
 /// all sides of a branch.
 #[must_use]
 pub fn without(terrain: &Terrain) -> Vec<&'static str> {
@@ -442,106 +240,4 @@ pub fn all_without() -> Vec<Vec<&'static str>> {
             [names, unedited]
         })
         .collect()
-}
-
-/// Depths that arguments are kept for: all, and the one after the last.
-const ARGUMENT_DEPTHS: u32 = super::lattice::MAX_DEPTH + 2;
-/// Bytes of the arguments of the dispatches of all depths.
-pub const ARGUMENT_BYTES: u64 = ARGUMENT_DEPTHS as u64 * 24;
-/// Bytes of the arguments of the closing passes.
-pub const CLOSING_BYTES: u64 = 12;
-
-/// Where the arguments of a depth's dispatches lie, bytes: of those that make, of those that look and keep.
-#[must_use]
-pub const fn arguments_at(depth: u32, groups: Groups) -> u64 {
-    let first = depth as u64 * 24;
-    match groups {
-        Groups::Make => first,
-        _ => first + 12,
-    }
-}
-
-/// Cells that there is room for at least: beside the roots, some.
-pub const LEAST_CAPACITY: u32 = 1 << 12;
-
-/// What the lists and links hold before anything is made: the roots, in blocks of four.
-#[derive(Clone, Debug)]
-pub struct Beginning {
-    /// Of the roots' blocks.
-    pub links: Vec<Link>,
-    /// First cells of the blocks.
-    pub blocks: Vec<u32>,
-    /// Heights and gradients of the roots' corners.
-    pub corners: Vec<[f32; 4]>,
-}
-
-impl Beginning {
-    /// The roots of a ground.
-    #[must_use]
-    pub fn new(cells: &DetailCells) -> Self {
-        let lattice: &DetailLattice = &cells.lattice;
-        let mut links: Vec<Link> = lattice
-            .root_cells()
-            .map(|root| Link {
-                centre: root.centre.to_array(),
-                ..Link::default()
-            })
-            .collect();
-        links.resize(links.len().next_multiple_of(4), Link::default());
-        let step = 2 * lattice.root_half();
-        let rows = (0..=lattice.roots.y).flat_map(|z| (0..=lattice.roots.x).map(move |x| [x, z]));
-        let corners = rows
-            .map(|at| {
-                let height = cells.root_corner(bevy::math::UVec2::from(at) * step);
-                [height.value, height.gradient.x, height.gradient.y, 0.0]
-            })
-            .collect();
-        Self {
-            blocks: (0..links.len() as u32).step_by(4).collect(),
-            links,
-            corners,
-        }
-    }
-
-    /// Lists of blocks as a ground with room for `capacity` cells begins with them: those to look at from the front on,
-    /// those to make from the back on.
-    #[must_use]
-    pub fn lists(&self, capacity: u32) -> Vec<u32> {
-        let mut lists = vec![0; capacity as usize / 2];
-        let last = lists.len() - 1;
-        for (k, &block) in self.blocks.iter().enumerate() {
-            lists[k] = block;
-            lists[last - k] = block;
-        }
-        lists
-    }
-
-    /// The stock before anything is made: the roots are in use, no block is free.
-    #[must_use]
-    pub fn stock(&self) -> [u32; 4] {
-        [self.links.len() as u32, 0, 0, 0]
-    }
-
-    /// The counts before a choice; `fresh` where nothing has been made.
-    #[must_use]
-    pub fn counts(&self, fresh: bool) -> [u32; COUNT_WORDS] {
-        let mut counts = [0; COUNT_WORDS];
-        counts[LOOK] = self.blocks.len() as u32;
-        counts[MAKE] = if fresh { self.blocks.len() as u32 } else { 0 };
-        counts
-    }
-
-    /// Arguments of the dispatches before a choice: those of the first depth, no workgroup of all others,
-    /// which the first depth and those after it count. Both buffers between which depths take turns begin so.
-    #[must_use]
-    pub fn arguments(&self, fresh: bool) -> [[[u32; 3]; 2]; ARGUMENT_DEPTHS as usize] {
-        let mut arguments = [[[0, 1, 1]; 2]; ARGUMENT_DEPTHS as usize];
-        let blocks = self.blocks.len() as u32;
-        arguments[0][0][0] = if fresh { blocks } else { 0 };
-        arguments[0][1][0] = (4 * blocks).div_ceil(GROUP);
-        arguments
-    }
-
-    /// Arguments of the closing passes before a choice: roots are drawn even where no cell is kept.
-    pub const CLOSING: [u32; 3] = [1; 3];
 }

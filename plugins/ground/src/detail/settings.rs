@@ -109,17 +109,6 @@ impl Metric {
     }
 }
 
-/// How the triangles of a view are chosen. Both keep the same bound.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Default)]
-pub enum Choice {
-    /// In blocks of 16 × 16 cells, see [`blocks`](crate::blocks): they are made over some frames, coarse ground first.
-    #[default]
-    Blocks,
-    /// Cell by cell, see [`detail`](crate::detail): all of them are made in the frame that first needs them.
-    Cells,
-}
-
 /// How finely a camera sees the ground.
 ///
 /// Required by [`TerrainView`](crate::TerrainView). A camera from which it was taken away sees the ground as by the
@@ -131,19 +120,17 @@ pub struct TerrainLod {
     pub metric: Metric,
     /// Side of the smallest cell, metres; 2⁻¹⁰ to 1024, default 0.125.
     ///
-    /// Views with the same value and the same choice share the cells, or blocks, of a terrain; others have their own,
-    /// made and kept once more.
+    /// Views with the same value share the blocks of a terrain; others have their own, made and kept once more.
     pub finest: f32,
     /// Most vertices of a view; where a view asks for more, the tolerance grows until it fits. 2¹⁰ to 2²²,
     /// default 2¹⁸.
     ///
-    /// With [`Choice::Cells`] a vertex takes 472 bytes a view (64 of pools, 408 of the four cells that it is counted
-    /// with), and another 452 of cells that all views of the terrain with the same `finest` share, as large as the
-    /// greatest of them asks for: by default 118 MiB a view, and 113 MiB a terrain and value of `finest`. With
-    /// [`Choice::Blocks`] pools grow as a view needs them, from 1.4 MiB on, and a vertex that is drawn takes 55 bytes of
-    /// them; each vertex of this number takes six more of a view (of the block that there is room for with every 38) and
-    /// 364 of blocks, and a terrain 4 MiB for what is being made: by default 3 to 13 MiB a view, and 95 MiB a terrain. They are published as `dolomite/geometry/allocated/…` and in `GeometryStats::pools`, with the
-    /// terrain's relief map, its textures and its heights.
+    /// Pools grow as a view needs them, from 1.4 MiB on, and a vertex that is drawn takes 55 bytes of them. Each vertex of
+    /// this number takes six more of a view (of the block that there is room for with every 38) and 364 of the blocks that
+    /// all views of the terrain with the same `finest` share, as large as the greatest of them asks for; what is being made
+    /// takes 4 MiB of a terrain: by default 3 to 13 MiB a view, and 95 MiB a terrain and value of `finest`. They are
+    /// published as `dolomite/geometry/allocated/…` and in `GeometryStats::pools`, with the terrain's relief map, its
+    /// textures and its heights.
     pub max_vertices: u32,
     /// Share of the detail that ground gets which is seen through its shadow alone, 0 to 1.
     pub shadow_share: f32,
@@ -153,8 +140,6 @@ pub struct TerrainLod {
     /// Leaves out the triangles that nearer ground hides, with those that `culled` leaves out; nothing without
     /// it, and nothing where a camera does not fill triangles. The picture is the same without.
     pub occluded: bool,
-    /// How its triangles are chosen.
-    pub choice: Choice,
 }
 
 /// How many blocks of ground a frame makes, for all views of a terrain together. May be changed at any time; without it
@@ -178,7 +163,6 @@ impl Default for TerrainLod {
             shadow_share: 0.25,
             culled: true,
             occluded: true,
-            choice: Choice::default(),
         }
     }
 }

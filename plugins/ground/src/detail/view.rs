@@ -10,7 +10,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::settings::{Metric, TerrainLod};
 
-/// A view as the selection sees it; laid out as `DetailView` in `shaders/src/detail/view.wgsl`.
+/// A view as a choice sees it; laid out as `DetailView` in `shaders/src/detail/types.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct DetailView {

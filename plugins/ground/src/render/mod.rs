@@ -6,7 +6,6 @@
 
 pub mod blocks;
 mod builtin;
-pub mod choice;
 pub mod detail;
 mod drawn;
 mod edits;
@@ -28,6 +27,7 @@ use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
 use bevy::render::{Render, RenderApp, RenderSystems};
 
+use detail::DetailKind;
 pub use detail::probe::{AnswerCensus, DrawnProbeStats, answer_census};
 pub use drawn::{DrawnGround, GroundProgress};
 #[doc(hidden)]
@@ -111,7 +111,16 @@ fn add_slot<const SLOT: usize>(app: &mut App) {
         terrain::follow::<SLOT>.in_set(GroundSystems::Follow),
     );
     edits::build::<SLOT>(app);
-    choice::build::<GroundKind<SLOT>>(app);
+    add_kind::<GroundKind<SLOT>>(app);
+}
+
+/// Adds the systems of a kind of ground to an app that renders, from `Plugin::finish` on; does nothing where they are.
+/// The app needs [`GeometryPlugin`].
+pub fn add_kind<K: DetailKind>(app: &mut App) {
+    if detail::build::<K>(app) {
+        blocks::build::<K>(app);
+        inspect::build::<K>(app);
+    }
 }
 
 /// The patches of a camera; on the entity that draws them.

@@ -1,4 +1,4 @@
-//! How large the pools of a view are that chooses in blocks: as large as its choices need, up to what it may have.
+//! How large the pools of a view are: as large as its choices need, up to what it may have.
 //!
 //! What a choice needs comes back some frames later. Meanwhile it raises its tolerance to what has room, and says so. So
 //! there is always more room than was needed last: a view that turns slowly never runs out.

@@ -1,132 +1,36 @@
 //! Ground that is chosen in blocks, in an app: coarse at once, finer from frame to frame, then at rest.
 
 use crate::app;
+use crate::app::bytes;
+use crate::app::seen::{PIXELS, Seen, detail, hills, meadow};
 
-use bevy::math::DVec2;
 use bevy::prelude::*;
 use dolomite_geometry::GeometryStats;
-use dolomite_ground::detail::{Choice, MakingBudget, Metric, TerrainLod};
-use dolomite_ground::render::{DrawnGround, DrawnProbeStats, GroundProgress};
-use dolomite_ground::{GroundLayer, GroundMaterial, Surface, TerrainView};
-use dolomite_terrain::{Fractal, GroundProbe, GroundRect, Layer, Source, Terrain, TerrainData};
-
-/// Most frames that a view may take until it rests.
-const MOST: usize = 120;
-
-/// Rough hills, 1 km square, of one colour.
-fn ground() -> (Terrain, GroundMaterial) {
-    let fractal = Fractal {
-        octaves: 9,
-        amplitude: 60.0,
-        wavelength: 400.0,
-        ..Fractal::default()
-    };
-    let terrain = Terrain::new(TerrainData {
-        extent: GroundRect::square(DVec2::ZERO, 1024.0),
-        layers: vec![Layer {
-            source: Source::Fractal(fractal),
-            mask: None,
-        }],
-        base: 0.0,
-        sea_level: None,
-    });
-    let surface = Surface::Flat {
-        colour: [0.3, 0.5, 0.2],
-        roughness: 0.9,
-    };
-    let material = GroundMaterial {
-        layers: vec![GroundLayer::new("", surface)],
-    };
-    (terrain.expect("valid"), material)
-}
-
-const PIXELS: f32 = 2.0;
-
-fn detail() -> TerrainLod {
-    TerrainLod {
-        metric: Metric::ErrorBound { pixels: PIXELS },
-        choice: Choice::Blocks,
-        ..default()
-    }
-}
+use dolomite_ground::TerrainView;
+use dolomite_ground::detail::{MakingBudget, Metric, TerrainLod};
+use dolomite_ground::render::DrawnProbeStats;
+use dolomite_terrain::GroundProbe;
 
 fn place(x: f32) -> Transform {
     Transform::from_xyz(x, 70.0, 300.0).looking_at(Vec3::new(0.0, 0.0, -100.0), Vec3::Y)
 }
 
-struct Seen {
-    app: App,
-    target: Handle<Image>,
-    camera: Entity,
+/// Hills, of which so many blocks are made in a frame.
+fn seen(blocks: Option<u32>) -> Option<Seen> {
+    Seen::new(&hills(), place(0.0), blocks)
 }
 
-impl Seen {
-    fn new(blocks: Option<u32>) -> Option<Self> {
-        let mut app = app::app()?;
-        app.insert_resource(MakingBudget { blocks });
-        app.insert_resource(GlobalAmbientLight {
-            brightness: 600.0,
-            ..default()
-        });
-        let sun = Transform::default().looking_to(Vec3::new(1.0, -0.6, 0.4), Vec3::Y);
-        app.world_mut().spawn((DirectionalLight::default(), sun));
-        app.world_mut().spawn(ground());
-        let target = app::target(&mut app, 320, 180);
-        let camera = app::camera(&mut app, &target, (TerrainView, detail(), place(0.0)));
-        Some(Self {
-            app,
-            target,
-            camera,
-        })
+/// The picture, kept for whoever wants to look: as PPM in the folder `DOLOMITE_PICTURES`.
+fn shot(seen: &mut Seen, name: &str) -> Image {
+    let picture = seen.picture();
+    if let Some(folder) = std::env::var_os("DOLOMITE_PICTURES") {
+        let [width, height] = [picture.width(), picture.height()];
+        let mut bytes = format!("P6 {width} {height} 255\n").into_bytes();
+        bytes.extend(pixels(&picture).flat_map(|[r, g, b, _]| [r, g, b]));
+        let file = std::path::Path::new(&folder).join(format!("{name}.ppm"));
+        std::fs::write(file, bytes).expect("the folder is there");
     }
-
-    fn set(&mut self, components: impl Bundle) {
-        self.app
-            .world_mut()
-            .entity_mut(self.camera)
-            .insert(components);
-    }
-
-    /// One frame; what is drawn in it.
-    fn frame(&mut self) -> Option<DrawnGround> {
-        app::frames(&mut self.app, 1);
-        let progress = self.app.world().resource::<GroundProgress>();
-        progress.of(self.camera)
-    }
-
-    fn dispatches(&self) -> u32 {
-        self.app.world().resource::<GeometryStats>().dispatches
-    }
-
-    /// Frames until the view rests, and the bound that each of them held.
-    fn rest(&mut self) -> Vec<Option<f32>> {
-        let mut held = Vec::new();
-        for _ in 0..MOST {
-            let ground = self.frame().unwrap_or_default();
-            held.push(ground.held);
-            if ground.settled {
-                return held;
-            }
-        }
-        panic!("no rest after {MOST} frames: {held:?}");
-    }
-
-    fn picture(&mut self) -> Image {
-        app::picture(&mut self.app, &self.target)
-    }
-
-    /// The same, and kept for whoever wants to look: as PPM in the folder `DOLOMITE_PICTURES`.
-    fn shot(&mut self, name: &str) -> Image {
-        let picture = self.picture();
-        if let Some(folder) = std::env::var_os("DOLOMITE_PICTURES") {
-            let [width, height] = [picture.width(), picture.height()];
-            let mut bytes = format!("P6 {width} {height} 255\n").into_bytes();
-            bytes.extend(pixels(&picture).flat_map(|[r, g, b, _]| [r, g, b]));
-            let file = std::path::Path::new(&folder).join(format!("{name}.ppm"));
-            std::fs::write(file, bytes).expect("the folder is there");
-        }
-        picture
-    }
+    picture
 }
 
 fn pixels(image: &Image) -> impl Iterator<Item = [u8; 4]> {
@@ -152,7 +56,7 @@ fn difference(a: &Image, b: &Image) -> (f64, f64) {
 
 #[test]
 fn gpu_blocks_draw_coarse_ground_at_once_and_rest_when_all_is_made() {
-    let Some(mut seen) = Seen::new(Some(24)) else {
+    let Some(mut seen) = seen(Some(24)) else {
         return;
     };
     let held = seen.rest();
@@ -163,7 +67,7 @@ fn gpu_blocks_draw_coarse_ground_at_once_and_rest_when_all_is_made() {
     assert!(known[0] > 2.0 * PIXELS);
     assert!(known.windows(2).all(|pair| pair[1] <= pair[0]), "{held:?}");
     assert_eq!(known.last(), Some(&PIXELS));
-    let finest = seen.shot("finest");
+    let finest = shot(&mut seen, "finest");
     for _ in 0..6 {
         let ground = seen.frame().expect("ground");
         assert!(ground.settled && ground.held == Some(PIXELS));
@@ -188,41 +92,46 @@ fn gpu_blocks_draw_coarse_ground_at_once_and_rest_when_all_is_made() {
 }
 
 #[test]
-fn gpu_blocks_draw_what_cells_draw() {
+fn gpu_coarser_ground_has_the_shapes_of_finer_and_nothing_that_is_seen_is_left_out() {
     // As many as this device makes in its time.
-    let Some(mut seen) = Seen::new(None) else {
+    let Some(mut seen) = seen(None) else {
         return;
     };
     seen.rest();
-    let blocks = seen.shot("blocks");
+    let coarse = shot(&mut seen, "coarse");
+    // What is left out of view is not seen without that either.
+    for (culled, occluded) in [(false, false), (true, false)] {
+        seen.set(TerrainLod {
+            culled,
+            occluded,
+            ..detail()
+        });
+        seen.rest();
+        assert!(coarse.data == seen.picture().data, "the same to the byte");
+    }
     seen.set(TerrainLod {
-        choice: Choice::Cells,
-        ..detail()
-    });
-    app::frames(&mut seen.app, 12);
-    let cells = seen.shot("cells");
-    let (borders, mean) = difference(&blocks, &cells);
-    println!("{borders} of the pixels show ground in one alone, {mean} apart");
-    // Both err by two pixels of 90 lines at most.
-    assert!(borders < 0.02 && mean < 4.0);
-    assert!(blocks.data != cells.data, "each by its own triangles");
-    // What is left out of view is not seen in either.
-    seen.set(TerrainLod {
-        culled: false,
+        metric: Metric::ErrorBound {
+            pixels: PIXELS / 16.0,
+        },
         ..detail()
     });
     seen.rest();
-    assert!(blocks.data == seen.picture().data, "the same to the byte");
+    let fine = shot(&mut seen, "fine");
+    let (borders, mean) = difference(&coarse, &fine);
+    println!("{borders} of the pixels show ground in one alone, {mean} apart");
+    // One errs by two pixels of 90 lines at most.
+    assert!(borders < 0.02 && mean < 4.0);
+    assert!(coarse.data != fine.data, "each by its own triangles");
 }
 
 #[test]
 fn gpu_without_time_or_room_blocks_draw_what_there_is() {
-    let Some(mut seen) = Seen::new(Some(0)) else {
+    let Some(mut seen) = seen(Some(0)) else {
         return;
     };
     let held = seen.rest().last().copied().flatten();
     assert!(held.is_some_and(|held| held > 4.0 * PIXELS), "{held:?}");
-    let coarsest = seen.shot("coarsest");
+    let coarsest = shot(&mut seen, "coarsest");
     assert_eq!(seen.frame().map(|ground| ground.settled), Some(true));
     assert_eq!(seen.dispatches(), 0);
     // Little room for vertices, and for blocks with it.
@@ -257,22 +166,9 @@ fn gpu_without_time_or_room_blocks_draw_what_there_is() {
     assert!(borders < 0.1, "{borders}");
 }
 
-/// Bytes of buffers that all views share, and of each view.
-fn bytes(app: &App) -> (u64, Vec<u64>) {
-    let pools = &app.world().resource::<GeometryStats>().pools;
-    let of = |shared: bool| {
-        let pools = pools.iter();
-        pools.filter(move |pool| pool.camera.is_none() == shared)
-    };
-    (
-        of(true).map(|pool| pool.allocated).sum(),
-        of(false).map(|pool| pool.allocated).collect(),
-    )
-}
-
 #[test]
 fn gpu_blocks_are_kept_once_within_their_memory() {
-    let Some(mut seen) = Seen::new(Some(0)) else {
+    let Some(mut seen) = seen(Some(0)) else {
         return;
     };
     seen.rest();
@@ -288,14 +184,14 @@ fn gpu_blocks_are_kept_once_within_their_memory() {
     let (both, two) = bytes(&seen.app);
     // The relief map comes when it has been made.
     assert!(both - shared < 1 << 20 && two.len() == 2, "{both} {two:?}");
-    seen.app.world_mut().spawn(ground());
+    seen.app.world_mut().spawn((hills(), meadow()));
     app::frames(&mut seen.app, 12);
     let (twice, four) = bytes(&seen.app);
     assert!(
         twice > 2 * shared - (1 << 20) && four.len() == 4,
         "{twice} {four:?}"
     );
-    // Whoever chooses cells keeps no blocks.
+    // Where less is allowed less is kept.
     let mut cameras = seen
         .app
         .world_mut()
@@ -304,18 +200,17 @@ fn gpu_blocks_are_kept_once_within_their_memory() {
     for camera in cameras {
         seen.app.world_mut().entity_mut(camera).insert(TerrainLod {
             max_vertices: 1 << 10,
-            choice: Choice::Cells,
             ..detail()
         });
     }
     app::frames(&mut seen.app, 8);
-    let (cells, _) = bytes(&seen.app);
-    assert!(cells < 8 << 20, "{cells}");
+    let (least, _) = bytes(&seen.app);
+    assert!(least < 16 << 20, "{least}");
 }
 
 #[test]
 fn gpu_pools_of_blocks_grow_as_a_view_needs_them() {
-    let Some(mut seen) = Seen::new(Some(u32::MAX)) else {
+    let Some(mut seen) = seen(Some(u32::MAX)) else {
         return;
     };
     seen.rest();
@@ -351,7 +246,7 @@ fn gpu_pools_of_blocks_grow_as_a_view_needs_them() {
 
 #[test]
 fn gpu_probes_find_the_triangles_of_blocks() {
-    let Some(mut seen) = Seen::new(Some(u32::MAX)) else {
+    let Some(mut seen) = seen(Some(u32::MAX)) else {
         return;
     };
     // In the picture, at some 100 to 400 m.

@@ -1,21 +1,21 @@
 //! Ground that is edited while it is drawn: what is made anew, that the bound holds, and that undoing restores the picture.
 
 use crate::app;
-use crate::blocks::support::{terrain, view};
+use crate::app::seen::{PIXELS, Seen, hills, meadow};
+use crate::blocks::support::{MOST, laid_on_samples, params, terrain, view};
 
 use bevy::math::{DVec2, UVec2};
 use bevy::prelude::*;
 use bevy::render::RenderApp;
 use dolomite_geometry::GeometryStats;
-use dolomite_ground::detail::layout::DetailParams;
-use dolomite_ground::detail::{Choice, DetailCells, DetailView, MakingBudget, Metric, TerrainLod};
+use dolomite_ground::TerrainView;
+use dolomite_ground::detail::{Metric, TerrainLod};
 use dolomite_ground::render::{GroundProgress, TerrainRelief, words_of_edits};
-use dolomite_ground::{GroundLayer, GroundMaterial, Surface, TerrainView};
 use dolomite_terrain::{
-    Edit, EditKind, Edits, Fractal, Ground, GroundProbe, GroundRect, Hill, Layer, ProbeBatch,
-    Source, Terrain, TerrainData, TerrainEdits,
+    Edit, EditKind, Edits, Ground, GroundProbe, GroundRect, Hill, Layer, ProbeBatch, Source,
+    Terrain, TerrainData, TerrainEdits,
 };
-use dolomite_testkit::detail::{DetailRun, DetailStage};
+use dolomite_testkit::blocks::BlockStage;
 use dolomite_testkit::gpu::for_test;
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -30,92 +30,6 @@ fn brush(kind: EditKind, place: DVec2, strength: f64) -> Edit {
     }
 }
 
-/// Vertices by their place, to the bit.
-fn heights(run: &DetailRun) -> HashMap<[u32; 2], f32> {
-    let each = run.positions.iter();
-    each.map(|&[x, y, z]| ([x.to_bits(), z.to_bits()], y))
-        .collect()
-}
-
-fn params(cells: &DetailCells, view: DetailView) -> DetailParams {
-    DetailParams::new(cells, view, 0, [1 << 17, 1 << 18])
-}
-
-/// Cells under a brush are made anew and no others, and what is drawn then is what is drawn of ground that never was
-/// another; looking away, editing there and looking back too. Undone, it is what was drawn before, to the bit.
-#[test]
-fn gpu_cells_under_a_brush_are_made_anew_and_no_others() {
-    let Some(gpu) = for_test() else { return };
-    let ground = terrain();
-    let mut edits = TerrainEdits::new(&ground).expect("fits");
-    let ground = ground.with_edits(Some(Edits::none(*edits.lattice())));
-    let metric = Metric::ErrorBound { pixels: 2.0 };
-    let [north, south] = [0.0, 3.0].map(|yaw| view(&ground, yaw, 6.0, metric));
-    let mut cells = DetailCells::new(ground.clone(), 0.25);
-    let mut stage = DetailStage::new(&gpu, &cells, 1 << 18).expect("passes");
-    let first = stage.run(params(&cells, north)).expect("runs");
-    let all = stage.made().expect("counts");
-    let again = stage.run(params(&cells, north)).expect("runs");
-    assert_eq!(stage.made().expect("counts"), 0, "all is there");
-    assert_eq!(heights(&again), heights(&first));
-
-    // 60 m ahead of the eye, and 70 m behind it.
-    let ahead = DVec2::new(1e5 + 37.25, -1e5 - 170.0);
-    let behind = DVec2::new(1e5 + 37.25, -1e5 - 40.0);
-    let lower = edits.apply(&ground, &brush(EditKind::Lower, ahead, 6.0));
-    let now = lower.expect("valid").terrain;
-    stage.edit(&mut cells, &now);
-    let edited = stage.run(params(&cells, north)).expect("runs");
-    let made = stage.made().expect("counts");
-    println!("{made} blocks of {all} made anew");
-    assert!(made > 20 && made < all / 3, "{made} of {all}");
-    let rests = stage.run(params(&cells, north)).expect("runs");
-    assert_eq!(stage.made().expect("counts"), 0, "once");
-    assert_eq!(heights(&rests), heights(&edited));
-
-    // Against ground that has always been so.
-    let compare = |ours: &DetailRun, now: &Terrain, view: DetailView| {
-        let fresh = DetailCells::new(now.clone(), 0.25);
-        let mut other = DetailStage::new(&gpu, &fresh, 1 << 18).expect("passes");
-        let theirs = other.run(params(&fresh, view)).expect("runs");
-        let (ours, theirs) = (heights(ours), heights(&theirs));
-        let both = ours.iter().filter(|(place, _)| theirs.contains_key(*place));
-        let mut shared = 0;
-        for (place, height) in both {
-            // Geomorphs on their way differ with the error of a cell beside the brush, which counts more than it must.
-            assert!((height - theirs[place]).abs() < 0.05, "{place:?}");
-            shared += 1;
-        }
-        // What stands beside an edit is bounded with the tiles of the edit where it was made after it, and not before.
-        let most = ours.len().max(theirs.len());
-        assert!(shared * 100 > most * 95, "{shared} of {most}");
-    };
-    compare(&edited, &now, north);
-
-    // Behind the back: nothing is made until somebody looks.
-    stage.run(params(&cells, south)).expect("runs");
-    stage.run(params(&cells, north)).expect("runs");
-    let raise = edits.apply(&now, &brush(EditKind::Raise, behind, 4.0));
-    let both = raise.expect("valid").terrain;
-    stage.edit(&mut cells, &both);
-    let still = stage.run(params(&cells, north)).expect("runs");
-    let few = stage.made().expect("counts");
-    assert!(few < made, "{few}: what lies above the brush alone");
-    // Coarse cells over the brush see what stands on it.
-    assert!(still.positions.len() as f64 > 0.9 * edited.positions.len() as f64);
-    let looked = stage.run(params(&cells, south)).expect("runs");
-    let made = stage.made().expect("counts");
-    assert!(made > 20, "{made}");
-    compare(&looked, &both, south);
-
-    // Back.
-    let before = edits.undo(&both).and_then(|once| edits.undo(&once));
-    stage.edit(&mut cells, &before.expect("two steps"));
-    let undone = stage.run(params(&cells, north)).expect("runs");
-    assert_eq!(heights(&undone), heights(&first), "to the bit");
-    assert_eq!(undone.triangles.len(), first.triangles.len());
-}
-
 /// Every vertex that has arrived stands on the edited ground, and triangles are within their pixels of it.
 #[test]
 fn gpu_the_bound_holds_on_edited_ground() {
@@ -126,8 +40,8 @@ fn gpu_the_bound_holds_on_edited_ground() {
     let pixels = 2.0;
     let metric = Metric::ErrorBound { pixels };
     let seen = view(&ground, 0.0, 12.0, metric);
-    let mut cells = DetailCells::new(now.clone(), 0.25);
-    let mut stage = DetailStage::new(&gpu, &cells, 1 << 18).expect("passes");
+    let laid = laid_on_samples(&now, 0.25);
+    let mut stage = BlockStage::new(&gpu, &laid, 4096).expect("passes");
     let eye = DVec2::new(1e5 + 37.25, -1e5 - 110.5);
     for (k, (kind, strength)) in [
         (EditKind::Lower, 9.0),
@@ -142,8 +56,8 @@ fn gpu_the_bound_holds_on_edited_ground() {
         let place = eye + DVec2::new((k as f64 - 1.5) * 9.0, -away);
         let made = edits.apply(&now, &brush(kind, place, strength));
         now = made.expect("valid").terrain;
-        stage.edit(&mut cells, &now);
-        let run = stage.run(params(&cells, seen)).expect("runs");
+        stage.edit(&now);
+        let (run, _) = stage.settle(params(&laid, seen), 64, MOST).expect("runs");
         assert_eq!(run.coarsening, 1.0);
         let anchor = DVec2::new(f64::from(seen.anchor[0]), f64::from(seen.anchor[1]));
         let scale = f64::from(seen.scale);
@@ -220,185 +134,127 @@ fn picture_like(app: &mut App, target: &Handle<Image>, wanted: &[u8]) -> Vec<u8>
     }
 }
 
-/// In an app: nothing is written where nothing is edited; then a few tiles a stroke; answers are of the edited ground, by
-/// either choice; and the picture after undoing is the one before.
+/// In an app: nothing is written where nothing is edited; then a few tiles a stroke; answers are of the edited ground;
+/// and the picture after undoing is the one before.
 #[test]
 fn gpu_an_app_edits_its_ground() {
-    for choice in [Choice::Cells, Choice::Blocks] {
-        let Some(mut app) = app::app() else { return };
-        app.insert_resource(GlobalAmbientLight {
-            brightness: 2000.0,
-            ..default()
-        });
-        let surface = Surface::Flat {
-            colour: [0.3, 0.5, 0.2],
-            roughness: 0.9,
-        };
-        let material = GroundMaterial {
-            layers: vec![GroundLayer::new("", surface)],
-        };
-        let ground = hill();
-        let mut edits = TerrainEdits::new(&ground).expect("fits");
-        let entity = app.world_mut().spawn((ground.clone(), material)).id();
-        let sun = Transform::from_xyz(30.0, 20.0, 10.0).looking_at(Vec3::ZERO, Vec3::Y);
-        app.world_mut().spawn((DirectionalLight::default(), sun));
-        let target = app::target(&mut app, 160, 120);
-        let lod = TerrainLod {
-            metric: Metric::ErrorBound { pixels: 1.0 },
-            choice,
-            ..TerrainLod::default()
-        };
-        let place = Transform::from_xyz(0.0, 60.0, 90.0).looking_at(Vec3::ZERO, Vec3::Y);
-        app::camera(&mut app, &target, (TerrainView, lod, place));
-        let places = [
-            DVec2::new(3.0, 4.0),
-            DVec2::new(-9.0, 2.5),
-            DVec2::new(55.0, -20.0),
-        ];
-        let probes = places.map(|xz| {
-            let at = Transform::from_xyz(xz.x as f32, 0.0, xz.y as f32);
-            app.world_mut().spawn((GroundProbe::default(), at)).id()
-        });
-        let words = |app: &App| words_of_edits(app.sub_app(RenderApp).world());
-        let answers = |app: &App, ground: &Terrain| {
-            for (probe, xz) in probes.iter().zip(places) {
-                let probe = app.world().get::<GroundProbe>(*probe).expect("a probe");
-                let drawn = probe.drawn.expect("an answer");
-                let truth = ground.height(xz);
-                let off = (drawn.sample.height - truth).abs();
-                assert!(
-                    off <= drawn.bound + 1e-4,
-                    "{choice:?} {xz}: {off} > {}",
-                    drawn.bound
-                );
-                assert_eq!(probe.sample.expect("the true one").height, truth);
-            }
-        };
-        settle(&mut app);
-        while app.world().get::<TerrainRelief>(entity).is_none() {
-            app::frames(&mut app, 1);
+    let Some(mut app) = app::app() else { return };
+    app.insert_resource(GlobalAmbientLight {
+        brightness: 2000.0,
+        ..default()
+    });
+    let ground = hill();
+    let mut edits = TerrainEdits::new(&ground).expect("fits");
+    let entity = app.world_mut().spawn((ground.clone(), meadow())).id();
+    let sun = Transform::from_xyz(30.0, 20.0, 10.0).looking_at(Vec3::ZERO, Vec3::Y);
+    app.world_mut().spawn((DirectionalLight::default(), sun));
+    let target = app::target(&mut app, 160, 120);
+    let lod = TerrainLod {
+        metric: Metric::ErrorBound { pixels: 1.0 },
+        ..TerrainLod::default()
+    };
+    let place = Transform::from_xyz(0.0, 60.0, 90.0).looking_at(Vec3::ZERO, Vec3::Y);
+    app::camera(&mut app, &target, (TerrainView, lod, place));
+    let places = [
+        DVec2::new(3.0, 4.0),
+        DVec2::new(-9.0, 2.5),
+        DVec2::new(55.0, -20.0),
+    ];
+    let probes = places.map(|xz| {
+        let at = Transform::from_xyz(xz.x as f32, 0.0, xz.y as f32);
+        app.world_mut().spawn((GroundProbe::default(), at)).id()
+    });
+    let words = |app: &App| words_of_edits(app.sub_app(RenderApp).world());
+    let answers = |app: &App, ground: &Terrain| {
+        for (probe, xz) in probes.iter().zip(places) {
+            let probe = app.world().get::<GroundProbe>(*probe).expect("a probe");
+            let drawn = probe.drawn.expect("an answer");
+            let truth = ground.height(xz);
+            let off = (drawn.sample.height - truth).abs();
+            assert!(off <= drawn.bound + 1e-4, "{xz}: {off} > {}", drawn.bound);
+            assert_eq!(probe.sample.expect("the true one").height, truth);
         }
-        settle(&mut app);
-        answers(&app, &ground);
-        let before = app::picture(&mut app, &target).data.expect("pixels");
-        assert_eq!(words(&app), 0, "nothing is edited");
-        let rested = app.world().resource::<GeometryStats>().dispatches;
-        assert_eq!(rested, 0, "the view rests");
+    };
+    settle(&mut app);
+    while app.world().get::<TerrainRelief>(entity).is_none() {
+        app::frames(&mut app, 1);
+    }
+    settle(&mut app);
+    answers(&app, &ground);
+    let before = app::picture(&mut app, &target).data.expect("pixels");
+    assert_eq!(words(&app), 0, "nothing is edited");
+    let rested = app.world().resource::<GeometryStats>().dispatches;
+    assert_eq!(rested, 0, "the view rests");
 
-        let mut now = ground.clone();
-        for k in 0..3 {
-            let place = DVec2::new(4.0 * f64::from(k), 0.0);
-            let made = edits.apply(&now, &brush(EditKind::Lower, place, 5.0));
-            now = made.expect("valid").terrain;
-            app.world_mut().entity_mut(entity).insert(now.clone());
-            settle(&mut app);
-            answers(&app, &now);
-        }
-        // The first edit lays the buffer out with what it holds; the next ones write what differs.
-        let written = words(&app);
-        assert!(
-            written > 0 && written < 2 * 9 * (1225 + 12) + 2 * 12 * 40,
-            "{written}"
-        );
-        let edited = app::picture(&mut app, &target).data.expect("pixels");
-        assert_ne!(before, edited, "a crater is seen");
-        while let Some(undone) = edits.undo(&now) {
-            now = undone;
-        }
+    let mut now = ground.clone();
+    for k in 0..3 {
+        let place = DVec2::new(4.0 * f64::from(k), 0.0);
+        let made = edits.apply(&now, &brush(EditKind::Lower, place, 5.0));
+        now = made.expect("valid").terrain;
         app.world_mut().entity_mut(entity).insert(now.clone());
         settle(&mut app);
-        answers(&app, &ground);
-        let after = picture_like(&mut app, &target, &before);
-        let others = before.chunks_exact(4).zip(after.chunks_exact(4));
-        let others = others.filter(|(one, other)| one != other);
-        let most = others
-            .clone()
-            .flat_map(|(one, other)| one.iter().zip(other).map(|(a, b)| a.abs_diff(*b)))
-            .max();
-        assert!(
-            before == after,
-            "{choice:?}: {} pixels are others, by up to {most:?} of 255",
-            others.count()
-        );
-        let written = words(&app) - written;
-        assert!(written < 2 * 9 * (1225 + 12) + 2 * 12 * 40, "{written}");
-        assert_eq!(
-            UVec2::new(160, 120).element_product() * 4,
-            before.len() as u32
-        );
+        answers(&app, &now);
     }
+    // The first edit lays the buffer out with what it holds; the next ones write what differs.
+    let written = words(&app);
+    assert!(
+        written > 0 && written < 2 * 9 * (1225 + 12) + 2 * 12 * 40,
+        "{written}"
+    );
+    let edited = app::picture(&mut app, &target).data.expect("pixels");
+    assert_ne!(before, edited, "a crater is seen");
+    while let Some(undone) = edits.undo(&now) {
+        now = undone;
+    }
+    app.world_mut().entity_mut(entity).insert(now.clone());
+    settle(&mut app);
+    answers(&app, &ground);
+    let after = picture_like(&mut app, &target, &before);
+    let others = before.chunks_exact(4).zip(after.chunks_exact(4));
+    let others = others.filter(|(one, other)| one != other);
+    let most = others
+        .clone()
+        .flat_map(|(one, other)| one.iter().zip(other).map(|(a, b)| a.abs_diff(*b)))
+        .max();
+    assert!(
+        before == after,
+        "{} pixels are others, by up to {most:?} of 255",
+        others.count()
+    );
+    let written = words(&app) - written;
+    assert!(written < 2 * 9 * (1225 + 12) + 2 * 12 * 40, "{written}");
+    assert_eq!(
+        UVec2::new(160, 120).element_product() * 4,
+        before.len() as u32
+    );
 }
 
-/// Rough ground of 1 km in blocks, which has a layer of edits from the beginning, and its history; at 2 px, seen from above it.
+/// Hills that have a layer of edits from the beginning, and their history; seen from above them.
 struct Edited {
-    app: App,
+    seen: Seen,
     edits: TerrainEdits,
     terrain: Terrain,
-    entity: Entity,
-    camera: Entity,
 }
-
-const PIXELS: f32 = 2.0;
 
 impl Edited {
     /// `blocks` are made in a frame.
     fn new(blocks: u32) -> Option<Self> {
-        let mut app = app::app()?;
-        app.insert_resource(MakingBudget {
-            blocks: Some(blocks),
-        });
-        let fractal = Fractal {
-            octaves: 9,
-            amplitude: 60.0,
-            wavelength: 400.0,
-            ..Fractal::default()
-        };
-        let ground = Terrain::new(TerrainData {
-            extent: GroundRect::square(DVec2::ZERO, 1024.0),
-            layers: vec![Layer {
-                source: Source::Fractal(fractal),
-                mask: None,
-            }],
-            base: 0.0,
-            sea_level: None,
-        });
-        let ground = ground.expect("valid");
+        let ground = hills();
         let edits = TerrainEdits::new(&ground).expect("fits");
         let terrain = ground.with_edits(Some(Edits::none(*edits.lattice())));
-        let surface = Surface::Flat {
-            colour: [0.3, 0.5, 0.2],
-            roughness: 0.9,
-        };
-        let material = GroundMaterial {
-            layers: vec![GroundLayer::new("", surface)],
-        };
-        let entity = app.world_mut().spawn((terrain.clone(), material)).id();
-        let target = app::target(&mut app, 320, 180);
-        let lod = TerrainLod {
-            metric: Metric::ErrorBound { pixels: PIXELS },
-            choice: Choice::Blocks,
-            ..TerrainLod::default()
-        };
         let eye = Vec3::new(0.0, terrain.height(DVec2::ZERO) as f32 + 15.0, 0.0);
         let place =
             Transform::from_translation(eye).looking_to(Vec3::new(0.0, -0.4, -1.0), Vec3::Y);
-        let camera = app::camera(&mut app, &target, (TerrainView, lod, place));
         Some(Self {
-            app,
+            seen: Seen::new(&terrain, place, Some(blocks))?,
             edits,
             terrain,
-            entity,
-            camera,
         })
     }
 
-    fn dispatches(&self) -> u32 {
-        self.app.world().resource::<GeometryStats>().dispatches
-    }
-
     fn held(&self) -> f32 {
-        let progress = self.app.world().resource::<GroundProgress>();
-        let ground = progress.of(self.camera).expect("ground");
+        let progress = self.seen.app.world().resource::<GroundProgress>();
+        let ground = progress.of(self.seen.camera).expect("ground");
         ground.held.expect("counted")
     }
 
@@ -409,28 +265,30 @@ impl Edited {
 
     fn set(&mut self, terrain: Terrain) {
         self.terrain = terrain.clone();
-        self.app.world_mut().entity_mut(self.entity).insert(terrain);
+        let entity = self.seen.terrain;
+        let world = self.seen.app.world_mut();
+        world.entity_mut(entity).insert(terrain);
     }
 }
 
 /// A still view dispatches nothing; a stroke is taken over in one frame, and some frames later nothing is dispatched again.
 #[test]
 fn gpu_a_stroke_on_blocks_is_taken_over_once() {
-    let Some(mut seen) = Edited::new(24) else {
+    let Some(mut edited) = Edited::new(24) else {
         return;
     };
-    settle(&mut seen.app);
+    settle(&mut edited.seen.app);
     for ahead in [20.0, 60.0] {
-        assert_eq!(seen.held(), PIXELS);
+        assert_eq!(edited.held(), PIXELS);
         for _ in 0..6 {
-            app::frames(&mut seen.app, 1);
-            assert_eq!(seen.dispatches(), 0, "the view rests");
+            app::frames(&mut edited.seen.app, 1);
+            assert_eq!(edited.seen.dispatches(), 0, "the view rests");
         }
-        seen.stroke(&brush(EditKind::Raise, DVec2::new(3.0, -ahead), 3.0));
+        edited.stroke(&brush(EditKind::Raise, DVec2::new(3.0, -ahead), 3.0));
         let mut dispatches = Vec::new();
         for _ in 0..60 {
-            app::frames(&mut seen.app, 1);
-            dispatches.push(seen.dispatches());
+            app::frames(&mut edited.seen.app, 1);
+            dispatches.push(edited.seen.dispatches());
             if dispatches.ends_with(&[0; 6]) && dispatches.len() > 6 {
                 break;
             }
@@ -452,7 +310,7 @@ fn gpu_a_stroke_on_blocks_is_taken_over_once() {
 /// within its own bound. Undone in as many frames, it is the ground before.
 #[test]
 fn gpu_triangles_of_blocks_are_those_of_the_ground_of_their_frame() {
-    let Some(mut seen) = Edited::new(u32::MAX) else {
+    let Some(mut edited) = Edited::new(u32::MAX) else {
         return;
     };
     let places: Vec<DVec2> = (0..48_u8)
@@ -467,29 +325,40 @@ fn gpu_triangles_of_blocks_are_those_of_the_ground_of_their_frame() {
         .iter()
         .map(|xz| {
             let at = Transform::from_xyz(xz.x as f32, 0.0, xz.y as f32);
-            seen.app
+            edited
+                .seen
+                .app
                 .world_mut()
                 .spawn((GroundProbe::default(), at))
                 .id()
         })
         .collect();
-    settle(&mut seen.app);
+    settle(&mut edited.seen.app);
     let mut grounds: HashMap<u32, Terrain> = HashMap::new();
     let (mut looked, mut changed, mut most) = (0, 0, 0.0_f64);
     for k in 0..40_u32 {
         if k < 16 {
             let place = DVec2::new(f64::from(k % 4) * 6.0 - 9.0, -15.0 - 4.0 * f64::from(k));
             let kind = [EditKind::Raise, EditKind::Lower][k as usize / 2 % 2].clone();
-            seen.stroke(&brush(kind, place, 2.5));
-        } else if let Some(undone) = seen.edits.undo(&seen.terrain) {
-            seen.set(undone);
+            edited.stroke(&brush(kind, place, 2.5));
+        } else if let Some(undone) = edited.edits.undo(&edited.terrain) {
+            edited.set(undone);
         }
-        app::frames(&mut seen.app, 1);
-        assert!(seen.held() <= PIXELS * 1.001, "frame {k}: {}", seen.held());
-        let now = seen.app.world().resource::<ProbeBatch>().frame();
-        grounds.insert(now, seen.terrain.clone());
+        app::frames(&mut edited.seen.app, 1);
+        assert!(
+            edited.held() <= PIXELS * 1.001,
+            "frame {k}: {}",
+            edited.held()
+        );
+        let now = edited.seen.app.world().resource::<ProbeBatch>().frame();
+        grounds.insert(now, edited.terrain.clone());
         for (probe, &xz) in probes.iter().zip(&places) {
-            let probe = seen.app.world().get::<GroundProbe>(*probe).expect("there");
+            let probe = edited
+                .seen
+                .app
+                .world()
+                .get::<GroundProbe>(*probe)
+                .expect("there");
             let Some(drawn) = probe.drawn else { continue };
             // Those from before the first stroke are of ground that nobody had edited.
             let Some(ground) = grounds.get(&drawn.frame) else {
@@ -503,7 +372,7 @@ fn gpu_triangles_of_blocks_are_those_of_the_ground_of_their_frame() {
                 drawn.bound
             );
             looked += 1;
-            changed += u32::from((truth - seen.terrain.height(xz)).abs() > 0.5);
+            changed += u32::from((truth - edited.terrain.height(xz)).abs() > 0.5);
             most = most.max(off);
         }
     }

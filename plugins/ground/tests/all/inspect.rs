@@ -14,7 +14,7 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use dolomite_geometry::layout::GeometryHead;
 use dolomite_geometry::render::Producers;
 use dolomite_ground::blocks::kept::lattice_of;
-use dolomite_ground::detail::{Choice, DetailLattice, Metric, TerrainLod};
+use dolomite_ground::detail::{DetailLattice, Metric, TerrainLod};
 use dolomite_ground::render::inspect::{InspectionPasses, ViewInspection};
 use dolomite_ground::{GroundInspection, GroundLayer, GroundMaterial, Sea, Surface, TerrainView};
 use dolomite_terrain::{
@@ -55,7 +55,7 @@ struct Scene {
     lattice: DetailLattice,
 }
 
-fn scene(choice: Choice, pixels: f32) -> Option<Scene> {
+fn scene(pixels: f32) -> Option<Scene> {
     let mut app = app::app()?;
     let terrain = terrain();
     let surface = Surface::Flat {
@@ -73,17 +73,13 @@ fn scene(choice: Choice, pixels: f32) -> Option<Scene> {
     let detail = TerrainLod {
         metric: Metric::ErrorBound { pixels },
         finest: FINEST,
-        choice,
         // So that there is overdraw.
         occluded: false,
         ..default()
     };
     let camera = app::camera(&mut app, &target, (TerrainView, detail, place));
     app::frames(&mut app, 20);
-    let lattice = match choice {
-        Choice::Cells => DetailLattice::new(terrain.extent(), FINEST),
-        Choice::Blocks => lattice_of(&terrain, FINEST),
-    };
+    let lattice = lattice_of(&terrain, FINEST);
     Some(Scene {
         app,
         terrain,
@@ -278,9 +274,10 @@ fn share(
     same as f64 / all as f64
 }
 
-fn check(choice: Choice) {
+#[test]
+fn gpu_pixels_are_inspected_as_rays_in_f64_see_them() {
     let tau = 4.0_f32;
-    let Some(mut scene) = scene(choice, tau) else {
+    let Some(mut scene) = scene(tau) else {
         return;
     };
     let census = |scene: &mut Scene| {
@@ -313,7 +310,7 @@ fn check(choice: Choice) {
     let same = share(&found, &errors, |found| found >= 0.0, near);
     let worst = errors.iter().flatten().copied().fold(0.0, f64::max);
     println!(
-        "{choice:?}: {} triangles, worst error {worst:.2} px, {same:.4} alike",
+        "{} triangles, worst error {worst:.2} px, {same:.4} alike",
         triangles.len()
     );
     assert!(same >= 0.99, "{same} of the pixels are as measured");
@@ -387,16 +384,6 @@ fn check(choice: Choice) {
     app::frames(&mut scene.app, 2);
     assert!(!is_there, "off, no texture");
     assert_eq!(census(&mut scene), (false, 3, passes), "off, no pass");
-}
-
-#[test]
-fn gpu_pixels_of_cells_are_inspected_as_rays_in_f64_see_them() {
-    check(Choice::Cells);
-}
-
-#[test]
-fn gpu_pixels_of_blocks_are_inspected_as_rays_in_f64_see_them() {
-    check(Choice::Blocks);
 }
 
 #[test]

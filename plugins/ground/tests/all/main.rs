@@ -8,8 +8,6 @@ mod blocks;
 #[cfg(feature = "render")]
 mod canopy;
 #[cfg(feature = "render")]
-mod cells;
-#[cfg(feature = "render")]
 mod chosen;
 mod cover;
 #[cfg(feature = "render")]

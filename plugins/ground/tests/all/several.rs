@@ -1,6 +1,7 @@
 //! Several terrains and several cameras: each camera sees all visible terrains, by its own rule.
 
 use crate::app;
+use crate::app::bytes;
 
 use bevy::camera::Viewport;
 use bevy::camera::visibility::RenderLayers;
@@ -8,7 +9,10 @@ use bevy::math::DVec2;
 use bevy::prelude::*;
 use bevy::render::render_resource::ShaderType;
 use dolomite_geometry::GeometryStats;
-use dolomite_ground::detail::{Choice, Metric, TerrainLod};
+use dolomite_ground::blocks::layout::{
+    LEAST_SLOTS, SAMPLE_BYTES, SEEN_BYTES, SLOT_BYTES, STOCK_HEAD_BYTES, list_words,
+};
+use dolomite_ground::detail::{Metric, TerrainLod};
 use dolomite_ground::render::{GroundLook, TerrainRelief};
 use dolomite_ground::{
     GroundLayer, GroundMaterial, MOST_TERRAINS, PatchDetail, Surface, TerrainView,
@@ -146,20 +150,6 @@ fn gpu_more_terrains_than_are_drawn() {
     assert_eq!(halves(&mut app, &target), [Seen::Green; 2]);
 }
 
-/// Bytes that all views share, and those of each view.
-fn bytes(app: &App) -> (u64, Vec<u64>) {
-    let pools = &app.world().resource::<GeometryStats>().pools;
-    let of = |shared: bool| {
-        pools
-            .iter()
-            .filter(move |pool| pool.camera.is_none() == shared)
-    };
-    (
-        of(true).map(|pool| pool.allocated).sum(),
-        of(false).map(|pool| pool.allocated).collect(),
-    )
-}
-
 /// Until the relief map of a terrain is there and drawn with.
 fn await_relief(app: &mut App, terrain: Entity) {
     for _ in 0..600 {
@@ -178,12 +168,13 @@ fn gpu_what_does_not_depend_on_the_view_is_kept_once() {
     let (terrain, material) = ground(0.0, GREEN);
     let heights = terrain.gpu();
     let terrain = app.world_mut().spawn((terrain, material)).id();
-    // Blocks: gpu_blocks_are_kept_once_within_their_memory, in chosen.rs.
     let detail = TerrainLod {
         max_vertices: 1 << 14,
-        choice: Choice::Cells,
         ..default()
     };
+    // A slot for every 38 vertices that a view may have, see `TerrainLod::max_vertices`.
+    let slots = |vertices: u64| (vertices / 38).max(u64::from(LEAST_SLOTS));
+    let blocks = |vertices: u64| SLOT_BYTES * slots(vertices) + STOCK_HEAD_BYTES + SAMPLE_BYTES;
     let target = app::target(&mut app, 32, 32);
     let look =
         |app: &mut App, x: f32| app::camera(app, &target, (TerrainView, detail, above(x, 60.0)));
@@ -195,39 +186,42 @@ fn gpu_what_does_not_depend_on_the_view_is_kept_once() {
     let first = look(&mut app, 0.0);
     await_relief(&mut app, terrain);
     let (shared, views) = see(&mut app, first, detail);
-    // 113 bytes a cell, four cells a vertex, and corners of one root; see `TerrainLod::max_vertices`.
-    let cells = 113 * (4 << 14) + 16 + 4 * 16;
     // The relief map has 64 texels a side and eight bytes a texel.
     let relief: u64 = (0..=6).map(|level: u32| 8 * (64_u64 >> level).pow(2)).sum();
     let heights = (size_of_val(&*heights.layers) + size_of_val(&*heights.data)) as u64;
     let uniforms = 16 + GroundLook::min_size().get();
     let data = relief + heights + uniforms;
-    assert_eq!(shared, cells + data);
+    assert_eq!(shared, blocks(1 << 14) + data);
     assert_eq!(views.len(), 1);
 
-    // As `TerrainLod::max_vertices` says: so much a vertex of the view, and of what all share.
+    // So many slots of a view, and its pools: 20 bytes a vertex and 24 of triangles.
     let twice = TerrainLod {
         max_vertices: 1 << 15,
         ..detail
     };
     let (more, larger) = see(&mut app, first, twice);
     assert_eq!(larger.len(), 1);
-    assert_eq!(
-        (more - shared, larger[0] - views[0]),
-        (452 << 14, 472 << 14)
-    );
+    assert_eq!(more - shared, blocks(1 << 15) - blocks(1 << 14));
+    let of_view = |vertices: u64| {
+        let slots = slots(vertices);
+        44 * vertices + SEEN_BYTES * slots + 4 * list_words(slots as u32)
+    };
+    assert_eq!(larger[0] - views[0], of_view(1 << 15) - of_view(1 << 14));
 
     let second = look(&mut app, 30.0);
     let (both, of_each) = see(&mut app, first, detail);
     assert_eq!((both, of_each), (shared, vec![views[0]; 2]));
 
-    // Another smallest cell has cells of its own, until nobody asks for it.
+    // Another smallest cell has blocks of its own, until nobody asks for it.
     let finer = TerrainLod {
         finest: 0.25,
         ..detail
     };
     let (apart, of_each) = see(&mut app, second, finer);
-    assert_eq!((apart, of_each), (2 * cells + data, vec![views[0]; 2]));
+    assert_eq!(
+        (apart, of_each),
+        (2 * blocks(1 << 14) + data, vec![views[0]; 2])
+    );
     let (both, _) = see(&mut app, second, detail);
     assert_eq!(both, shared);
 }
@@ -302,7 +296,7 @@ fn gpu_a_camera_that_lost_its_detail_sees_by_the_default() {
         brightness: 3000.0,
         ..default()
     });
-    // Ground that the cells of a root, 6 m wide, do not show to a pixel.
+    // Ground that the coarsest triangles, 6 m wide, do not show to a pixel.
     let (_, material) = ground(0.0, GREEN);
     let rough = Terrain::new(TerrainData {
         extent: GroundRect::square(DVec2::ZERO, 100.0),

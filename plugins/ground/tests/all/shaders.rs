@@ -43,14 +43,24 @@ macro_rules! same_layout {
     }};
 }
 
+/// A constant of a file, by its text.
+fn constant(file: &str, name: &str) -> usize {
+    let source = dolomite_shaders::find(file).source;
+    let begins = format!("const {name}: u32 = ");
+    let line = source.lines().find_map(|line| line.strip_prefix(&begins));
+    let value = line.unwrap_or_else(|| panic!("no {name} in {file}"));
+    let value = value.trim_end_matches("u;").parse();
+    value.unwrap_or_else(|error| panic!("{name} in {file}: {error}"))
+}
+
 #[test]
-#[should_panic(expected = "size of DetailPass")]
+#[should_panic(expected = "size of EditedRect")]
 fn a_changed_struct_is_seen() {
-    struct DetailPass {
-        depth: u32,
+    struct EditedRect {
+        low: [u32; 2],
         more: [u32; 7],
     }
-    same_layout!(&composed("detail/look.wgsl"), DetailPass { depth, more });
+    same_layout!(&composed("blocks/look.wgsl"), EditedRect { low, more });
 }
 
 #[test]
@@ -218,17 +228,6 @@ fn the_records_of_blocks_lie_as_in_rust() {
     );
     let (size, members) = wgsl_struct(&fit, "SeenBlock");
     assert_eq!(u64::from(size), SEEN_BYTES, "{members:?}");
-    // Constants of the files that the passes import, by their text.
-    let constant = |file: &str, name: &str| {
-        let source = dolomite_shaders::find(file).source;
-        let begins = format!("const {name}: u32 = ");
-        let line = source.lines().find_map(|line| line.strip_prefix(&begins));
-        let value = line.unwrap_or_else(|| panic!("no {name}"));
-        value
-            .trim_end_matches("u;")
-            .parse::<usize>()
-            .expect("a number")
-    };
     let record = |name: &str| constant("blocks/record.wgsl", name);
     let mut at = 0;
     for (name, words) in [
@@ -285,11 +284,11 @@ fn the_records_of_blocks_lie_as_in_rust() {
 
 #[test]
 fn the_records_of_the_level_of_detail_lie_as_in_rust() {
-    use dolomite_ground::detail::layout::{
-        DetailParams, DetailPass, EditedRect, Link, VIEW_CELL_BYTES,
-    };
-    use dolomite_ground::detail::{Cell, DetailView, HorizonView};
-    let look = composed("detail/look.wgsl");
+    use dolomite_ground::blocks::layout::{COUNT_WORDS, HORIZON};
+    use dolomite_ground::detail::horizon::{COLUMNS, LAYERS};
+    use dolomite_ground::detail::layout::{DetailParams, EditedRect};
+    use dolomite_ground::detail::{DetailView, HorizonView};
+    let look = composed("blocks/look.wgsl");
     same_layout!(
         &look,
         DetailView {
@@ -347,7 +346,6 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
         EditedRect {
             low,
             high,
-            stamp,
             wide_from,
             wide_cells
         }
@@ -363,51 +361,17 @@ fn the_records_of_the_level_of_detail_lie_as_in_rust() {
             near_reach,
         }
     );
-    same_layout!(&look, DetailPass { depth });
-    same_layout!(
-        &look,
-        Link {
-            centre,
-            parent,
-            children
-        }
-    );
-    // The shader names the words of `mids` and `quarters` one by one.
-    same_layout!(
-        &look,
-        Cell {
-            centre,
-            error,
-            high,
-            finer,
-            looked
-        }
-    );
-    let (size, members) = wgsl_struct(&look, "ViewCell");
-    assert_eq!(u64::from(size), VIEW_CELL_BYTES, "{members:?}");
-    let (_, members) = wgsl_struct(&look, "Cell");
-    let at = |name: &str| {
-        let found = members.iter().find(|(theirs, _)| theirs == name);
-        found.map(|(_, offset)| *offset as usize)
-    };
-    assert_eq!(at("west"), Some(offset_of!(Cell, mids)));
-    assert_eq!(at("south_x"), Some(offset_of!(Cell, mids) + 36));
-    assert_eq!(at("quarters_ab"), Some(offset_of!(Cell, quarters)));
+    assert_eq!(constant("detail/bindings.wgsl", "HORIZON"), HORIZON);
+    assert_eq!(constant("detail/horizon.wgsl", "COLUMNS"), COLUMNS);
+    assert_eq!(constant("detail/horizon.wgsl", "LAYERS"), LAYERS);
+    // Behind the map there is whether it is blind.
+    assert_eq!(COUNT_WORDS, HORIZON + COLUMNS * LAYERS + 1);
 }
 
 #[test]
 fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
-    use dolomite_ground::blocks::layout as blocks;
-    use dolomite_ground::detail::layout::{DEPTH_PASSES, LAST_PASSES, SWEEP_PASS};
-    use dolomite_ground::detail::probe::ANSWER_PASS;
-    let files = DEPTH_PASSES
-        .iter()
-        .map(|(file, ..)| file)
-        .chain(LAST_PASSES.iter().map(|(file, ..)| file))
-        .chain([&SWEEP_PASS.0])
-        .chain([&ANSWER_PASS.0])
-        .chain(blocks::PASSES.iter().map(|(file, ..)| file))
-        .chain([&blocks::ANSWER_PASS.0]);
+    use dolomite_ground::blocks::layout::{ANSWER_PASS, PASSES};
+    let files = PASSES.iter().map(|(file, ..)| file).chain([&ANSWER_PASS.0]);
     for file in files {
         let module = composed(file);
         let storage = module
@@ -421,7 +385,8 @@ fn the_passes_of_the_level_of_detail_keep_to_webgpus_limits() {
 
 #[test]
 fn the_records_of_height_queries_lie_as_in_rust() {
-    use dolomite_ground::detail::probe::{ANSWER_GROUP, ANSWER_PASS, AnswerHead, Asked};
+    use dolomite_ground::blocks::layout::ANSWER_PASS;
+    use dolomite_ground::detail::probe::{ANSWER_GROUP, AnswerHead, Asked};
     use dolomite_terrain::ProbeAnswer;
     let module = composed(ANSWER_PASS.0);
     same_layout!(&module, Asked { frame, count });
@@ -453,14 +418,24 @@ fn the_records_of_height_queries_lie_as_in_rust() {
 #[test]
 fn the_levels_own_words_of_the_head_are_behind_those_of_geometry() {
     use dolomite_geometry::layout::{HEAD_WORDS, OWN};
-    use dolomite_ground::detail::layout::{HEAD_COARSENING, HEAD_LEFT, HEAD_USED};
-    let source = dolomite_shaders::find("detail/finish.wgsl").source;
+    use dolomite_ground::blocks::layout::{
+        HEAD_CANDIDATES, HEAD_COARSENING, HEAD_CURVE, HEAD_DRAWN, HEAD_LEFT, HEAD_MADE, HEAD_STAMP,
+        HEAD_USED, HEAD_WISHES,
+    };
+    let last = HEAD_CURVE + constant("blocks/finish.wgsl", "HEAD_CURVE_COUNT") - 1;
+    assert!(last < HEAD_WORDS as usize, "{last}");
     for (name, word) in [
         ("HEAD_COARSENING", HEAD_COARSENING),
         ("HEAD_LEFT", HEAD_LEFT),
         ("HEAD_USED", HEAD_USED),
+        ("HEAD_WISHES", HEAD_WISHES),
+        ("HEAD_MADE", HEAD_MADE),
+        ("HEAD_CANDIDATES", HEAD_CANDIDATES),
+        ("HEAD_DRAWN", HEAD_DRAWN),
+        ("HEAD_STAMP", HEAD_STAMP),
+        ("HEAD_CURVE", HEAD_CURVE),
     ] {
-        assert!(source.contains(&format!("const {name}: u32 = {word}u;")));
+        assert_eq!(constant("blocks/finish.wgsl", name), word, "{name}");
         assert!((OWN..HEAD_WORDS).contains(&(word as u64)), "{name}");
     }
 }

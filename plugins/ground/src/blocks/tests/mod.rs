@@ -6,5 +6,6 @@ mod guarantee;
 mod near;
 mod nested;
 pub mod remade;
+mod stated;
 mod still;
 mod surface;

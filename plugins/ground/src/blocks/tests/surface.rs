@@ -196,8 +196,27 @@ fn the_triangle_under_a_place_is_the_one_that_is_drawn_and_errs_by_less_than_it_
         &cameras(&terrain)[0].bound(4.0),
         Limits::default(),
     );
-    let outside = GroundPoint::new(DVec2::new(513.0, 0.0));
-    assert_eq!(locate(&blocks, &choice, outside), None);
+    for outside in [
+        DVec2::new(513.0, 0.0),
+        DVec2::new(f64::INFINITY, 0.0),
+        DVec2::new(0.0, -1e300),
+        DVec2::splat(2e9),
+    ] {
+        let found = locate(&blocks, &choice, GroundPoint::new(outside));
+        assert_eq!(found, None, "{outside}");
+    }
+}
+
+#[test]
+fn flat_ground_stays_as_coarse_as_its_roots_however_near() {
+    let terrain = of(16_384.0, None, Vec::new());
+    let mut blocks = KeptBlocks::new(terrain.clone(), 0.125);
+    let camera = Camera::at(&terrain, DVec2::new(3.0, 4.0), 1.0, 0.0, -0.1);
+    let choice = settle(&mut blocks, &camera.bound(1.0), Limits::default());
+    let drawn = mesh(&blocks, &choice);
+    // A root is there with all corners of its cells.
+    assert!(drawn.triangles.len() <= 512, "{}", drawn.triangles.len());
+    assert_eq!(blocks.len(), blocks.roots().len(), "nothing was made");
 }
 
 /// Maps whose samples lie off the border of the extent by a part of a spacing, so that the outermost columns

@@ -1,9 +1,11 @@
-//! The level of detail in blocks on the GPU: what [`crate::blocks`] does, in compute passes.
+//! The level of detail on the GPU: what [`crate::blocks`] does, in compute passes that write the vertices and triangles which
+//! [`dolomite_geometry`] then draws.
 //!
 //! A view draws what there is at once and makes what is missing, a few blocks a frame (`pace`); until a choice
 //! comes back that had nothing to make. Then it rests, and a view that rests dispatches nothing.
 
 mod head;
+mod host;
 mod pace;
 pub mod parts;
 mod pass;
@@ -19,8 +21,8 @@ use bevy::prelude::*;
 use bevy::render::{Render, RenderApp, RenderSystems};
 use dolomite_geometry::render::{GeometrySystems, ModuleShaders, shader_asset};
 
-use super::detail::{self, DetailKind};
-use super::pools::PoolRooms;
+use super::detail::DetailKind;
+use super::drawn::Telling;
 use crate::blocks::layout::PASSES;
 
 /// Entry shaders of the passes, in the order of [`PASSES`].
@@ -30,7 +32,7 @@ pub(super) struct BlockShaders {
     _modules: ModuleShaders,
 }
 
-/// Adds the systems of a kind to an app that renders, beside those of [`detail::build`].
+/// Adds the systems of a kind to an app that renders, beside those of [`detail`](super::detail).
 pub(super) fn build<K: DetailKind>(app: &mut App) {
     let Some(shaders) = shaders(app) else { return };
     let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -39,14 +41,14 @@ pub(super) fn build<K: DetailKind>(app: &mut App) {
     render_app
         .insert_resource(shaders)
         .init_resource::<prepare::BlockViews<K>>()
-        .init_resource::<PoolRooms<K>>()
         .add_systems(
             Render,
             (
-                prepare::prepare::<K>
-                    .in_set(GeometrySystems::Bind)
-                    .after(detail::prepare::prepare::<K>),
+                prepare::prepare::<K>.in_set(GeometrySystems::Bind),
                 told::hand_in::<K>.in_set(RenderSystems::Cleanup),
+                told::report::<K>
+                    .in_set(RenderSystems::Cleanup)
+                    .in_set(Telling),
             ),
         )
         .add_systems(Core3d, pass::choose::<K>.in_set(GeometrySystems::Make));

@@ -9,14 +9,14 @@ use dolomite_geometry::render::{ExtractedGeometryCamera, GeometryShared, Produce
 use super::parts::Part;
 use super::prepare::BlockViews;
 use super::record::{BlockBound, record_clear, record_look_again, record_step};
-use crate::render::detail::prepare::DetailViews;
+use crate::render::detail::want::DetailData;
 use crate::render::detail::{DetailKind, detail_key};
 
 /// Chooses the view's ground, draws what there is, and makes what is missing, as much as a frame may.
 pub fn choose<K: DetailKind>(
     view: ViewQuery<Entity, With<ExtractedGeometryCamera>>,
     mut producers: ResMut<Producers>,
-    (mut blocks, details): (ResMut<BlockViews<K>>, Res<DetailViews<K>>),
+    (mut blocks, bound): (ResMut<BlockViews<K>>, Res<DetailData<K>>),
     cache: Res<PipelineCache>,
     shared: Res<GeometryShared>,
     device: Res<RenderDevice>,
@@ -34,7 +34,7 @@ pub fn choose<K: DetailKind>(
         return;
     };
     // Heights come from the data: not before those of this terrain are bound.
-    if state.settled || details.is_data_due() {
+    if state.settled || bound.is_due {
         return;
     }
     let ready = blocks
@@ -44,7 +44,7 @@ pub fn choose<K: DetailKind>(
     let (Some(ready), Some(groups)) = (ready, &own.groups) else {
         return;
     };
-    let bound = BlockBound {
+    let buffers = BlockBound {
         shared: &groups.shared,
         looked: &groups.looked,
         arguments: &groups.arguments,
@@ -92,7 +92,7 @@ pub fn choose<K: DetailKind>(
         });
         let span = recorder.pass_span(&mut pass, name);
         for step in steps {
-            record_step(&mut pass, ready[step.pass], &bound, step);
+            record_step(&mut pass, ready[step.pass], &buffers, step);
             dispatches += 1;
         }
         span.end(&mut pass);

@@ -1,4 +1,4 @@
-//! Which views choose their ground in blocks, and what of them is made or told anew.
+//! Which views choose their ground, and what of them is made or told anew.
 
 use std::collections::HashMap;
 use std::marker::PhantomData;
@@ -7,11 +7,12 @@ use bevy::prelude::*;
 use bevy::render::render_resource::PipelineCache;
 use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
 use bevy::render::view::ExtractedView;
-use dolomite_geometry::render::{GeometryView, Producer, Producers};
+use dolomite_geometry::render::{GeometryShared, GeometryView, Producer, Producers};
 use dolomite_terrain::Terrain;
 
 use super::BlockShaders;
 use super::head::Head;
+use super::host;
 use super::pace::Pace;
 use super::pipeline::BlockPipelines;
 use super::state::{BlockState, Inputs};
@@ -20,13 +21,14 @@ use crate::blocks::gate::Gate;
 use crate::blocks::layout::BlockNumbers;
 use crate::detail::layout::without;
 use crate::detail::{DetailLattice, Metric, TerrainLod};
-use crate::render::detail::prepare::DetailViews;
+use crate::render::detail::extract::ExtractedGround;
 use crate::render::detail::view::{detail_view, picture};
-use crate::render::detail::{DetailKind, ExtractedGround, detail_key};
+use crate::render::detail::want::DetailData;
+use crate::render::detail::{DetailKind, detail_key};
 use crate::render::drawn::DrawnGround;
 use crate::render::pools::PoolRooms;
 
-/// Every view that chooses its ground in blocks, and what all have in common.
+/// Every view that chooses its ground, and what all have in common.
 #[derive(Resource)]
 pub struct BlockViews<K> {
     pub(super) pipelines: Option<BlockPipelines>,
@@ -56,14 +58,14 @@ impl<K> Default for BlockViews<K> {
 }
 
 impl<K> BlockViews<K> {
-    /// The lattice of a view's ground and its metric, if it chooses in blocks.
+    /// The lattice of a view's ground, and its metric.
     pub(in crate::render) fn lattice(&self, view: Entity) -> Option<(&DetailLattice, Metric)> {
         let detail = self.views.get(&view)?.inputs.detail;
         let store = self.stores.get(&detail.finest.to_bits())?;
         Some((&store.ground.lattice, detail.metric))
     }
 
-    /// What a view has drawn, if it chooses in blocks.
+    /// What a view has drawn.
     pub(in crate::render) fn drawn(
         &self,
         view: Entity,
@@ -185,21 +187,24 @@ fn sweeps<K>(blocks: &mut BlockViews<K>, producer: &mut Producer) -> HashMap<u32
 pub fn prepare<K: DetailKind>(
     mut producers: ResMut<Producers>,
     mut blocks: ResMut<BlockViews<K>>,
-    (details, mut ground, mut rooms): (
-        Res<DetailViews<K>>,
+    (bound, mut ground, mut rooms): (
+        Res<DetailData<K>>,
         ResMut<ExtractedGround<K>>,
         ResMut<PoolRooms<K>>,
     ),
     cameras: Query<&ExtractedView>,
-    (shaders, cache): (Res<BlockShaders>, Res<PipelineCache>),
+    (shaders, cache, shared): (Res<BlockShaders>, Res<PipelineCache>, Res<GeometryShared>),
     (device, queue, adapter): (Res<RenderDevice>, Res<RenderQueue>, Res<RenderAdapterInfo>),
 ) {
     let Some(producer) = producers.get_mut(detail_key::<K>()) else {
         return;
     };
     let blocks = &mut *blocks;
-    let seeing: Vec<_> = ground
-        .seeing(true)
+    // Patches of the ground read the data too, where no view chooses.
+    producer.shared_bytes = ground.data_bytes;
+    (producer.pipelines, producer.fault) = (0, None);
+    let seeing = ground.cameras.iter().copied();
+    let seeing: Vec<_> = seeing
         .filter(|(camera, _)| producer.views.contains_key(camera))
         .collect();
     let is_seeing = |entity: &Entity| seeing.iter().any(|(camera, _)| camera == entity);
@@ -207,7 +212,7 @@ pub fn prepare<K: DetailKind>(
     rooms.keep(is_seeing);
     let ground = &mut *ground;
     let tiles = &mut ground.tiles;
-    let (Some(data), Some(terrain), false) = (&details.ground, &ground.terrain, seeing.is_empty())
+    let (Some(data), Some(terrain), false) = (&bound.heights, &ground.terrain, seeing.is_empty())
     else {
         blocks.views.clear();
         blocks.stores.clear();
@@ -216,8 +221,7 @@ pub fn prepare<K: DetailKind>(
     };
     blocks.waits = tiles.as_ref().is_some_and(|tiles| tiles.awaited);
     // Those of this terrain have to be bound. Until they are nothing is chosen.
-    let due = details.is_data_due();
-    if let Some(tiles) = tiles.as_mut().filter(|_| !due)
+    if let Some(tiles) = tiles.as_mut().filter(|_| !bound.is_due)
         && tiles.write(&data[1], &queue)
     {
         for own in blocks.views.values_mut() {
@@ -232,9 +236,8 @@ pub fn prepare<K: DetailKind>(
         blocks.stores.clear();
     }
     let pipelines = known.unwrap_or_else(|| BlockPipelines::new(&shaders, without, &cache));
-    producer.pipelines += pipelines.count();
-    let fault = producer.fault.take();
-    producer.fault = fault.or_else(|| pipelines.fault(&cache));
+    producer.pipelines = pipelines.count();
+    producer.fault = pipelines.fault(&cache);
     let edited = keep_stores(
         &mut blocks.stores,
         terrain,
@@ -278,6 +281,7 @@ pub fn prepare<K: DetailKind>(
                 .culled
                 .then(|| (picture(&state.frame, one_sided), shadowed)),
             solid,
+            on_host: ground.on_host,
         };
         let known = blocks.views.get(entity);
         if known.is_none_or(|known| !known.is_of(store)) {
@@ -289,7 +293,7 @@ pub fn prepare<K: DetailKind>(
             continue;
         };
         own.follow(inputs, blocks.stamp);
-        let counted = ground.counted.contains(entity);
+        let counted = ground.counted.contains(entity) && !ground.on_host;
         if counted != own.counted.is_some() {
             own.counted = counted.then_some(0);
         }
@@ -303,6 +307,14 @@ pub fn prepare<K: DetailKind>(
             own.rests &= !grows;
         }
         state.settled &= own.rests;
+        if ground.on_host {
+            if !state.settled {
+                blocks.stamp += 1;
+                store.stamp = blocks.stamp;
+                host::choose(own, store, state, (&queue, &shared));
+            }
+            continue;
+        }
         let written = [&state.vertices, &state.indices, &state.work];
         own.bind(&device, &cache, &pipelines, store, written, data);
         if !state.settled {

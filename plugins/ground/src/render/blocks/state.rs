@@ -16,7 +16,7 @@ use crate::blocks::layout::{
     made_at,
 };
 use crate::detail::layout::DetailParams;
-use crate::detail::{CullView, DetailCells, DetailView, HorizonView, TerrainLod};
+use crate::detail::{CullView, DetailGround, DetailView, HorizonView, TerrainLod};
 
 /// Most rounds of looking and making before a choice is drawn: so that a frame whose time nobody minds makes more than
 /// [`MOST_MADE`] blocks.
@@ -31,11 +31,13 @@ pub(in crate::render) struct Inputs {
     pub culled: Option<(CullView, bool)>,
     /// Whether ground hides what is behind it: its edges alone do not.
     pub solid: bool,
+    /// Whether the CPU chooses.
+    pub on_host: bool,
 }
 
 impl Inputs {
     /// How the view looks at its horizon, where it does.
-    fn horizon(&self, ground: &DetailCells, anchor_height: f32) -> Option<HorizonView> {
+    fn horizon(&self, ground: &DetailGround, anchor_height: f32) -> Option<HorizonView> {
         let wanted = self.detail.occluded && self.solid;
         let (picture, _) = self.culled.as_ref().filter(|_| wanted)?;
         HorizonView::new(ground, &self.view, picture, anchor_height)

@@ -9,12 +9,12 @@ use bytemuck::cast_slice;
 use dolomite_terrain::Terrain;
 
 use crate::blocks::changed::{EditReach, edit_rounds, edited_lines, join_edited};
-use crate::blocks::kept::lattice_of;
+use crate::blocks::kept::{KeptBlocks, lattice_of};
 use crate::blocks::layout::{
     Beginning, HEAD_BYTES, LEAST_SLOTS, RECORD_WORDS, SAMPLE_BYTES, STOCK_HEAD_BYTES,
 };
 use crate::detail::layout::EditedRect;
-use crate::detail::{DetailCells, TerrainLod};
+use crate::detail::{DetailGround, TerrainLod};
 use crate::render::room::Room;
 
 /// Vertices of a view for which there is room for a block: at the defaults 95 MiB a terrain.
@@ -26,7 +26,9 @@ const RECORD_BYTES: u64 = 4 * RECORD_WORDS as u64;
 /// One ground's blocks.
 pub(in crate::render) struct BlockStore {
     /// The ground and the lattice of its blocks.
-    pub ground: DetailCells,
+    pub ground: DetailGround,
+    /// What the CPU has made of it, where it chooses.
+    pub kept: Option<KeptBlocks>,
     /// Where it was edited since the newest choice.
     pub edited: Vec<EditedRect>,
     finest: f32,
@@ -62,10 +64,8 @@ pub(super) fn slots_for(device: &RenderDevice, detail: &TerrainLod) -> u32 {
 }
 
 /// A terrain on the lattice of its blocks.
-fn ground_of(terrain: &Terrain, finest: f32) -> DetailCells {
-    let mut ground = DetailCells::new(terrain.clone(), finest);
-    ground.lattice = lattice_of(terrain, finest);
-    ground
+fn ground_of(terrain: &Terrain, finest: f32) -> DetailGround {
+    DetailGround::on(terrain.clone(), lattice_of(terrain, finest))
 }
 
 impl BlockStore {
@@ -98,6 +98,7 @@ impl BlockStore {
             stock,
             samples: empty("blocks_samples", SAMPLE_BYTES),
             ground,
+            kept: None,
             edited: Vec::new(),
             finest,
             beginning,
@@ -124,6 +125,7 @@ impl BlockStore {
         let reach = EditReach::between(known, terrain, lattice);
         let mut edited = edited_lines(lattice, reach, &now.changed_since(known)?);
         self.ground = ground_of(terrain, self.finest);
+        self.kept = None;
         let is_reached = !edited.is_empty();
         // What has not been made yet is made of the ground as it is then.
         if !self.fresh {

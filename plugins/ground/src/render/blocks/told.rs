@@ -1,13 +1,14 @@
-//! What has come back of choices: to budgets of cameras, and to the pace of making.
+//! What has come back of choices: to budgets of cameras, to the pace of making, and to [`GroundProgress`].
 
 use bevy::prelude::*;
 use bevy::render::renderer::RenderQueue;
-use dolomite_geometry::render::{ExtractedGeometryCamera, Producers};
+use dolomite_geometry::render::{ExtractedGeometryCamera, GeometryView, Producers};
 
 use super::prepare::BlockViews;
 use crate::detail::Metric;
 use crate::detail::work::GroundWork;
 use crate::render::detail::{DetailKind, detail_key};
+use crate::render::drawn::{DrawnGround, GroundProgress};
 
 /// Hands out what has arrived.
 pub fn hand_in<K: DetailKind>(
@@ -51,5 +52,32 @@ pub fn hand_in<K: DetailKind>(
             work.set(camera.main, counts);
         }
         own.counted = Some(head.stamp);
+    }
+}
+
+/// Says of every view of a kind what was drawn in the frame that has just been recorded.
+pub fn report<K: DetailKind>(
+    producers: Res<Producers>,
+    blocks: Res<BlockViews<K>>,
+    cameras: Query<&ExtractedGeometryCamera>,
+    progress: Option<Res<GroundProgress>>,
+) {
+    let (Some(progress), Some(producer)) = (progress, producers.get(detail_key::<K>())) else {
+        return;
+    };
+    // What is wanted and has no pools yet is not settled either.
+    for (view, _) in &producer.wanted {
+        let Ok(camera) = cameras.get(*view) else {
+            continue;
+        };
+        let state = producer.views.get(view);
+        let ground = state.and_then(|state| blocks.drawn(*view, state));
+        progress.add(
+            camera.main,
+            ground.unwrap_or(DrawnGround {
+                drawn: state.is_some_and(GeometryView::is_shown),
+                ..DrawnGround::default()
+            }),
+        );
     }
 }

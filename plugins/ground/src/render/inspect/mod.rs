@@ -19,7 +19,7 @@ use bevy::render::{Extract, ExtractSchedule, Render, RenderApp, RenderSystems};
 use dolomite_geometry::render::{GeometrySystems, ModuleShaders, shader_asset};
 
 use super::blocks;
-use super::detail::{self, DetailKind};
+use super::detail::DetailKind;
 use crate::inspection::GroundInspection;
 pub use pipeline::inspection_variants;
 
@@ -117,7 +117,7 @@ fn build_all(app: &mut App) {
         );
 }
 
-/// Adds the systems of a kind to an app that renders, beside those of its choices.
+/// Adds the systems of a kind to an app that renders, beside those that choose it.
 pub(super) fn build<K: DetailKind>(app: &mut App) {
     build_all(app);
     let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
@@ -128,7 +128,6 @@ pub(super) fn build<K: DetailKind>(app: &mut App) {
         prepare::draws::<K>
             .run_if(resource_exists::<Inspected>)
             .in_set(GeometrySystems::Bind)
-            .after(detail::prepare::prepare::<K>)
             .after(blocks::prepare::prepare::<K>),
     );
 }

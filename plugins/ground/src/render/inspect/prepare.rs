@@ -17,8 +17,9 @@ use super::{Draw, Inspected, InspectionShader, ViewInspection};
 use crate::detail::layout::without;
 use crate::inspection::{GroundInspection, InspectionParams};
 use crate::render::blocks::prepare::BlockViews;
-use crate::render::detail::prepare::DetailViews;
-use crate::render::detail::{DetailKind, ExtractedGround, detail_key};
+use crate::render::detail::extract::ExtractedGround;
+use crate::render::detail::want::DetailData;
+use crate::render::detail::{DetailKind, detail_key};
 
 /// Textures as large as the target of each view.
 pub(super) fn textures(
@@ -77,8 +78,8 @@ pub(super) fn clear(mut commands: Commands, views: Query<Entity, With<ViewInspec
 /// The ground of a kind in the views that are inspected.
 pub(super) fn draws<K: DetailKind>(
     producers: Res<Producers>,
-    (details, blocks, ground): (
-        Res<DetailViews<K>>,
+    (bound, blocks, ground): (
+        Res<DetailData<K>>,
         Res<BlockViews<K>>,
         Res<ExtractedGround<K>>,
     ),
@@ -88,15 +89,16 @@ pub(super) fn draws<K: DetailKind>(
 ) {
     let (Some(producer), Some(heights), Some(terrain)) = (
         producers.get(detail_key::<K>()),
-        &details.ground,
+        &bound.heights,
         &ground.terrain,
     ) else {
         return;
     };
     let Inspected { views, draws } = &mut *inspected;
     for (view, what) in views {
-        let lattice = blocks.lattice(*view).or_else(|| details.lattice(*view));
-        let (Some(state), Some((lattice, metric))) = (producer.views.get(view), lattice) else {
+        let (Some(state), Some((lattice, metric))) =
+            (producer.views.get(view), blocks.lattice(*view))
+        else {
             continue;
         };
         let frame = &state.frame;

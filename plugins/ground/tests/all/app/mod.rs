@@ -1,5 +1,8 @@
 //! An app that renders without a window, and pictures of what its cameras see.
 
+#[cfg(feature = "render")]
+pub mod seen;
+
 use std::time::Duration;
 
 use bevy::camera::RenderTarget;
@@ -12,6 +15,7 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
+use dolomite_geometry::GeometryStats;
 use dolomite_ground::GroundPlugin;
 use dolomite_ground::detail::MakingBudget;
 
@@ -65,6 +69,19 @@ pub fn frames(app: &mut App, count: usize) {
         app.update();
         assert_eq!(app.should_exit(), None, "rendering stopped");
     }
+}
+
+/// Bytes of buffers that all views share, and of each view.
+pub fn bytes(app: &App) -> (u64, Vec<u64>) {
+    let pools = &app.world().resource::<GeometryStats>().pools;
+    let of = |shared: bool| {
+        let pools = pools.iter();
+        pools.filter(move |pool| pool.camera.is_none() == shared)
+    };
+    (
+        of(true).map(|pool| pool.allocated).sum(),
+        of(false).map(|pool| pool.allocated).collect(),
+    )
 }
 
 #[derive(Resource, Default)]

@@ -1,7 +1,7 @@
 //! Lattices on the samples of a map, whose outermost columns and rows have another width.
 
 use super::reference::{draws_what_the_cpu_does, same_bits, unlike_the_cpu};
-use super::support::{MOST, cells_on_samples, classic, closed_about, params, rough_map, view_at};
+use super::support::{MOST, classic, closed_about, laid_on_samples, params, rough_map, view_at};
 use bevy::math::DVec2;
 use dolomite_ground::blocks::kept::KeptBlocks;
 use dolomite_ground::detail::DetailView;
@@ -10,10 +10,10 @@ use dolomite_testkit::blocks::BlockStage;
 use dolomite_testkit::gpu::{Gpu, for_test};
 
 fn compare(gpu: &Gpu, terrain: &Terrain, finest: f32, pixels: f32) {
-    let cells = cells_on_samples(terrain, finest);
-    assert!(cells.lattice.border.width > 0);
-    let mut stage = BlockStage::new(gpu, &cells, 8192).expect("passes");
-    let mut kept = KeptBlocks::on(terrain.clone(), cells.lattice);
+    let laid = laid_on_samples(terrain, finest);
+    assert!(laid.lattice.border.width > 0);
+    let mut stage = BlockStage::new(gpu, &laid, 8192).expect("passes");
+    let mut kept = KeptBlocks::on(terrain.clone(), laid.lattice);
     let side = terrain.extent().size().x;
     // Along two borders from a corner, over a corner, and from the middle.
     let views = [
@@ -24,7 +24,7 @@ fn compare(gpu: &Gpu, terrain: &Terrain, finest: f32, pixels: f32) {
     for (x, z, above, turn) in views {
         let xz = DVec2::new(x, z) * side;
         let view: DetailView = view_at(terrain, xz, above, turn, pixels);
-        let (run, frames) = stage.settle(params(&cells, view), 64, MOST).expect("runs");
+        let (run, frames) = stage.settle(params(&laid, view), 64, MOST).expect("runs");
         println!("{frames} choices, {} blocks", run.used);
         closed_about(&run, 4.0 * side);
         draws_what_the_cpu_does(&mut kept, &view, &run);
@@ -32,7 +32,7 @@ fn compare(gpu: &Gpu, terrain: &Terrain, finest: f32, pixels: f32) {
     let blocks = stage.blocks().expect("read");
     let [shared, unequal] = same_bits(&blocks);
     assert!(shared > 5000 && unequal > 5000, "{shared} {unequal}");
-    let largest = unlike_the_cpu(&cells, &blocks);
+    let largest = unlike_the_cpu(&laid, &blocks);
     // As on an even lattice; heights are less.
     assert!(largest[0] < 1e-4, "{largest:?}");
     assert!(largest[1] < 1e-3 && largest[2] < 1e-3, "{largest:?}");

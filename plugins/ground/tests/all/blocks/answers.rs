@@ -1,9 +1,9 @@
 //! Height queries against the triangles that the passes emitted, and the true ground.
 
-use super::support::{MOST, cells_on_samples, classic, params, rough_map, terrain, view, view_at};
+use super::support::{MOST, classic, laid_on_samples, params, rough_map, terrain, view, view_at};
 use bevy::math::{DVec2, DVec3};
 use dolomite_ground::detail::layout::DetailParams;
-use dolomite_ground::detail::{DetailCells, Metric};
+use dolomite_ground::detail::{DetailGround, Metric};
 use dolomite_terrain::GroundPoint;
 use dolomite_testkit::blocks::BlockStage;
 use dolomite_testkit::gpu::{Gpu, for_test};
@@ -25,8 +25,8 @@ struct Off {
 }
 
 /// Asks at places of emitted triangles, and beyond the ground.
-fn asked(gpu: &Gpu, cells: &DetailCells, given: DetailParams) -> Off {
-    let mut stage = BlockStage::new(gpu, cells, 8192).expect("passes");
+fn asked(gpu: &Gpu, laid: &DetailGround, given: DetailParams) -> Off {
+    let mut stage = BlockStage::new(gpu, laid, 8192).expect("passes");
     let given = DetailParams {
         anchor_height: given.view.eye[1].floor(),
         ..given
@@ -37,7 +37,7 @@ fn asked(gpu: &Gpu, cells: &DetailCells, given: DetailParams) -> Off {
     let corner = |k: u32| anchor + DVec3::from_array(run.positions[k as usize].map(f64::from));
     let mut random = Random::new(5);
     let mut places: Vec<(GroundPoint, f64)> = Vec::new();
-    let extent = cells.terrain().extent();
+    let extent = laid.terrain().extent();
     while places.len() < PLACES {
         let [a, b, c] = run.triangles[random.below(run.triangles.len())].map(corner);
         let (mut u, mut v) = (random.unit(), random.unit());
@@ -61,7 +61,7 @@ fn asked(gpu: &Gpu, cells: &DetailCells, given: DetailParams) -> Off {
     assert_eq!(found.head.count as usize, points.len());
     assert_eq!(found.head.anchor_height, given.anchor_height);
     assert_eq!(found.head.stamp, stage.stamp());
-    let sea = cells
+    let sea = laid
         .terrain()
         .sea_level()
         .map_or(f64::NEG_INFINITY, f64::from);
@@ -70,7 +70,7 @@ fn asked(gpu: &Gpu, cells: &DetailCells, given: DetailParams) -> Off {
         let answered = f64::from(answer.height) + f64::from(answer.rise) + anchor.y;
         all.largest = all.largest.max((answered - height).abs());
         assert!(answer.bound >= 0.0, "{place:?} {answer:?}");
-        let truth = cells.terrain().sample_f64(place.to_dvec2()).height.max(sea);
+        let truth = laid.terrain().sample_f64(place.to_dvec2()).height.max(sea);
         // The ground's own rounding in f32 is no part of the bound.
         let off = (answered - truth).abs() - 1e-4;
         all.beyond += usize::from(off > f64::from(answer.bound));
@@ -86,7 +86,7 @@ fn asked(gpu: &Gpu, cells: &DetailCells, given: DetailParams) -> Off {
 fn gpu_answers_of_blocks_are_the_triangles_that_are_drawn() {
     let Some(gpu) = for_test() else { return };
     let noise = terrain();
-    let of_noise = DetailCells::new(noise.clone(), 0.25);
+    let of_noise = DetailGround::new(noise.clone(), 0.25);
     let metric = Metric::ErrorBound { pixels: 4.0 };
     let mut all = vec![
         asked(
@@ -109,11 +109,11 @@ fn gpu_answers_of_blocks_are_the_triangles_that_are_drawn() {
     .into_iter()
     .flatten()
     {
-        let cells = cells_on_samples(&ground, finest);
-        assert!(cells.lattice.border.width > 0);
+        let laid = laid_on_samples(&ground, finest);
+        assert!(laid.lattice.border.width > 0);
         let xz = ground.extent().min + 0.03 * ground.extent().size();
         let view = view_at(&ground, xz, 1.7, [3.7, -0.2], 4.0);
-        all.push(asked(&gpu, &cells, params(&cells, view)));
+        all.push(asked(&gpu, &laid, params(&laid, view)));
     }
     println!("{all:?}");
     for (k, off) in all.into_iter().enumerate() {

@@ -1,8 +1,9 @@
 //! What a picture does not show is left out, and nothing that it shows.
 
-use super::support::{MOST, params, terrain, view};
-use bevy::math::{DVec3, EulerRot, Mat4, Quat, Vec2, Vec3};
-use dolomite_ground::detail::{CullView, DetailCells, DetailView, HorizonView, Metric};
+use super::support::{MOST, params, picture_of, terrain, view, view_at};
+use bevy::math::{DQuat, DVec2, DVec3, EulerRot, Mat4, Quat, UVec2, Vec2, Vec3};
+use dolomite_ground::detail::{CullView, DetailGround, DetailView, HorizonView, Metric};
+use dolomite_terrain::{Fractal, GroundRect, Hill, Layer, Source, Terrain, TerrainData};
 use dolomite_testkit::blocks::{BlockRun, BlockStage};
 use dolomite_testkit::gpu::for_test;
 use std::collections::HashSet;
@@ -91,13 +92,13 @@ fn depths(clip: &Mat4, size: [usize; 2], triangles: &HashSet<Triangle>) -> Vec<u
 fn gpu_blocks_leave_out_what_a_picture_does_not_show() {
     let Some(gpu) = for_test() else { return };
     let terrain = terrain();
-    let cells = DetailCells::new(terrain.clone(), 0.25);
-    let mut stage = BlockStage::new(&gpu, &cells, 4096).expect("passes");
+    let laid = DetailGround::new(terrain.clone(), 0.25);
+    let mut stage = BlockStage::new(&gpu, &laid, 4096).expect("passes");
     let metric = Metric::ErrorBound { pixels: 4.0 };
     for (yaw, above, most, least_behind) in [(0.0, 3.0, 0.8, 0.1), (2.0, 30.0, 0.9, 0.02)] {
         let view = view(&terrain, yaw, above, metric);
         let picture = picture(&view, yaw);
-        let given = params(&cells, view);
+        let given = params(&laid, view);
         let (all, _) = stage.settle(given, 64, MOST).expect("runs");
         assert!(all.others.is_empty());
         let whole = by_bits(&all, &all.triangles);
@@ -126,7 +127,7 @@ fn gpu_blocks_leave_out_what_a_picture_does_not_show() {
         assert!(alone.others.is_empty() && alone.positions.len() < run.positions.len());
 
         let horizon =
-            HorizonView::new(&cells, &view, &picture, 0.0).expect("level, over the ground");
+            HorizonView::new(&laid, &view, &picture, 0.0).expect("level, over the ground");
         let run = stage
             .run(given.cull(&picture, true).occlude(horizon), 64)
             .expect("runs");
@@ -167,4 +168,81 @@ fn gpu_blocks_leave_out_what_a_picture_does_not_show() {
         }
         assert!(looked > 100, "{looked}");
     }
+}
+
+/// A view of so much height, and what its picture shows and hides: without what nearer ground hides, and with it.
+fn sorted(
+    stage: &mut BlockStage<'_>,
+    laid: &DetailGround,
+    above: f64,
+    pitch: f64,
+) -> [BlockRun; 2] {
+    let turn = [0.0, pitch];
+    let view = view_at(laid.terrain(), DVec2::ZERO, above, turn, 2.0);
+    let given = params(laid, view);
+    let turn = DQuat::from_euler(EulerRot::YXZ, turn[0], turn[1], 0.0);
+    let picture = picture_of(&given, UVec2::new(640, 360), 60.0_f64.to_radians(), turn);
+    let horizon = HorizonView::new(laid, &view, &picture, 0.0).expect("level, over the ground");
+    stage.settle(given, 64, MOST).expect("runs");
+    let culled = given.cull(&picture, true);
+    [culled, culled.occlude(horizon)].map(|given| stage.run(given, 64).expect("runs"))
+}
+
+/// A plain behind a dune.
+fn dune() -> Terrain {
+    let layer = |source| Layer { source, mask: None };
+    Terrain::new(TerrainData {
+        extent: GroundRect::square(DVec2::ZERO, 1024.0),
+        layers: vec![
+            layer(Source::Fractal(Fractal {
+                octaves: 4,
+                amplitude: 2.0,
+                wavelength: 20.0,
+                ..Fractal::default()
+            })),
+            layer(Source::Hill(Hill {
+                centre: DVec2::new(0.0, -60.0),
+                radius: 50.0,
+                height: 40.0,
+            })),
+        ],
+        base: 0.0,
+        sea_level: None,
+    })
+    .expect("valid")
+}
+
+#[test]
+fn gpu_nearly_all_that_a_dune_hides_is_left_out() {
+    let Some(gpu) = for_test() else { return };
+    let laid = DetailGround::new(dune(), 0.5);
+    let mut stage = BlockStage::new(&gpu, &laid, 4096).expect("passes");
+    let [all, seen] = sorted(&mut stage, &laid, 8.0, 0.0);
+    // Far behind the hill, near its axis.
+    let beyond = |run: &BlockRun| {
+        let is_there = |&k: &u32| {
+            let [x, _, z] = run.positions[k as usize];
+            z < -140.0 && x.abs() < -0.1 * z
+        };
+        let triangles = run.triangles.iter();
+        triangles.filter(|t| t.iter().all(is_there)).count()
+    };
+    let (all, left) = (beyond(&all), beyond(&seen));
+    println!("{left} of {all} beyond the hill are left");
+    assert!(all > 100 && left * 20 < all, "{left} of {all}");
+}
+
+#[test]
+fn gpu_who_may_look_below_the_ground_sees_through_nothing() {
+    let Some(gpu) = for_test() else { return };
+    let laid = DetailGround::new(dune(), 0.5);
+    let mut stage = BlockStage::new(&gpu, &laid, 4096).expect("passes");
+    // Below, at the very height, and with ground nearer than the near plane.
+    for above in [-3.0, 0.0, 0.05] {
+        let [all, seen] = sorted(&mut stage, &laid, above, -0.1);
+        let triangles = |run: &BlockRun| by_bits(run, &run.triangles);
+        assert!(triangles(&all) == triangles(&seen), "{above} m above");
+    }
+    let [all, seen] = sorted(&mut stage, &laid, 2.5, -0.1);
+    assert!(seen.triangles.len() < all.triangles.len());
 }

@@ -2,16 +2,16 @@
 //! what these have in common with finer ones is refreshed there, as by the CPU reference, and no more.
 
 use super::reference::{differences, made_again};
-use super::support::{MOST, cells_on_samples, closed, mountain, params, terrain, view, view_at};
+use super::support::{MOST, closed, laid_on_samples, mountain, params, terrain, view, view_at};
 use bevy::math::DVec2;
 use dolomite_ground::blocks::changed::{EditReach, edited_lines, meets};
 use dolomite_ground::blocks::kept::KeptBlocks;
 use dolomite_ground::blocks::record::Block;
 use dolomite_ground::blocks::remade::Remade;
 use dolomite_ground::detail::layout::{DetailParams, EditedRect};
-use dolomite_ground::detail::{DetailCells, Metric, TerrainLod};
+use dolomite_ground::detail::{DetailGround, Metric, TerrainLod};
 use dolomite_terrain::{Edit, EditKind, Edits, GroundRect, Terrain, TerrainEdits};
-use dolomite_testkit::blocks::{BlockStage, MadeBlock, RemadeBlocks};
+use dolomite_testkit::blocks::{BlockStage, MadeBlock, PassTime, RemadeBlocks};
 use dolomite_testkit::gpu::for_test;
 use std::collections::HashMap;
 
@@ -99,18 +99,18 @@ fn compared(ours: &[MadeBlock], theirs: &[MadeBlock]) -> [usize; 2] {
 }
 
 /// Two looks, north and south.
-fn looks(cells: &DetailCells) -> [DetailParams; 2] {
+fn looks(laid: &DetailGround) -> [DetailParams; 2] {
     let metric = Metric::ErrorBound { pixels: 3.0 };
-    [0.0, 3.0].map(|yaw| params(cells, view(cells.terrain(), yaw, 3.0, metric)))
+    [0.0, 3.0].map(|yaw| params(laid, view(laid.terrain(), yaw, 3.0, metric)))
 }
 
 /// A stage on which all is made that two looks ask for.
 fn settled<'a>(
     gpu: &'a dolomite_testkit::gpu::Gpu,
-    cells: &DetailCells,
+    laid: &DetailGround,
     looks: &[DetailParams; 2],
 ) -> BlockStage<'a> {
-    let mut stage = BlockStage::new(gpu, cells, 4096).expect("passes");
+    let mut stage = BlockStage::new(gpu, laid, 4096).expect("passes");
     for look in looks {
         stage.settle(*look, 64, MOST).expect("runs");
     }
@@ -140,18 +140,18 @@ fn in_proportion(remade: RemadeBlocks, reached: u32) {
 fn gpu_blocks_that_an_edit_reaches_are_made_anew_as_on_the_cpu_and_undone_to_the_bit() {
     let Some(gpu) = for_test() else { return };
     let (ground, mut edits) = editable(&terrain());
-    let cells = cells_on_samples(&ground, FINEST);
-    let looks = looks(&cells);
-    let mut stage = settled(&gpu, &cells, &looks);
+    let laid = laid_on_samples(&ground, FINEST);
+    let looks = looks(&laid);
+    let mut stage = settled(&gpu, &laid, &looks);
     let before = stage.blocks().expect("read");
-    let mut kept = KeptBlocks::on(ground.clone(), cells.lattice);
+    let mut kept = KeptBlocks::on(ground.clone(), laid.lattice);
     made_again(&mut kept, &before);
     let mut now = ground;
     for stroke in strokes() {
         let next = edits.apply(&now, &stroke).expect("valid").terrain;
         let changed = next.changed_since(&now).expect("the same ground");
-        let reach = EditReach::between(&now, &next, &cells.lattice);
-        let reached = reached(&before, &edited_lines(&cells.lattice, reach, &changed));
+        let reach = EditReach::between(&now, &next, &laid.lattice);
+        let reached = reached(&before, &edited_lines(&laid.lattice, reach, &changed));
         now = next;
         stage.edit(&now);
         let run = stage.run(looks[0], 0).expect("runs");
@@ -193,7 +193,7 @@ fn gpu_blocks_that_an_edit_reaches_are_made_anew_as_on_the_cpu_and_undone_to_the
             largest[0] < 1e-4 && largest[1] < 1e-3 && largest[2] < 1e-3,
             "{largest:?}"
         );
-        let fresh = settled(&gpu, &cells_on_samples(&now, FINEST), &looks);
+        let fresh = settled(&gpu, &laid_on_samples(&now, FINEST), &looks);
         let [both, others] = compared(&after, &fresh.blocks().expect("read"));
         assert!(
             both * 10 > before.len() * 9 && others == 0,
@@ -221,11 +221,11 @@ fn gpu_blocks_that_an_edit_reaches_are_made_anew_as_on_the_cpu_and_undone_to_the
 fn gpu_blocks_of_a_wrong_rectangle_stay_those_of_the_old_ground() {
     let Some(gpu) = for_test() else { return };
     let (ground, mut edits) = editable(&terrain());
-    let cells = cells_on_samples(&ground, FINEST);
-    let looks = looks(&cells);
+    let laid = laid_on_samples(&ground, FINEST);
+    let looks = looks(&laid);
     let [stroke, ..] = strokes();
     let now = edits.apply(&ground, &stroke).expect("valid").terrain;
-    let fresh = settled(&gpu, &cells_on_samples(&now, FINEST), &looks);
+    let fresh = settled(&gpu, &laid_on_samples(&now, FINEST), &looks);
     let fresh = fresh.blocks().expect("read");
     // One that no block stands on: where a coarse one is made anew, so is what lies in it and has become another.
     let elsewhere = GroundRect::square(stroke.place + DVec2::new(0.0, 9000.0), 16.0);
@@ -233,7 +233,7 @@ fn gpu_blocks_of_a_wrong_rectangle_stay_those_of_the_old_ground() {
         (elsewhere, false),
         (GroundRect::square(stroke.place, 40.0), true),
     ] {
-        let mut stage = settled(&gpu, &cells, &looks);
+        let mut stage = settled(&gpu, &laid, &looks);
         stage.edit_within(&now, &[rect]);
         stage.run(looks[0], 0).expect("runs");
         let [both, others] = compared(&stage.blocks().expect("read"), &fresh);
@@ -248,9 +248,9 @@ fn gpu_blocks_of_a_wrong_rectangle_stay_those_of_the_old_ground() {
 fn gpu_blocks_follow_many_strokes_and_what_is_too_much_comes_back() {
     let Some(gpu) = for_test() else { return };
     let (ground, mut edits) = editable(&terrain());
-    let cells = cells_on_samples(&ground, FINEST);
-    let looks = looks(&cells);
-    let mut stage = settled(&gpu, &cells, &looks);
+    let laid = laid_on_samples(&ground, FINEST);
+    let looks = looks(&laid);
+    let mut stage = settled(&gpu, &laid, &looks);
     let all = stage.blocks().expect("read").len();
     let mut now = ground;
     let eye = DVec2::new(1e5 + 37.25, -1e5 - 110.5);
@@ -265,7 +265,7 @@ fn gpu_blocks_follow_many_strokes_and_what_is_too_much_comes_back() {
         "40 strokes, {all} blocks: {:?}",
         stage.remade().expect("read")
     );
-    let fresh = settled(&gpu, &cells_on_samples(&now, FINEST), &looks);
+    let fresh = settled(&gpu, &laid_on_samples(&now, FINEST), &looks);
     let [both, others] = compared(
         &stage.blocks().expect("read"),
         &fresh.blocks().expect("read"),
@@ -289,7 +289,7 @@ fn gpu_blocks_follow_many_strokes_and_what_is_too_much_comes_back() {
     let (run, _) = stage.settle(looks[0], 64, MOST).expect("runs");
     assert_eq!(run.coarsening, 1.0);
     closed(&run);
-    let fresh = settled(&gpu, &cells_on_samples(&now, FINEST), &looks);
+    let fresh = settled(&gpu, &laid_on_samples(&now, FINEST), &looks);
     let [both, others] = compared(
         &stage.blocks().expect("read"),
         &fresh.blocks().expect("read"),
@@ -303,14 +303,14 @@ fn gpu_blocks_follow_many_strokes_and_what_is_too_much_comes_back() {
 fn gpu_counts_of_blocks_that_strokes_make_anew() {
     let Some(gpu) = for_test() else { return };
     let (ground, mut edits) = editable(&mountain());
-    let cells = cells_on_samples(&ground, TerrainLod::default().finest);
+    let laid = laid_on_samples(&ground, TerrainLod::default().finest);
     let place = DVec2::new(1000.0, -2000.0);
     let seen = view_at(&ground, place, 1.7, [0.0, -0.1], 2.0);
-    let given = DetailParams::new(&cells, seen, 0, [1 << 19, 1 << 20]);
-    let mut stage = BlockStage::new(&gpu, &cells, 8192).expect("passes");
+    let given = DetailParams::new(&laid, seen, 0, [1 << 19, 1 << 20]);
+    let mut stage = BlockStage::new(&gpu, &laid, 8192).expect("passes");
     let (run, _) = stage.settle(given, 64, MOST).expect("runs");
     stage.timed = true;
-    let total = |passes: &[dolomite_testkit::detail::PassTime]| {
+    let total = |passes: &[PassTime]| {
         passes
             .iter()
             .map(|pass| pass.time.as_secs_f64() * 1e3)
@@ -322,7 +322,7 @@ fn gpu_counts_of_blocks_that_strokes_make_anew() {
         "{} blocks, {} drawn; {without:.1} ms without an edit",
         run.used, run.drawn
     );
-    let reach = EditReach::new(&ground, &cells.lattice);
+    let reach = EditReach::new(&ground, &laid.lattice);
     println!("{reach:?}");
     // As many at most as a device makes of whom nothing is known, in four frames.
     let slow = 64;
@@ -332,7 +332,7 @@ fn gpu_counts_of_blocks_that_strokes_make_anew() {
         let stroke = brush(EditKind::Lower, at, radius, 0.2 * radius);
         let now = edits.apply(&ground, &stroke).expect("valid").terrain;
         let changed = now.changed_since(&ground).expect("the same ground");
-        let lines = edited_lines(&cells.lattice, reach, &changed);
+        let lines = edited_lines(&laid.lattice, reach, &changed);
         let reached = reached(&stage.blocks().expect("read"), &lines);
         stage.edit(&now);
         let passes = stage.run_unread(given, 0).expect("runs").passes;
@@ -363,5 +363,5 @@ fn gpu_counts_of_blocks_that_strokes_make_anew() {
     }
     // Beyond all that is kept.
     let far = GroundRect::square(DVec2::new(30_000.0, 0.0), 40.0);
-    assert_eq!(edited_lines(&cells.lattice, reach, &[far]), []);
+    assert_eq!(edited_lines(&laid.lattice, reach, &[far]), []);
 }

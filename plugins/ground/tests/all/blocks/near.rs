@@ -3,7 +3,7 @@
 
 use super::support::{MOST, params, view_at};
 use bevy::math::{DVec2, DVec3, Vec3};
-use dolomite_ground::detail::{DetailCells, DetailView};
+use dolomite_ground::detail::{DetailGround, DetailView};
 use dolomite_terrain::Terrain;
 use dolomite_testkit::blocks::{BlockRun, BlockStage};
 use dolomite_testkit::gpu::for_test;
@@ -101,15 +101,15 @@ fn gpu_triangles_near_the_eye_keep_to_what_is_said_to_be_held_where_samples_say_
     let hostile = missed(&terrain, 1000, 700.0, 1);
     let worst = hostile.first().map_or(0.0, |worst| worst.beyond);
     assert!(worst > 40.0, "samples miss {worst} m at most");
-    let cells = DetailCells::new(terrain.clone(), 1.0 / 32.0);
-    let mut stage = BlockStage::new(&gpu, &cells, 4096).expect("passes");
+    let laid = DetailGround::new(terrain.clone(), 1.0 / 32.0);
+    let mut stage = BlockStage::new(&gpu, &laid, 4096).expect("passes");
     let (mut largest, mut places) = (0.0_f64, 0);
     for k in 0..8 {
         let xz = hostile[k % hostile.len()].place;
         let above = 0.3 + 2.7 * random.unit() * random.unit();
         let turn = [TAU * random.unit(), 1.4 * random.signed_unit()];
         let view = view_at(&terrain, xz, above, turn, PIXELS);
-        let params = params(&cells, view);
+        let params = params(&laid, view);
         let mut judge = |run: &BlockRun| {
             let held = f64::from(run.left.max(run.coarsening));
             let limit = f64::from(PIXELS) * held.max(1.0);

@@ -6,7 +6,7 @@ use dolomite_ground::blocks::kept::{KeptBlocks, Wish};
 use dolomite_ground::blocks::mesh::mesh;
 use dolomite_ground::blocks::place::{VERTICES, vertex_at};
 use dolomite_ground::blocks::record::Block;
-use dolomite_ground::detail::{DetailCells, DetailView, Metric};
+use dolomite_ground::detail::{DetailGround, DetailView, Metric};
 use dolomite_terrain::GroundPoint;
 use dolomite_testkit::blocks::{BlockRun, BlockStage, MadeBlock};
 use dolomite_testkit::gpu::for_test;
@@ -80,8 +80,8 @@ pub fn same_bits(blocks: &[MadeBlock]) -> [usize; 2] {
 }
 
 /// The largest differences between blocks and those of the CPU, see [`differences`].
-pub fn unlike_the_cpu(cells: &DetailCells, blocks: &[MadeBlock]) -> [f32; 3] {
-    let mut kept = KeptBlocks::on(cells.terrain().clone(), cells.lattice);
+pub fn unlike_the_cpu(laid: &DetailGround, blocks: &[MadeBlock]) -> [f32; 3] {
+    let mut kept = KeptBlocks::on(laid.terrain().clone(), laid.lattice);
     let slots = made_again(&mut kept, blocks);
     let mut largest = [0.0_f32; 3];
     for made in blocks {
@@ -102,10 +102,10 @@ pub fn unlike_the_cpu(cells: &DetailCells, blocks: &[MadeBlock]) -> [f32; 3] {
 fn gpu_blocks_are_made_as_on_the_cpu_and_have_the_same_bits_where_they_meet() {
     let Some(gpu) = for_test() else { return };
     let terrain = terrain();
-    let cells = DetailCells::new(terrain.clone(), 0.25);
-    let mut stage = BlockStage::new(&gpu, &cells, 4096).expect("passes");
+    let laid = DetailGround::new(terrain.clone(), 0.25);
+    let mut stage = BlockStage::new(&gpu, &laid, 4096).expect("passes");
     let view = view(&terrain, 0.0, 3.0, Metric::ErrorBound { pixels: 8.0 });
-    let (run, frames) = stage.settle(params(&cells, view), 64, MOST).expect("runs");
+    let (run, frames) = stage.settle(params(&laid, view), 64, MOST).expect("runs");
     let blocks = stage.blocks().expect("read");
     assert_eq!(blocks.len(), run.used as usize);
     println!(
@@ -116,7 +116,7 @@ fn gpu_blocks_are_made_as_on_the_cpu_and_have_the_same_bits_where_they_meet() {
     assert!(blocks.len() > 60, "{}", blocks.len());
     let [shared, unequal] = same_bits(&blocks);
     assert!(shared > 10_000 && unequal > 10_000, "{shared} {unequal}");
-    let largest = unlike_the_cpu(&cells, &blocks);
+    let largest = unlike_the_cpu(&laid, &blocks);
     // Heights of 160 m: some roundings (1.5e-5 m each). An error is a difference of a few heights, grown five times by a
     // quarter, and of both surfaces.
     assert!(largest[0] < 1e-4, "{largest:?}");
@@ -141,12 +141,12 @@ fn metrics() -> [Metric; 3] {
 fn gpu_blocks_choose_what_the_cpu_reference_does() {
     let Some(gpu) = for_test() else { return };
     let terrain = terrain();
-    let cells = DetailCells::new(terrain.clone(), 0.25);
-    let mut stage = BlockStage::new(&gpu, &cells, 4096).expect("passes");
-    let mut kept = KeptBlocks::on(terrain.clone(), cells.lattice);
+    let laid = DetailGround::new(terrain.clone(), 0.25);
+    let mut stage = BlockStage::new(&gpu, &laid, 4096).expect("passes");
+    let mut kept = KeptBlocks::on(terrain.clone(), laid.lattice);
     for (k, metric) in metrics().into_iter().enumerate() {
         let view = view(&terrain, k as f32 * 2.0, 2.0 + 30.0 * k as f32, metric);
-        let (run, frames) = stage.settle(params(&cells, view), 64, MOST).expect("runs");
+        let (run, frames) = stage.settle(params(&laid, view), 64, MOST).expect("runs");
         println!(
             "{metric:?}: {frames} choices, {} blocks looked at, {} drawn",
             run.candidates, run.drawn

@@ -2,7 +2,7 @@
 
 use super::support::{MOST, closed, params, terrain, view};
 use dolomite_ground::detail::layout::DetailParams;
-use dolomite_ground::detail::{DetailCells, Metric};
+use dolomite_ground::detail::{DetailGround, Metric};
 use dolomite_testkit::blocks::{BlockRun, BlockStage};
 use dolomite_testkit::gpu::for_test;
 
@@ -33,10 +33,10 @@ fn everywhere(params: DetailParams) -> DetailParams {
 fn gpu_blocks_make_a_closed_mesh_while_they_are_made_and_after() {
     let Some(gpu) = for_test() else { return };
     let terrain = terrain();
-    let cells = DetailCells::new(terrain.clone(), 0.25);
-    let mut stage = BlockStage::new(&gpu, &cells, 4096).expect("passes");
+    let laid = DetailGround::new(terrain.clone(), 0.25);
+    let mut stage = BlockStage::new(&gpu, &laid, 4096).expect("passes");
     let metric = Metric::ErrorBound { pixels: 4.0 };
-    let looking = |yaw| params(&cells, view(&terrain, yaw, 3.0, metric));
+    let looking = |yaw| params(&laid, view(&terrain, yaw, 3.0, metric));
     let mut last = f32::INFINITY;
     for frame in 0.. {
         let run = stage.run(looking(0.0), 16).expect("runs");
@@ -66,7 +66,7 @@ fn gpu_blocks_make_a_closed_mesh_while_they_are_made_and_after() {
     assert!(sorted(&before) != sorted(&away));
     let again = stage.run(looking(0.0), 64).expect("runs");
     assert!(sorted(&before) == sorted(&again), "the same bits");
-    let mut fresh = BlockStage::new(&gpu, &cells, 4096).expect("passes");
+    let mut fresh = BlockStage::new(&gpu, &laid, 4096).expect("passes");
     let (fresh, _) = fresh.settle(looking(0.0), 7, MOST).expect("runs");
     assert!(sorted(&before) == sorted(&fresh), "in whichever slots");
 }
@@ -75,9 +75,9 @@ fn gpu_blocks_make_a_closed_mesh_while_they_are_made_and_after() {
 fn gpu_blocks_stay_closed_where_there_is_little_room() {
     let Some(gpu) = for_test() else { return };
     let terrain = terrain();
-    let cells = DetailCells::new(terrain.clone(), 0.25);
+    let laid = DetailGround::new(terrain.clone(), 0.25);
     let given = everywhere(params(
-        &cells,
+        &laid,
         view(&terrain, 0.0, 3.0, Metric::ErrorBound { pixels: 4.0 }),
     ));
     // Slots; blocks made a frame; pools.
@@ -90,7 +90,7 @@ fn gpu_blocks_stay_closed_where_there_is_little_room() {
         (4096, 64, [1 << 17, 6000]),
         (4096, 64, [1100, 2100]),
     ] {
-        let mut stage = BlockStage::new(&gpu, &cells, slots).expect("passes");
+        let mut stage = BlockStage::new(&gpu, &laid, slots).expect("passes");
         let given = DetailParams {
             max_vertices: pools[0],
             max_triangles: pools[1],
@@ -126,14 +126,14 @@ fn gpu_blocks_stay_closed_where_there_is_little_room() {
 fn gpu_blocks_that_were_dropped_come_back_with_the_same_bits() {
     let Some(gpu) = for_test() else { return };
     let terrain = terrain();
-    let cells = DetailCells::new(terrain.clone(), 0.25);
+    let laid = DetailGround::new(terrain.clone(), 0.25);
     let metric = Metric::ErrorBound { pixels: 4.0 };
-    let looking = |yaw| params(&cells, view(&terrain, yaw, 3.0, metric));
-    let mut roomy = BlockStage::new(&gpu, &cells, 4096).expect("passes");
+    let looking = |yaw| params(&laid, view(&terrain, yaw, 3.0, metric));
+    let mut roomy = BlockStage::new(&gpu, &laid, 4096).expect("passes");
     let (whole, _) = roomy.settle(looking(0.0), 64, MOST).expect("runs");
     let (both, _) = roomy.settle(looking(2.5), 64, MOST).expect("runs");
     let slots = whole.used + (both.used - whole.used) / 2;
-    let mut stage = BlockStage::new(&gpu, &cells, slots).expect("passes");
+    let mut stage = BlockStage::new(&gpu, &laid, slots).expect("passes");
     for (round, yaw) in [0.0, 2.5, 0.0, 2.5, 0.0].into_iter().enumerate() {
         let mut run = None;
         for _ in 0..MOST {
@@ -161,7 +161,7 @@ fn gpu_blocks_that_were_dropped_come_back_with_the_same_bits() {
         }
     }
     // Without dropping there is no room for the other look.
-    let mut full = BlockStage::new(&gpu, &cells, slots).expect("passes");
+    let mut full = BlockStage::new(&gpu, &laid, slots).expect("passes");
     full.settle(looking(0.0), 64, MOST).expect("runs");
     for _ in 0..30 {
         full.run(looking(2.5), 64).expect("runs");

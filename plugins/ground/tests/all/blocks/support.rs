@@ -4,7 +4,7 @@ use bevy::math::{DMat4, DQuat, DVec2, DVec3, EulerRot, IVec2, Mat4, Quat, UVec2,
 use bytemuck::Zeroable;
 use dolomite_ground::blocks::kept::lattice_of;
 use dolomite_ground::detail::layout::DetailParams;
-use dolomite_ground::detail::{CullView, DetailCells, DetailView, Lens, Metric, TerrainLod};
+use dolomite_ground::detail::{CullView, DetailGround, DetailView, Lens, Metric, TerrainLod};
 use dolomite_terrain::{
     Filter, Fractal, GroundRect, HeightMap, Hill, Layer, Mask, Source, Sum, Terrain, TerrainData,
     Warp,
@@ -170,18 +170,16 @@ pub fn classic() -> Option<Terrain> {
     Some(of_map(GroundRect::square(DVec2::ZERO, 1024.0), map))
 }
 
-/// Cells on the lattice that blocks have: on the samples of a map.
-pub fn cells_on_samples(terrain: &Terrain, finest: f32) -> DetailCells {
-    let mut cells = DetailCells::new(terrain.clone(), finest);
-    cells.lattice = lattice_of(terrain, finest);
-    cells
+/// A ground on the lattice that blocks have: on the samples of a map.
+pub fn laid_on_samples(terrain: &Terrain, finest: f32) -> DetailGround {
+    DetailGround::on(terrain.clone(), lattice_of(terrain, finest))
 }
 
 /// Choices that a view may take until it is settled.
 pub const MOST: usize = 200;
 
-pub fn params(cells: &DetailCells, view: DetailView) -> DetailParams {
-    DetailParams::new(cells, view, 0, [1 << 17, 1 << 18])
+pub fn params(laid: &DetailGround, view: DetailView) -> DetailParams {
+    DetailParams::new(laid, view, 0, [1 << 17, 1 << 18])
 }
 
 /// Corners of triangles by their places, from the least on, to 1/1024 m: the same on CPU and GPU.

@@ -1,7 +1,7 @@
 //! A map that is read by tiles through the passes: closed and within its stated bound whatever has arrived, and as fine as in memory
 //! when all has.
 
-use super::support::{MOST, cells_on_samples, closed_about, of_map, params, view_at};
+use super::support::{MOST, closed_about, laid_on_samples, of_map, params, view_at};
 use bevy::math::{DVec2, Vec3, Vec4};
 use dolomite_ground::blocks::choose::{Limits, settle};
 use dolomite_ground::blocks::gate::stands_on;
@@ -149,9 +149,9 @@ fn what_has_not_arrived_coarsens_the_stated_bound_and_the_bound_is_true() {
     assert!(tiled.stream().is_some() && whole.stream().is_none());
     let terrain: Terrain = of_map(tiled.rect(), tiled.clone());
     let truth = of_map(whole.rect(), whole.clone());
-    let cells = cells_on_samples(&terrain, 0.9);
-    assert!(stands_on(&cells.lattice, &terrain, &tiled));
-    let mut stage = BlockStage::new(&gpu, &cells, 8192).expect("passes");
+    let laid = laid_on_samples(&terrain, 0.9);
+    assert!(stands_on(&laid.lattice, &terrain, &tiled));
+    let mut stage = BlockStage::new(&gpu, &laid, 8192).expect("passes");
     let side = tiled.rect().size().x;
     let pixels = PIXELS;
     let mut held = Vec::new();
@@ -159,7 +159,7 @@ fn what_has_not_arrived_coarsens_the_stated_bound_and_the_bound_is_true() {
     for tiles in [0, 6, 12, 1000, 1000] {
         arrive(&tiled, place, tiles);
         let view = view_at(&truth, place, 25.0, [0.7, -0.35], pixels);
-        let (run, frames) = stage.settle(params(&cells, view), 64, MOST).expect("runs");
+        let (run, frames) = stage.settle(params(&laid, view), 64, MOST).expect("runs");
         closed_about(&run, 4.0 * side);
         let off = error(&run, &view, &whole);
         let stated = run.coarsening.max(run.left) * pixels;
@@ -177,13 +177,13 @@ fn what_has_not_arrived_coarsens_the_stated_bound_and_the_bound_is_true() {
     let shared = same_where_they_meet(&stage.blocks().expect("read"));
     assert!(shared > 4000, "{shared}");
     // The CPU waits for the same tiles, and the map in memory draws about as much.
-    let mut kept = KeptBlocks::on(terrain.clone(), cells.lattice);
+    let mut kept = KeptBlocks::on(terrain.clone(), laid.lattice);
     let view = view_at(&truth, place, 25.0, [0.7, -0.35], pixels);
     let choice = settle(&mut kept, &view, Limits::default());
     assert_eq!(choice.coarsening, 1.0);
-    let (run, _) = stage.settle(params(&cells, view), 64, MOST).expect("runs");
-    let plain = cells_on_samples(&truth, 0.9);
-    assert_eq!(plain.lattice, cells.lattice);
+    let (run, _) = stage.settle(params(&laid, view), 64, MOST).expect("runs");
+    let plain = laid_on_samples(&truth, 0.9);
+    assert_eq!(plain.lattice, laid.lattice);
     let mut stage = BlockStage::new(&gpu, &plain, 8192).expect("passes");
     let (other, _) = stage.settle(params(&plain, view), 64, MOST).expect("runs");
     let ratio = run.triangles.len() as f64 / other.triangles.len() as f64;
@@ -203,20 +203,18 @@ fn a_flight_takes_as_long_as_over_the_map_in_memory() {
         of_map(tiled.rect(), tiled.clone()),
         of_map(whole.rect(), whole.clone()),
     ];
-    let cells = grounds
+    let laid = grounds
         .each_ref()
-        .map(|ground| cells_on_samples(ground, 0.9));
-    let mut stages = cells
+        .map(|ground| laid_on_samples(ground, 0.9));
+    let mut stages = laid
         .each_ref()
-        .map(|cells| BlockStage::new(&gpu, cells, 8192).expect("passes"));
+        .map(|laid| BlockStage::new(&gpu, laid, 8192).expect("passes"));
     let view = |ahead: u32| {
         let at = place + DVec2::new(0.6, -0.8) * 2.0 * f64::from(ahead);
         view_at(&grounds[1], at, 25.0, [0.7, -0.35], PIXELS)
     };
-    for (stage, cells) in stages.iter_mut().zip(&cells) {
-        stage
-            .settle(params(cells, view(0)), 64, MOST)
-            .expect("runs");
+    for (stage, laid) in stages.iter_mut().zip(&laid) {
+        stage.settle(params(laid, view(0)), 64, MOST).expect("runs");
         stage.timed = true;
     }
     let (mut times, mut rests) = ([0.0; 2], [f64::INFINITY; 2]);
@@ -225,7 +223,7 @@ fn a_flight_takes_as_long_as_over_the_map_in_memory() {
         // Who is first does not matter then.
         for k in [step as usize % 2, (step as usize + 1) % 2] {
             let run = stages[k]
-                .run(params(&cells[k], view(step)), 64)
+                .run(params(&laid[k], view(step)), 64)
                 .expect("runs");
             times[k] += run
                 .passes
@@ -239,7 +237,7 @@ fn a_flight_takes_as_long_as_over_the_map_in_memory() {
     for _ in 0..12 {
         for (k, stage) in stages.iter_mut().enumerate() {
             let run = stage
-                .run_unread(params(&cells[k], view(24)), 64)
+                .run_unread(params(&laid[k], view(24)), 64)
                 .expect("runs");
             let all: f64 = run.passes.iter().map(|pass| pass.time.as_secs_f64()).sum();
             rests[k] = rests[k].min(all * 1e3);

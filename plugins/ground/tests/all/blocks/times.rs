@@ -1,12 +1,11 @@
-//! What the passes take, beside those of single cells: printed, not tested.
+//! What the passes take: printed, not tested.
 
-use super::support::{MOST, cells_on_samples, classic, picture_of};
+use super::support::{MOST, classic, laid_on_samples, picture_of};
 use bevy::math::{DQuat, DVec2, DVec3, EulerRot, UVec2};
 use dolomite_ground::detail::layout::DetailParams;
-use dolomite_ground::detail::{DetailCells, DetailView, HorizonView, Lens, Metric, TerrainLod};
+use dolomite_ground::detail::{DetailGround, DetailView, HorizonView, Lens, Metric, TerrainLod};
 use dolomite_terrain::Terrain;
-use dolomite_testkit::blocks::BlockStage;
-use dolomite_testkit::detail::{DetailStage, PassTime};
+use dolomite_testkit::blocks::{BlockStage, PassTime};
 use dolomite_testkit::gpu::{Gpu, for_test};
 use std::collections::BTreeMap;
 
@@ -21,7 +20,7 @@ struct Scene {
 }
 
 impl Scene {
-    fn params(&self, cells: &DetailCells, ahead: f64) -> DetailParams {
+    fn params(&self, laid: &DetailGround, ahead: f64) -> DetailParams {
         let [yaw, pitch] = self.turn;
         let turn = DQuat::from_euler(EulerRot::YXZ, yaw, pitch, 0.0);
         let way = turn * DVec3::NEG_Z;
@@ -34,10 +33,10 @@ impl Scene {
         });
         let params = DetailParams {
             anchor_height: eye.y.floor() as f32,
-            ..DetailParams::new(cells, view, 0, [1 << 19, 1 << 20])
+            ..DetailParams::new(laid, view, 0, [1 << 19, 1 << 20])
         };
         let picture = picture_of(&params, self.size, self.fov, turn);
-        let horizon = HorizonView::new(cells, &params.view, &picture, params.anchor_height);
+        let horizon = HorizonView::new(laid, &params.view, &picture, params.anchor_height);
         let culled = params.cull(&picture, false);
         horizon.map_or(culled, |horizon| culled.occlude(horizon))
     }
@@ -56,8 +55,7 @@ fn told(passes: &[PassTime]) -> String {
     format!("{all:.1} ms: {}", parts.join(", "))
 }
 
-/// Prints the least time of each pass in so many runs, and what processors spent a run; the mesh of blocks is not read back,
-/// that of single cells is.
+/// Prints the least time of each pass in so many runs, and what processors spent a run; the mesh is not read back.
 fn resting(name: &str, runs: u32, mut run: impl FnMut() -> Vec<PassTime>) {
     let mut least: Vec<PassTime> = run();
     let before = processor_time();
@@ -84,9 +82,9 @@ fn processor_time() -> Option<f64> {
 }
 
 fn time(gpu: &Gpu, scene: &Scene) {
-    let cells = cells_on_samples(&scene.terrain, scene.finest);
-    let mut stage = BlockStage::new(gpu, &cells, 8192).expect("passes");
-    let given = scene.params(&cells, 0.0);
+    let laid = laid_on_samples(&scene.terrain, scene.finest);
+    let mut stage = BlockStage::new(gpu, &laid, 8192).expect("passes");
+    let given = scene.params(&laid, 0.0);
     let (run, frames) = stage.settle(given, 64, MOST).expect("runs");
     println!(
         "{}: {frames} choices, {} blocks, {} looked at, {} drawn, {} vertices, {} triangles, {} of the tolerance",
@@ -104,7 +102,7 @@ fn time(gpu: &Gpu, scene: &Scene) {
     });
     for k in 1..=5 {
         let run = stage
-            .run(scene.params(&cells, 10.0 * f64::from(k)), 64)
+            .run(scene.params(&laid, 10.0 * f64::from(k)), 64)
             .expect("runs");
         println!(
             "  moving, {} made, {} wished, coarsening {:.2}: {}",
@@ -114,21 +112,6 @@ fn time(gpu: &Gpu, scene: &Scene) {
             told(&run.passes)
         );
     }
-    if std::env::var_os("BLOCKS_ALONE").is_some() {
-        return;
-    }
-    let cells = DetailCells::new(scene.terrain.clone(), scene.finest);
-    let mut stage = DetailStage::new(gpu, &cells, 1 << 20).expect("passes");
-    let given = scene.params(&cells, 0.0);
-    let (run, passes) = stage.run_timed(given).expect("runs");
-    println!(
-        "  single cells, {} triangles, first: {}",
-        run.triangles.len(),
-        told(&passes)
-    );
-    resting("single cells, resting", 4, || {
-        stage.run_timed(given).expect("runs").1
-    });
 }
 
 #[test]

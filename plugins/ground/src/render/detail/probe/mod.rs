@@ -20,28 +20,17 @@ use bevy::render::render_resource::BufferId;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderSystems};
 use dolomite_terrain::{GroundProbeSystems, ProbePart, ProbeQuestion};
 
-use crate::detail::Choice;
+use crate::blocks::layout::ANSWER_PASS;
 use crate::detail::probe::DrawnProbes;
-use crate::render::{GroundKind, blocks};
+use crate::render::GroundKind;
+use crate::render::blocks::prepare::prepare as prepare_blocks;
 use dolomite_geometry::render::{GeometrySystems, Mapped, shader_asset};
 use dolomite_geometry::ring::Ring;
 pub use stats::{AnswerCensus, DrawnProbeStats, answer_census};
 
-/// The shaders of the passes, by the choice that they answer from.
+/// The shader of the pass.
 #[derive(Resource)]
-struct AnswerShaders {
-    blocks: Handle<Shader>,
-    cells: Handle<Shader>,
-}
-
-impl AnswerShaders {
-    const fn of(&self, choice: Choice) -> &Handle<Shader> {
-        match choice {
-            Choice::Blocks => &self.blocks,
-            Choice::Cells => &self.cells,
-        }
-    }
-}
+struct AnswerShader(Handle<Shader>);
 
 /// Which triangles an answer is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,8 +66,7 @@ struct GroundAnswers {
     settings: DrawnProbes,
     /// Slot of the first place whose turn is next.
     cursor: u32,
-    /// By the choice that they answer from.
-    pipelines: Vec<(Choice, pipeline::AnswerPipeline)>,
+    pipeline: Option<pipeline::AnswerPipeline>,
     buffers: Option<prepare::AnswerBuffers>,
     ring: Ring<Mapped, Ticket>,
     kept: Option<Kept>,
@@ -86,14 +74,6 @@ struct GroundAnswers {
     again: Vec<(ProbeQuestion, ProbePart)>,
     /// Since the app began.
     dispatches: u64,
-}
-
-impl GroundAnswers {
-    /// The pipeline that answers from a choice, if it was asked for.
-    fn pipeline(&self, choice: Choice) -> Option<&pipeline::AnswerPipeline> {
-        let mut pipelines = self.pipelines.iter();
-        pipelines.find_map(|(of, pipeline)| (*of == choice).then_some(pipeline))
-    }
 }
 
 /// Adds the systems to an app that renders.
@@ -105,14 +85,9 @@ pub(crate) fn build(app: &mut App) {
     let Some(mut assets) = app.world_mut().get_resource_mut::<Assets<Shader>>() else {
         return;
     };
-    let mut shader = |choice| {
-        let (file, _) = pipeline::AnswerPipeline::pass(choice);
-        assets.add(shader_asset(dolomite_shaders::find(file).source, file))
-    };
-    let shaders = AnswerShaders {
-        blocks: shader(Choice::Blocks),
-        cells: shader(Choice::Cells),
-    };
+    let (file, _) = ANSWER_PASS;
+    let shader = shader_asset(dolomite_shaders::find(file).source, file);
+    let shader = AnswerShader(assets.add(shader));
     app.init_resource::<DrawnProbes>()
         .init_resource::<DrawnProbeStats>()
         .add_systems(PostUpdate, stats::publish.after(GroundProbeSystems));
@@ -121,7 +96,7 @@ pub(crate) fn build(app: &mut App) {
         return;
     };
     render_app
-        .insert_resource(shaders)
+        .insert_resource(shader)
         .init_resource::<GroundAnswers>()
         .add_systems(ExtractSchedule, (readback::deliver, readback::ask).chain())
         .add_systems(
@@ -129,8 +104,7 @@ pub(crate) fn build(app: &mut App) {
             (
                 prepare::prepare
                     .in_set(GeometrySystems::Bind)
-                    .after(super::prepare::prepare::<GroundKind<0>>)
-                    .after(blocks::prepare::prepare::<GroundKind<0>>),
+                    .after(prepare_blocks::<GroundKind<0>>),
                 readback::map.in_set(RenderSystems::Cleanup),
             ),
         )

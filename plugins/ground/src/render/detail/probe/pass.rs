@@ -9,8 +9,7 @@ use super::GroundAnswers;
 use super::prepare::drawn;
 use crate::render::GroundKind;
 use crate::render::blocks::prepare::BlockViews;
-use crate::render::detail::prepare::DetailViews;
-use crate::render::detail::record::record_answers;
+use crate::render::blocks::record::record_answers;
 use dolomite_geometry::render::{ExtractedGeometryCamera, Producers};
 
 /// Answers what was asked, if the view is the one that answers and its triangles are there.
@@ -18,10 +17,7 @@ pub(super) fn answer(
     view: ViewQuery<Entity, With<ExtractedGeometryCamera>>,
     mut answers: ResMut<GroundAnswers>,
     producers: Res<Producers>,
-    (details, blocks): (
-        Res<DetailViews<GroundKind<0>>>,
-        Res<BlockViews<GroundKind<0>>>,
-    ),
+    blocks: Res<BlockViews<GroundKind<0>>>,
     cache: Res<PipelineCache>,
     mut ctx: RenderContext,
 ) {
@@ -30,14 +26,15 @@ pub(super) fn answer(
     if answers.view != Some(entity) {
         return;
     }
-    let Some((drawn, state)) = drawn(&producers, &details, &blocks, entity) else {
+    let Some((_, state)) = drawn(&producers, &blocks, entity) else {
         return;
     };
     if !state.settled || !state.filled {
         return;
     }
     let pipeline = answers
-        .pipeline(drawn.choice())
+        .pipeline
+        .as_ref()
         .and_then(|pipeline| cache.get_compute_pipeline(pipeline.id));
     let (Some(pipeline), Some(buffers), Some((staging, bytes, ticket))) =
         (pipeline, &answers.buffers, answers.ring.begun())

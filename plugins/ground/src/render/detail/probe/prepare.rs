@@ -11,15 +11,12 @@ use bytemuck::{bytes_of, cast_slice};
 use dolomite_terrain::{GroundPoint, ProbeAnswer};
 
 use super::pipeline::AnswerPipeline;
-use super::{AnswerShaders, GroundAnswers, MeshKey, Ticket};
-use crate::detail::Choice;
+use super::{AnswerShader, GroundAnswers, MeshKey, Ticket};
 use crate::detail::probe::{AnswerHead, Asked, MOST_ASKED};
 use crate::render::GroundKind;
 use crate::render::blocks::prepare::BlockViews;
 use crate::render::blocks::state::BlockState;
 use crate::render::detail::detail_key;
-use crate::render::detail::prepare::DetailViews;
-use crate::render::detail::state::DetailState;
 use dolomite_geometry::render::{GeometryView, Mapped, Producers};
 
 /// Bytes of the head, and of each answer and each place.
@@ -68,98 +65,29 @@ impl AnswerBuffers {
         device: &RenderDevice,
         cache: &PipelineCache,
         pipeline: &AnswerPipeline,
-        drawn: Drawn<'_>,
-        vertices: &Buffer,
+        drawn: &BlockState,
     ) {
-        let of_others = drawn.buffers(vertices);
-        let bound: Vec<_> = of_others.iter().map(|buffer| buffer.id()).collect();
+        let of_others = [
+            &drawn.params,
+            &drawn.records,
+            &drawn.heads,
+            &drawn.seen,
+            &drawn.counts,
+        ];
+        let bound = of_others.map(|buffer| buffer.id());
         if self.groups.is_some() && self.bound == bound {
             return;
         }
-        let [own_layout, shared_layout] =
-            [&pipeline.own, &pipeline.shared].map(|layout| cache.get_bind_group_layout(layout));
         let asked =
             [&self.asked, &self.places, &self.answers].map(|buffer| buffer.as_entire_binding());
         let [asked, places, answers] = asked;
-        self.groups = match drawn {
-            Drawn::Blocks(own) => own.groups.as_ref().map(|groups| {
-                let entries =
-                    BindGroupEntries::with_indices(((2, asked), (3, places), (4, answers)));
-                let own = device.create_bind_group("answer_own", &own_layout, &entries);
-                [groups.shared.clone(), own]
-            }),
-            Drawn::Cells(detail) => {
-                let [cells, links, seen, counts, _] = &detail.kept;
-                let shared = device.create_bind_group(
-                    "answer_shared",
-                    &shared_layout,
-                    &BindGroupEntries::with_indices((
-                        (0, detail.uniform.as_entire_binding()),
-                        (2, cells.as_entire_binding()),
-                        (3, links.as_entire_binding()),
-                        (4, seen.as_entire_binding()),
-                        (5, counts.as_entire_binding()),
-                    )),
-                );
-                let own = device.create_bind_group(
-                    "answer_own",
-                    &own_layout,
-                    &BindGroupEntries::sequential((
-                        detail.corners.as_entire_binding(),
-                        vertices.as_entire_binding(),
-                        asked,
-                        places,
-                        answers,
-                    )),
-                );
-                Some([shared, own])
-            }
-        };
-        self.bound = bound;
-    }
-}
-
-/// What a view's choice has drawn.
-#[derive(Clone, Copy)]
-pub(super) enum Drawn<'a> {
-    Blocks(&'a BlockState),
-    Cells(&'a DetailState),
-}
-
-impl<'a> Drawn<'a> {
-    pub(super) const fn choice(self) -> Choice {
-        match self {
-            Self::Blocks(_) => Choice::Blocks,
-            Self::Cells(_) => Choice::Cells,
-        }
-    }
-
-    /// Number of the choice, and what is its own.
-    fn stamp(self) -> (u32, BufferId) {
-        match self {
-            Self::Blocks(own) => (own.stamp, own.seen.id()),
-            Self::Cells(own) => (own.stamp, own.kept[2].id()),
-        }
-    }
-
-    /// The buffers that an answer reads.
-    fn buffers(self, vertices: &'a Buffer) -> Vec<&'a Buffer> {
-        match self {
-            Self::Blocks(own) => {
-                vec![
-                    &own.params,
-                    &own.records,
-                    &own.heads,
-                    &own.seen,
-                    &own.counts,
-                ]
-            }
-            Self::Cells(own) => {
-                let [cells, links, seen, counts, _] = &own.kept;
-                let shared = [&own.uniform, cells, links, seen, counts];
-                shared.into_iter().chain([&own.corners, vertices]).collect()
-            }
-        }
+        self.groups = drawn.groups.as_ref().map(|groups| {
+            let layout = cache.get_bind_group_layout(&pipeline.own);
+            let entries = BindGroupEntries::with_indices(((2, asked), (3, places), (4, answers)));
+            let own = device.create_bind_group("answer_own", &layout, &entries);
+            [groups.shared.clone(), own]
+        });
+        self.bound = bound.to_vec();
     }
 }
 
@@ -183,25 +111,19 @@ fn turn(all: u32, most: u32, cursor: u32) -> (std::ops::Range<u32>, u32) {
 /// A view's ground, where it is drawn with its detail chosen.
 pub(super) fn drawn<'a>(
     producers: &'a Producers,
-    details: &'a DetailViews<GroundKind<0>>,
     blocks: &'a BlockViews<GroundKind<0>>,
     view: Entity,
-) -> Option<(Drawn<'a>, &'a GeometryView)> {
+) -> Option<(&'a BlockState, &'a GeometryView)> {
     let producer = producers.get(detail_key::<GroundKind<0>>())?;
-    let in_blocks = blocks.views.get(&view).map(Drawn::Blocks);
-    let drawn = in_blocks.or_else(|| details.views.get(&view).map(Drawn::Cells))?;
-    Some((drawn, producer.views.get(&view)?))
+    Some((blocks.views.get(&view)?, producer.views.get(&view)?))
 }
 
 /// Uploads what is asked in this frame; makes what is missing for it.
 pub(super) fn prepare(
     mut answers: ResMut<GroundAnswers>,
     producers: Res<Producers>,
-    (details, blocks): (
-        Res<DetailViews<GroundKind<0>>>,
-        Res<BlockViews<GroundKind<0>>>,
-    ),
-    shaders: Res<AnswerShaders>,
+    blocks: Res<BlockViews<GroundKind<0>>>,
+    shader: Res<AnswerShader>,
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
     queue: Res<RenderQueue>,
@@ -210,11 +132,14 @@ pub(super) fn prepare(
     let (Some(question), Some(view)) = (&answers.question, answers.view) else {
         return;
     };
-    let Some((drawn, state)) = drawn(&producers, &details, &blocks, view) else {
+    let Some((drawn, state)) = drawn(&producers, &blocks, view) else {
         return;
     };
-    let (stamp, seen) = drawn.stamp();
-    let key = MeshKey { view, stamp, seen };
+    let key = MeshKey {
+        view,
+        stamp: drawn.stamp,
+        seen: drawn.seen.id(),
+    };
     let same = answers
         .kept
         .as_ref()
@@ -239,11 +164,9 @@ pub(super) fn prepare(
         return;
     }
     answers.cursor = next;
-    let choice = drawn.choice();
-    if answers.pipeline(choice).is_none() {
-        let pipeline = AnswerPipeline::new(choice, shaders.of(choice), &cache);
-        answers.pipelines.push((choice, pipeline));
-    }
+    let pipeline = answers
+        .pipeline
+        .get_or_insert_with(|| AnswerPipeline::new(&shader.0, &cache));
     let known = answers.buffers.take();
     let buffers = answers.buffers.insert(
         known
@@ -258,9 +181,7 @@ pub(super) fn prepare(
     queue.write_buffer(&buffers.asked, 0, bytes_of(&asked));
     let places: &[GroundPoint] = &question.places[slots.start as usize..slots.end as usize];
     queue.write_buffer(&buffers.places, 0, cast_slice(places));
-    if let Some((_, pipeline)) = answers.pipelines.iter().find(|(of, _)| *of == choice) {
-        buffers.bind(&device, &cache, pipeline, drawn, &state.vertices);
-    }
+    buffers.bind(&device, &cache, pipeline, drawn);
 }
 
 #[cfg(test)]

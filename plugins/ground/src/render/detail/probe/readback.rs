@@ -30,7 +30,7 @@ pub(super) fn ask(
         if answers.question.is_some() {
             // What nobody asks for is not kept; but for the pipeline, which nothing takes back.
             *answers = GroundAnswers {
-                pipelines: std::mem::take(&mut answers.pipelines),
+                pipeline: answers.pipeline.take(),
                 dispatches: answers.dispatches,
                 ..default()
             };

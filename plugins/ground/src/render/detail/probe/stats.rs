@@ -96,7 +96,7 @@ pub fn answer_census(render_world: &World) -> AnswerCensus {
         return AnswerCensus::default();
     };
     AnswerCensus {
-        pipelines: answers.pipelines.len(),
+        pipelines: usize::from(answers.pipeline.is_some()),
         buffers: answers.ring.buffers() + 3 * usize::from(answers.buffers.is_some()),
         dispatches: answers.dispatches,
     }
