@@ -25,8 +25,8 @@ const PLACES: usize = 40;
 struct Found {
     places: usize,
     blocks: usize,
-    /// The largest of what is off over what is stated, and both, metres.
-    error: (f64, f64, f64),
+    /// The largest of what is off over what is stated, both, metres, and where.
+    error: (f64, f64, f64, DVec2),
     /// The farthest that the ground is out of an interval, metres.
     beyond: f64,
 }
@@ -40,7 +40,7 @@ impl Found {
         let ratio = off / found.bound;
         self.places += 1;
         if ratio > self.error.0 {
-            self.error = (ratio, off, found.bound);
+            self.error = (ratio, off, found.bound, place);
         }
         let line = blocks.lattice.coordinates(at);
         for slot in blocks.used() {

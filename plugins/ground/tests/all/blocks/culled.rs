@@ -170,7 +170,7 @@ fn gpu_blocks_leave_out_what_a_picture_does_not_show() {
     }
 }
 
-/// A view of so much height, and what its picture shows and hides: without what nearer ground hides, and with it.
+/// What is in view from so high: with what nearer ground hides, and without it.
 fn sorted(
     stage: &mut BlockStage<'_>,
     laid: &DetailGround,
