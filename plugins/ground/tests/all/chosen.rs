@@ -109,9 +109,11 @@ fn gpu_coarser_ground_has_the_shapes_of_finer_and_nothing_that_is_seen_is_left_o
         seen.rest();
         assert!(coarse.data == seen.picture().data, "the same to the byte");
     }
+    let blocks = Some(u32::MAX);
+    seen.app.insert_resource(MakingBudget { blocks });
     seen.set(TerrainLod {
         metric: Metric::ErrorBound {
-            pixels: PIXELS / 16.0,
+            pixels: PIXELS / 4.0,
         },
         ..detail()
     });

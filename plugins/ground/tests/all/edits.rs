@@ -72,7 +72,10 @@ fn gpu_the_bound_holds_on_edited_ground() {
                 .chain([middle]);
             for at in places {
                 let xz = DVec2::new(at.x, at.z) + anchor;
-                if (xz - place).length() > 30.0 {
+                let in_view = seen.planes.iter().all(|&[x, y, z, d]| {
+                    at.dot(Vec3::new(x, y, z).as_dvec3()) + f64::from(d) >= 0.0
+                });
+                if !in_view || (xz - place).length() > 30.0 {
                     continue;
                 }
                 let truth = now.height(xz).max(0.0);
