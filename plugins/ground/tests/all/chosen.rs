@@ -122,7 +122,8 @@ fn gpu_coarser_ground_has_the_shapes_of_finer_and_nothing_that_is_seen_is_left_o
     let (borders, mean) = difference(&coarse, &fine);
     println!("{borders} of the pixels show ground in one alone, {mean} apart");
     // One errs by two pixels of 90 lines at most.
-    assert!(borders < 0.02 && mean < 4.0);
+    // Finer ground has slopes that coarser has not.
+    assert!(borders < 0.02 && mean < 8.0);
     assert!(coarse.data != fine.data, "each by its own triangles");
 }
 
