@@ -341,7 +341,7 @@ pub const DROP: usize = 15;
 
 /// File and entry of the pass that answers height queries, after a choice. Group 0 is what all passes share, group 1 holds
 /// [`Asked`](crate::detail::probe::Asked) at 2, places at 3, answers at 4, as recorded by
-/// `record_answers` of `render/detail/record.rs`.
+/// `record_answers` of `render/blocks/record.rs`.
 pub const ANSWER_PASS: (&str, &str) = ("blocks/answer.wgsl", "answer");
 
 /// Where the arguments lie of the passes over blocks that are drawn.

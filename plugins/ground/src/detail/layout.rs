@@ -6,10 +6,41 @@ use dolomite_terrain::{Filter, GpuTerrainUniform, Source, Terrain};
 
 use super::cell::DetailCells;
 use super::cull::CullView;
+use super::ground::DetailGround;
 use super::horizon::{COLUMNS, HorizonView, LAYERS};
 use super::lattice::DetailLattice;
 use super::view::DetailView;
 use crate::range::{DEPTH_RANGE, OPAQUE_DEPTH};
+
+/// A ground on a lattice: of cells or of blocks.
+pub trait OnLattice {
+    /// Where vertices stand.
+    fn lattice(&self) -> &DetailLattice;
+    /// Height of the water, or far below everything.
+    fn sea(&self) -> f32;
+}
+
+impl OnLattice for DetailCells {
+    fn lattice(&self) -> &DetailLattice {
+        &self.lattice
+    }
+
+    fn sea(&self) -> f32 {
+        self.terrain()
+            .sea_level()
+            .unwrap_or(GpuTerrainUniform::NO_SEA)
+    }
+}
+
+impl OnLattice for DetailGround {
+    fn lattice(&self) -> &DetailLattice {
+        &self.lattice
+    }
+
+    fn sea(&self) -> f32 {
+        self.sea()
+    }
+}
 
 /// All that the passes depend on, beside buffers.
 #[repr(C)]
@@ -85,8 +116,13 @@ impl DetailParams {
     /// For a view of the cells' ground, with room for so many cells, vertices and triangles. Nothing is left
     /// out of view; see [`Self::cull`].
     #[must_use]
-    pub fn new(cells: &DetailCells, view: DetailView, capacity: u32, pools: [u32; 2]) -> Self {
-        let lattice = &cells.lattice;
+    pub fn new(
+        ground: &impl OnLattice,
+        view: DetailView,
+        capacity: u32,
+        pools: [u32; 2],
+    ) -> Self {
+        let lattice = ground.lattice();
         let words = |step: u64| [(step >> 32) as u32, step as u32];
         let border = lattice.border;
         let longer = |of: [u64; 2], axis: usize| match border.width {
@@ -106,10 +142,7 @@ impl DetailParams {
             max_vertices: pools[0],
             max_triangles: pools[1],
             depth_range: DEPTH_RANGE,
-            sea: cells
-                .terrain()
-                .sea_level()
-                .unwrap_or(GpuTerrainUniform::NO_SEA),
+            sea: ground.sea(),
             opaque_depth: OPAQUE_DEPTH,
             anchor_height: 0.0,
             flags: 0,

@@ -24,6 +24,7 @@
 //! | [`lattice`] | places, cells and their neighbours, in integers |
 //! | [`aligned`] | a lattice on the samples of a height map |
 //! | [`mod@cell`] | heights and error bounds of a cell, from a few samples |
+//! | [`ground`] | a ground on its lattice |
 //! | [`errors`] | how far the meshes of a cell are from its samples |
 //! | [`view`] | what a vertical metre is in pixels, at most |
 //! | `select` | which vertices a view gets |
@@ -42,6 +43,7 @@ pub mod cell;
 #[doc(hidden)]
 pub mod cull;
 pub mod errors;
+pub mod ground;
 #[doc(hidden)]
 pub mod horizon;
 pub mod lattice;
@@ -60,6 +62,7 @@ pub mod work;
 pub use cell::{Cell, DetailCells};
 #[doc(hidden)]
 pub use cull::CullView;
+pub use ground::DetailGround;
 #[doc(hidden)]
 pub use horizon::{Horizon, HorizonView};
 pub use lattice::{CellPlace, DetailLattice};

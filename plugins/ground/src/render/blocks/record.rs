@@ -3,6 +3,7 @@
 use crate::blocks::layout::{
     DROP, Groups, PASSES, REFRESH, SPREAD, Second, done_at, making, slot_groups,
 };
+use crate::detail::probe::ANSWER_GROUP;
 
 /// What the passes bind and read.
 #[derive(Clone, Copy)]
@@ -139,4 +140,18 @@ pub fn record_step(
             pass.dispatch_workgroups_indirect(bound.other_arguments, at)
         }
     }
+}
+
+/// Records the answers to height queries at `places` places, of the triangles that were chosen before.
+/// `shared` is group 0: what a choice is made from; `own` is group 1: what was asked and what is answered.
+pub fn record_answers(
+    pass: &mut wgpu::ComputePass<'_>,
+    pipeline: &wgpu::ComputePipeline,
+    [shared, own]: [&wgpu::BindGroup; 2],
+    places: u32,
+) {
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, shared, &[]);
+    pass.set_bind_group(1, own, &[]);
+    pass.dispatch_workgroups(places.div_ceil(ANSWER_GROUP), 1, 1);
 }

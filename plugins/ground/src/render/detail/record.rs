@@ -3,7 +3,6 @@
 use crate::detail::layout::{
     DEPTH_PASSES, Groups, LAST_PASSES, Pass, SWEEP_PASS, Second, arguments_at, sweep_groups,
 };
-use crate::detail::probe::ANSWER_GROUP;
 
 /// Bytes between the slots of a uniform buffer.
 pub const SLOT: u64 = 256;
@@ -112,18 +111,4 @@ pub fn record_step(
             pass.dispatch_workgroups_indirect(bound.indirect[turn], at);
         }
     }
-}
-
-/// Records the answers to height queries at `places` places, of the triangles that were chosen before.
-/// `shared` is group 0: what a choice is made from; `own` is group 1: what was asked and what is answered.
-pub fn record_answers(
-    pass: &mut wgpu::ComputePass<'_>,
-    pipeline: &wgpu::ComputePipeline,
-    [shared, own]: [&wgpu::BindGroup; 2],
-    places: u32,
-) {
-    pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, shared, &[]);
-    pass.set_bind_group(1, own, &[]);
-    pass.dispatch_workgroups(places.div_ceil(ANSWER_GROUP), 1, 1);
 }
