@@ -116,12 +116,7 @@ impl DetailParams {
     /// For a view of the cells' ground, with room for so many cells, vertices and triangles. Nothing is left
     /// out of view; see [`Self::cull`].
     #[must_use]
-    pub fn new(
-        ground: &impl OnLattice,
-        view: DetailView,
-        capacity: u32,
-        pools: [u32; 2],
-    ) -> Self {
+    pub fn new(ground: &impl OnLattice, view: DetailView, capacity: u32, pools: [u32; 2]) -> Self {
         let lattice = ground.lattice();
         let words = |step: u64| [(step >> 32) as u32, step as u32];
         let border = lattice.border;

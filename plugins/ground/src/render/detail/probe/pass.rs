@@ -9,8 +9,8 @@ use super::GroundAnswers;
 use super::prepare::drawn;
 use crate::render::GroundKind;
 use crate::render::blocks::prepare::BlockViews;
-use crate::render::detail::prepare::DetailViews;
 use crate::render::blocks::record::record_answers;
+use crate::render::detail::prepare::DetailViews;
 use dolomite_geometry::render::{ExtractedGeometryCamera, Producers};
 
 /// Answers what was asked, if the view is the one that answers and its triangles are there.
