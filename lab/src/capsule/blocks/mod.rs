@@ -34,10 +34,8 @@ use view::{Chosen, FINEST, POOLS, chosen, terrain};
 /// Places that are asked for, on triangles and beside the ground.
 const PLACES: usize = 256;
 const BESIDE: usize = 16;
-/// Units in the last place that heights and slopes may be off, of the sizes below.
+/// Units in the last place that heights, slopes, and what is kept of blocks may be off, of the sizes below.
 const ULP: f64 = 4.0;
-/// The same of the errors and intervals that are kept of blocks: differences of a few heights, grown five times by a fourth.
-const ULP_OF_ERRORS: f64 = 16.0;
 /// Sum of the sources' greatest heights, metres: what heights are sums of.
 const HEIGHT: f32 = 256.0;
 /// Differences of such heights over the shortest sides of triangles.
@@ -163,7 +161,7 @@ impl Run {
             })
             .collect();
         let number = FieldType::F32 {
-            ulp: ULP_OF_ERRORS,
+            ulp: ULP,
             scale: HEIGHT,
         };
         let fields = vec![

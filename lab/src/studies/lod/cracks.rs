@@ -111,7 +111,7 @@ mod tests {
         assert!(found.none() && found.shared >= 20_000, "{found:?}");
         let terrain = terrains::fbm(1);
         let mut blocks = blocks_of(&terrain, 1.0);
-        let (_, camera) = around(&terrain, 4, 1)[3];
+        let (_, camera) = around(&terrain, 2, 1)[1];
         let choice = choose(&mut blocks, &detail_view(&camera, bound(8.0)));
         let mut mesh = drawn(&blocks, &choice);
         let of = |mesh: &BlockMesh| {
