@@ -273,6 +273,9 @@ impl<'a> Renderer<'a> {
     ///
     /// # Errors
     /// [`BlockError`].
+    ///
+    /// # Panics
+    /// If what the camera asks for is not made after a thousand choices of 64 blocks each.
     pub fn scene(
         &self,
         terrain: &Terrain,
