@@ -14,20 +14,17 @@
 //! | `stage` | `stage` | the passes of the tessellation stage, without Bevy's renderer |
 //! | `draw` | `stage` | what they emitted, drawn, stored or evaluated by the draw |
 //! | `raster` | `stage` | pixels that triangles leave uncovered |
-//! | `detail` | `detail` | the passes that choose the ground's detail, and answer places |
-//! | `blocks` | `detail` | the same in blocks |
+//! | `blocks` | `detail` | the passes that choose the ground's detail in blocks, and answer places |
 //! | `missed` | `detail` | places of a ground of which samples say too little |
 //! | `skinning` | `skinning` | skinning from a palette on the adapter, by the CPU reference, and in f64 |
 //! | `flip` | `flip` | how far apart two pictures are |
 //! | `light` | `light` | scenes of the light oracle in an app, and the radiance that its camera sees |
 //!
-//! `stage/record.rs`, `detail/record.rs` and `blocks/run.rs` are all that records passes.
+//! `stage/record.rs`, `blocks/run.rs` and `blocks/answers.rs` are all that records passes.
 
 #[cfg(feature = "detail")]
 pub mod blocks;
 pub mod cores;
-#[cfg(feature = "detail")]
-pub mod detail;
 pub mod double_double;
 #[cfg(feature = "stage")]
 pub mod draw;

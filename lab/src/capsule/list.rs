@@ -8,7 +8,7 @@ use dolomite_tessellation::{Domain, Drawing, Mode, Spacing, Tessellator, Winding
 use super::format::Capsule;
 use super::meshes::{globe_case, hostile_mesh, mesh_of, split_mesh};
 use super::stage::{StageCase, record};
-use super::{CapsuleError, detail, functions, heights, patches, plants, skinning, tiles};
+use super::{CapsuleError, blocks, functions, heights, patches, plants, skinning, tiles};
 use crate::studies::tessellation::cases::read;
 use crate::studies::tessellation::random::Tuples;
 
@@ -148,7 +148,7 @@ const SHORT: &[&str] = &[
     "stage-view",
     "captures",
     "heights",
-    "ground-length",
+    "ground-culled",
     "plants",
     "light-tiles",
     "crowd",
@@ -156,21 +156,29 @@ const SHORT: &[&str] = &[
 
 /// The parts that draw beside the stage.
 fn others() -> Vec<Entry> {
-    let ground = |name: &str, about: &str, metric: Metric| {
+    let ground = |name: &str, about: &str, metric: Metric, culled: bool| {
         Entry::new(name, about, move |name, about, settings| {
-            detail::capsule(name, about, (metric, settings.seed))
+            blocks::capsule(name, about, (metric, culled, settings.seed))
         })
     };
     vec![
         ground(
             "ground-error",
-            "The ground's choice by error in pixels, and its answers to height queries",
+            "The ground's choice in blocks by error in pixels, made from nothing on, and its answers to height queries",
             Metric::ErrorBound { pixels: 6.0 },
+            false,
         ),
         ground(
             "ground-length",
-            "The ground's choice by length of edges, and its answers to height queries",
+            "The ground's choice in blocks by length of edges, made from nothing on, and its answers to height queries",
             Metric::EdgeLength { pixels: 60.0 },
+            false,
+        ),
+        ground(
+            "ground-culled",
+            "The same by error in pixels, with the triangles left out that the picture does not show",
+            Metric::ErrorBound { pixels: 6.0 },
+            true,
         ),
         Entry::new(
             "plants",
@@ -286,7 +294,7 @@ mod tests {
         let mut names: Vec<_> = entries.iter().map(|entry| &entry.name).collect();
         names.dedup();
         assert_eq!(names.len(), entries.len());
-        assert!(entries.len() >= 34, "{}", entries.len());
+        assert!(entries.len() >= 35, "{}", entries.len());
         let short = entries.iter().filter(|entry| entry.is_short()).count();
         assert_eq!(short, SHORT.len(), "each of them is there");
         for entry in &entries {

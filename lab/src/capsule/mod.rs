@@ -14,16 +14,16 @@
 //! | [`patches`] | whole patches from their levels: captures and random tuples |
 //! | [`functions`] | WGSL's own functions, one after the other |
 //! | [`heights`] | heights and slopes of a terrain |
-//! | [`detail`] | the ground's choice and its answers |
+//! | [`blocks`] | the ground's choice in blocks and its answers |
 //! | [`plants`] | roots on triangles |
 //! | [`tiles`] | lights that reach the tiles of a picture |
 //! | [`skinning`] | crowds from their palettes |
 //! | [`native`] | the passes by wgpu, timed |
 //! | [`list`], [`command`] | what capsules there are, and the command line |
 
+pub mod blocks;
 pub mod builder;
 pub mod command;
-pub mod detail;
 mod field;
 pub mod flat;
 pub mod format;

@@ -7,7 +7,7 @@
 //! | [`terrains`], [`truth`] | the grounds; their heights, and what f32 is off by |
 //! | [`mesh`] | what is drawn, and its height at a place |
 //! | [`places`] | where errors are looked for |
-//! | [`selection`] | our selection under a camera |
+//! | [`selection`] | our choice under a camera |
 
 #![expect(
     clippy::disallowed_methods,

@@ -1,9 +1,7 @@
 //! Tests of the lab, as one program, since each more would link Bevy once more.
 //! `cargo nextest run -p dolomite_lab NAME::` runs one module.
 
-mod blocks;
-mod detail;
-mod detail_answers;
+mod answers;
 mod drawn;
 mod heat;
 mod quadtree;

@@ -1,8 +1,7 @@
 //! Ground that is edited between choices.
 
 use super::buffers::data_of;
-use super::{BlockStage, words};
-use crate::detail::DetailError;
+use super::{BlockError, BlockStage, words};
 use dolomite_ground::blocks::changed::{EditReach, edited_lines, join_edited};
 use dolomite_ground::blocks::layout::remade_at;
 use dolomite_terrain::{GroundRect, Terrain};
@@ -42,8 +41,8 @@ impl BlockStage<'_> {
     /// What the newest edit came to.
     ///
     /// # Errors
-    /// [`DetailError`].
-    pub fn remade(&self) -> Result<RemadeBlocks, DetailError> {
+    /// [`BlockError`].
+    pub fn remade(&self) -> Result<RemadeBlocks, BlockError> {
         let lists = words(self.gpu, &self.buffers.lists)?;
         let at = remade_at(self.slots) as usize;
         Ok(RemadeBlocks {

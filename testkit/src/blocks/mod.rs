@@ -6,21 +6,36 @@ mod buffers;
 mod edit;
 mod records;
 mod run;
+mod times;
 
+pub use answers::{BlockAnswers, Staged};
 pub use edit::RemadeBlocks;
 pub use records::MadeBlock;
+pub use times::PassTime;
 
-use crate::detail::{DetailError, PassTime};
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, GpuError};
+use answers::AnswerPass;
 use buffers::{Buffers, Layouts};
 use bytemuck::pod_collect_to_vec;
 use dolomite_ground::blocks::layout::{Beginning, PASSES, Second};
 use dolomite_ground::detail::layout::{DetailParams, EditedRect, without};
-use dolomite_ground::detail::{DetailCells, DetailLattice};
+use dolomite_ground::detail::{DetailGround, DetailLattice};
 use dolomite_terrain::{HeightMap, Stream, Terrain};
 use std::borrow::Cow;
 use std::time::Duration;
+use thiserror::Error;
 use wgpu::{Buffer, ComputePipeline};
+
+/// Why the passes could not be run.
+#[derive(Debug, Error)]
+pub enum BlockError {
+    /// No adapter, or it refuses a pass.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// A shader could not be put together.
+    #[error("a shader of the level of detail could not be composed: {0}")]
+    Shader(#[from] dolomite_shaders::ComposeError),
+}
 
 /// What one choice left.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +84,8 @@ pub struct BlockStage<'a> {
     edited: Vec<EditedRect>,
     /// Until when the map has told what was read of it.
     told: u64,
+    /// Made when something is asked for the first time.
+    answers: Option<AnswerPass>,
     /// Whether passes are timed.
     pub timed: bool,
     /// Most blocks that an edit makes anew, in place of all: what more is reached is dropped.
@@ -79,10 +96,10 @@ impl<'a> BlockStage<'a> {
     /// Compiles the passes and makes buffers with room for so many slots.
     ///
     /// # Errors
-    /// [`DetailError`].
-    pub fn new(gpu: &'a Gpu, cells: &DetailCells, slots: u32) -> Result<Self, DetailError> {
+    /// [`BlockError`].
+    pub fn new(gpu: &'a Gpu, ground: &DetailGround, slots: u32) -> Result<Self, BlockError> {
         let layouts = Layouts::new(gpu);
-        let without = without(cells.terrain());
+        let without = without(ground.terrain());
         let pipelines = PASSES.iter().map(|&(file, entry, second, _)| {
             let defs: &[&str] = if second == Second::Ground {
                 &without
@@ -102,7 +119,7 @@ impl<'a> BlockStage<'a> {
                 bind_group_layouts: &groups[..1 + usize::from(second.is_some())],
                 immediate_size: 0,
             });
-            Ok::<_, DetailError>(
+            Ok::<_, BlockError>(
                 device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                     label: Some(entry),
                     layout: Some(&layout),
@@ -118,9 +135,9 @@ impl<'a> BlockStage<'a> {
             )
         });
         let passes = pipelines.collect::<Result<_, _>>()?;
-        let beginning = Beginning::new(&cells.lattice);
-        let buffers = Buffers::new(gpu, cells.terrain(), &beginning, slots);
-        let stream = cells.terrain().streamed().and_then(HeightMap::stream);
+        let beginning = Beginning::new(&ground.lattice);
+        let buffers = Buffers::new(gpu, ground.terrain(), &beginning, slots);
+        let stream = ground.terrain().streamed().and_then(HeightMap::stream);
         Ok(Self {
             buffers,
             told: stream.map_or(0, Stream::laid_out),
@@ -128,8 +145,9 @@ impl<'a> BlockStage<'a> {
             passes,
             layouts,
             beginning,
-            terrain: cells.terrain().clone(),
-            lattice: cells.lattice,
+            terrain: ground.terrain().clone(),
+            lattice: ground.lattice,
+            answers: None,
             slots,
             stamp: 0,
             edited: Vec::new(),
@@ -141,7 +159,7 @@ impl<'a> BlockStage<'a> {
     /// Chooses until nothing is wished for; the last choice, and how many it took.
     ///
     /// # Errors
-    /// [`DetailError`].
+    /// [`BlockError`].
     ///
     /// # Panics
     /// After `most` choices.
@@ -150,12 +168,41 @@ impl<'a> BlockStage<'a> {
         params: DetailParams,
         budget: u32,
         most: usize,
-    ) -> Result<(BlockRun, usize), DetailError> {
+    ) -> Result<(BlockRun, usize), BlockError> {
         for frame in 1..=most {
             let run = self.choose(params, budget, false)?;
             if run.made == 0 && run.wishes == 0 {
                 return Ok((self.run(params, budget)?, frame));
             }
+        }
+        panic!("not settled after {most} choices");
+    }
+
+    /// The same where there may be too little room for all that is wished for: blocks that the view does not look at are
+    /// dropped then, and where that is not enough the last choice is a coarser one, as [`BlockRun::coarsening`] says.
+    ///
+    /// # Errors
+    /// [`BlockError`].
+    ///
+    /// # Panics
+    /// After `most` choices.
+    pub fn settle_in_room(
+        &mut self,
+        params: DetailParams,
+        budget: u32,
+        most: usize,
+    ) -> Result<(BlockRun, usize), BlockError> {
+        let (mut oldest, mut used) = (0, 0);
+        for frame in 1..=most {
+            let told = DetailParams { oldest, ..params };
+            let run = self.choose(told, budget, false)?;
+            let is_swept = oldest > 0 && run.used == used;
+            if run.made == 0 && (run.wishes == 0 || is_swept) {
+                return Ok((self.run(params, budget)?, frame));
+            }
+            // What this choice looked at stays.
+            oldest = if run.made == 0 { self.stamp } else { 0 };
+            used = run.used;
         }
         panic!("not settled after {most} choices");
     }
@@ -169,24 +216,24 @@ impl<'a> BlockStage<'a> {
     /// Chooses, and makes the mesh; then at most `budget` blocks.
     ///
     /// # Errors
-    /// [`DetailError`].
-    pub fn run(&mut self, params: DetailParams, budget: u32) -> Result<BlockRun, DetailError> {
+    /// [`BlockError`].
+    pub fn run(&mut self, params: DetailParams, budget: u32) -> Result<BlockRun, BlockError> {
         self.choose(params, budget, true)
     }
 
     /// The same without reading the mesh back, which takes longer than the passes: for whoever asks what these take.
     ///
     /// # Errors
-    /// [`DetailError`].
+    /// [`BlockError`].
     pub fn run_unread(
         &mut self,
         params: DetailParams,
         budget: u32,
-    ) -> Result<BlockRun, DetailError> {
+    ) -> Result<BlockRun, BlockError> {
         self.choose(params, budget, false)
     }
 }
 
-fn words(gpu: &Gpu, buffer: &Buffer) -> Result<Vec<u32>, DetailError> {
+fn words(gpu: &Gpu, buffer: &Buffer) -> Result<Vec<u32>, BlockError> {
     Ok(pod_collect_to_vec(&gpu.read(buffer)?))
 }

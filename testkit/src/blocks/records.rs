@@ -1,7 +1,6 @@
 //! Records, read back.
 
-use super::{BlockStage, words};
-use crate::detail::DetailError;
+use super::{BlockError, BlockStage, words};
 use bytemuck::pod_collect_to_vec;
 use dolomite_ground::blocks::layout::{GpuHead, RECORD_WORDS};
 use dolomite_ground::blocks::record::Block;
@@ -25,8 +24,8 @@ impl BlockStage<'_> {
     /// All blocks that there are.
     ///
     /// # Errors
-    /// [`DetailError`].
-    pub fn blocks(&self) -> Result<Vec<MadeBlock>, DetailError> {
+    /// [`BlockError`].
+    pub fn blocks(&self) -> Result<Vec<MadeBlock>, BlockError> {
         let heads: Vec<GpuHead> = pod_collect_to_vec(&self.gpu.read(&self.buffers.heads)?);
         let records = words(self.gpu, &self.buffers.records)?;
         let found = (0..).zip(&heads).filter(|(_, head)| head.half != 0);

@@ -1,8 +1,8 @@
 //! A choice, recorded as in an app.
 
 use super::buffers::group;
-use super::{BlockRun, BlockStage, words};
-use crate::detail::{DetailError, Timer};
+use super::times::Timer;
+use super::{BlockError, BlockRun, BlockStage, words};
 use bytemuck::{bytes_of, cast_slice, pod_read_unaligned};
 use dolomite_geometry::layout::{GeometryHead, HEAD_WORDS, VERTEX_BYTES};
 use dolomite_ground::blocks::changed::edit_rounds;
@@ -17,7 +17,16 @@ use dolomite_ground::render::blocks::record::{
 };
 use dolomite_terrain::HeightMap;
 use std::time::Instant;
-use wgpu::{Buffer, BufferUsages, Features};
+use wgpu::{Buffer, BufferUsages, CommandEncoder, Features};
+
+/// A choice that is recorded, and what it is written to.
+pub(super) struct Recorded {
+    pub encoder: CommandEncoder,
+    vertices: Buffer,
+    indices: Buffer,
+    head: Buffer,
+    timer: Option<Timer>,
+}
 
 impl BlockStage<'_> {
     pub(super) fn choose(
@@ -25,7 +34,29 @@ impl BlockStage<'_> {
         params: DetailParams,
         budget: u32,
         read: bool,
-    ) -> Result<BlockRun, DetailError> {
+    ) -> Result<BlockRun, BlockError> {
+        let gpu = self.gpu;
+        let Recorded {
+            encoder,
+            vertices,
+            indices,
+            head,
+            timer,
+        } = self.record(params, budget);
+        let start = Instant::now();
+        gpu.queue().submit([encoder.finish()]);
+        gpu.finish()?;
+        let time = start.elapsed();
+        let mut run = self.read(&head, read.then_some([&vertices, &indices]))?;
+        run.time = time;
+        if let Some(timer) = timer {
+            run.passes = timer.times(gpu)?;
+        }
+        Ok(run)
+    }
+
+    /// Writes what the passes are told, and records them.
+    pub(super) fn record(&mut self, params: DetailParams, budget: u32) -> Recorded {
         let gpu = self.gpu;
         self.stamp += 1;
         let params = DetailParams {
@@ -103,7 +134,7 @@ impl BlockStage<'_> {
         let mut timer = (self.timed && told).then(|| Timer::new(gpu, steps.len()));
         if let Some(timer) = &mut timer {
             for &step in &steps {
-                let mut pass = timer.begin(&mut encoder, PASSES[step.pass].1, 0);
+                let mut pass = timer.begin(&mut encoder, PASSES[step.pass].1);
                 record_step(&mut pass, &self.passes[step.pass], &bound, step);
             }
             timer.end(&mut encoder);
@@ -113,20 +144,17 @@ impl BlockStage<'_> {
                 record_step(&mut pass, &self.passes[step.pass], &bound, step);
             }
         }
-        let start = Instant::now();
-        queue.submit([encoder.finish()]);
         self.edited.clear();
-        gpu.finish()?;
-        let time = start.elapsed();
-        let mut run = self.read(&head, read.then_some([&vertices, &indices]))?;
-        run.time = time;
-        if let Some(timer) = timer {
-            run.passes = timer.times(gpu)?;
+        Recorded {
+            encoder,
+            vertices,
+            indices,
+            head,
+            timer,
         }
-        Ok(run)
     }
 
-    fn read(&self, head: &Buffer, mesh: Option<[&Buffer; 2]>) -> Result<BlockRun, DetailError> {
+    fn read(&self, head: &Buffer, mesh: Option<[&Buffer; 2]>) -> Result<BlockRun, BlockError> {
         let gpu = self.gpu;
         let head: GeometryHead = pod_read_unaligned(&gpu.read(head)?);
         let (vertices, triangles) = (head.vertices as usize, head.primitives as usize);

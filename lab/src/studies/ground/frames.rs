@@ -4,12 +4,13 @@
 //! the frame is recorded and submitted. So what is handed over in a frame is used in the next, and an age
 //! is at least 2.
 
-use super::measure::{params, places};
+use super::measure::{BUDGET, MOST, params, places};
 use crate::scenes::camera::Camera;
+use crate::scenes::selection::ground_of;
 use dolomite_geometry::ring::Ring;
-use dolomite_ground::detail::{DetailCells, Metric};
+use dolomite_ground::detail::Metric;
 use dolomite_terrain::Terrain;
-use dolomite_testkit::detail::{DetailError, DetailStage};
+use dolomite_testkit::blocks::{BlockError, BlockStage};
 use dolomite_testkit::gpu::Gpu;
 use std::time::{Duration, Instant};
 
@@ -46,17 +47,24 @@ impl Ages {
 /// Flies forward for so many frames and asks `count` places in every frame. A frame begins when the device has drawn the one
 /// before the last (`in_flight` 1) or the last (0): as renderers that keep that many frames under way.
 ///
+/// The first view is settled before; then each frame makes up to [`BUDGET`] blocks.
+///
 /// # Errors
-/// [`DetailError`].
+/// [`BlockError`].
+///
+/// # Panics
+/// If the first view is not settled after [`MOST`] choices.
 pub fn fly(
     gpu: &Gpu,
     terrain: &Terrain,
     mut camera: Camera,
     frames: u32,
     (count, in_flight, seed): (usize, usize, u32),
-) -> Result<Ages, DetailError> {
-    let cells = DetailCells::new(terrain.clone(), 1.0);
-    let mut stage = DetailStage::new(gpu, &cells, 1 << 17)?;
+) -> Result<Ages, BlockError> {
+    let ground = ground_of(terrain, 1.0);
+    let mut stage = BlockStage::new(gpu, &ground, 1 << 12)?;
+    let metric = Metric::ErrorBound { pixels: 8.0 };
+    stage.settle(params(&ground, &camera, metric), BUDGET, MOST)?;
     let places = places(terrain, &camera, count, seed);
     let forward = camera.view().forward;
     let mut ring = Ring::default();
@@ -64,9 +72,9 @@ pub fn fly(
     let mut under_way = std::collections::VecDeque::new();
     for frame in 0..frames {
         camera.eye += forward * 0.5;
-        let told = params(&cells, &camera, Metric::ErrorBound { pixels: 8.0 });
+        let told = params(&ground, &camera, metric);
         let start = Instant::now();
-        let arrived = stage.frame(told, (frame, &places), &mut ring)?;
+        let arrived = stage.frame(told, BUDGET, (frame, &places), &mut ring)?;
         times.push(start.elapsed());
         ages.extend(arrived.iter().map(|(asked, _)| frame + 1 - asked));
         under_way.push_back(gpu.queue().submit([]));

@@ -6,19 +6,25 @@ use crate::scenes::selection;
 use crate::scenes::terrains;
 use bevy::math::{DVec2, DVec3};
 use dolomite_ground::detail::layout::DetailParams;
-use dolomite_ground::detail::{DetailCells, Metric};
+use dolomite_ground::detail::{DetailGround, Metric};
 use dolomite_terrain::{GroundPoint, Source, Terrain, TerrainData};
-use dolomite_testkit::detail::{DetailAnswers, DetailRun};
+use dolomite_testkit::blocks::{BlockAnswers, BlockRun};
 use dolomite_testkit::random::Random;
 
 /// Room for vertices and triangles.
 const POOLS: [u32; 2] = [1 << 18, 1 << 19];
+/// Slots of blocks.
+pub const SLOTS: u32 = 1 << 13;
+/// Blocks that a choice makes.
+pub const BUDGET: u32 = 64;
+/// Most choices until a view is settled.
+pub const MOST: usize = 1000;
 
 /// What the passes are told of a camera: heights relative to whole metres near the eye, as the stage has
 /// them.
 #[must_use]
-pub fn params(cells: &DetailCells, camera: &Camera, metric: Metric) -> DetailParams {
-    selection::params(cells, camera, metric, POOLS)
+pub fn params(ground: &DetailGround, camera: &Camera, metric: Metric) -> DetailParams {
+    selection::params(ground, camera, metric, POOLS)
 }
 
 /// The island massif of the study `lod`, moved by so many metres: its hills are the same, its noise, and so its
@@ -92,9 +98,9 @@ const BORDER: [(f64, f64); 4] = [(1e-3, 0.0), (-1e-3, 0.0), (0.0, 1e-3), (0.0, -
 pub fn check(
     terrain: &Terrain,
     camera: &Camera,
-    (params, run): (&DetailParams, &DetailRun),
+    (params, run): (&DetailParams, &BlockRun),
     places: &[GroundPoint],
-    answers: &DetailAnswers,
+    answers: &BlockAnswers,
 ) -> Verdict {
     let positions = run.positions.iter().map(|&[x, y, z]| {
         DVec3::new(x.into(), y.into(), z.into()) + DVec3::Y * f64::from(params.anchor_height)

@@ -11,14 +11,15 @@ pub mod measure;
 use crate::csv::{ErrorNumbers, Row};
 use crate::plot::{Axes, Chart, Curve};
 use crate::scenes::cameras::{Kind, camera};
+use crate::scenes::selection::ground_of;
 use crate::study::{Figure, Options, Report, Study};
 use bevy::math::DVec2;
-use dolomite_ground::detail::{DetailCells, Metric};
-use dolomite_testkit::detail::{DetailError, DetailStage};
+use dolomite_ground::detail::Metric;
+use dolomite_testkit::blocks::{BlockError, BlockStage};
 use dolomite_testkit::gpu::Gpu;
 use dolomite_testkit::metrics::ErrorStats;
 use frames::{Ages, FRAMES, fly};
-use measure::{Checked, Verdict, check, ground, params, places};
+use measure::{BUDGET, Checked, MOST, SLOTS, Verdict, check, ground, params, places};
 use serde_json::{Value, json};
 
 /// As the command line knows it.
@@ -51,19 +52,19 @@ struct Case {
     coarsening: f32,
 }
 
-fn cases(options: &Options, gpu: &Gpu) -> Result<Vec<Case>, DetailError> {
+fn cases(options: &Options, gpu: &Gpu) -> Result<Vec<Case>, BlockError> {
     let mut cases = Vec::new();
     for far in FAR {
         let terrain = ground(options.seed, DVec2::splat(far));
-        let cells = DetailCells::new(terrain.clone(), FINEST);
-        let mut stage = DetailStage::new(gpu, &cells, 1 << 20)?;
+        let on_lattice = ground_of(&terrain, FINEST);
+        let mut stage = BlockStage::new(gpu, &on_lattice, SLOTS)?;
         for kind in [Kind::Standing, Kind::Flying] {
             let camera = camera(&terrain, kind, options.seed);
-            let told = params(&cells, &camera, Metric::ErrorBound { pixels: TAU });
-            let run = stage.run(told)?;
+            let told = params(&on_lattice, &camera, Metric::ErrorBound { pixels: TAU });
+            let (run, _) = stage.settle_in_room(told, BUDGET, MOST)?;
             for queries in QUERIES {
                 let places = places(&terrain, &camera, queries, options.seed);
-                let (answers, times) = stage.answer(&places, options.repeats)?;
+                let (answers, times) = stage.timed_answers(&places, options.repeats)?;
                 let verdict = check(&terrain, &camera, (&told, &run), &places, &answers);
                 let ms = times[times.len() / 2].as_secs_f64() * 1e3;
                 eprintln!("{}: {far} m, {kind:?}, {queries}: {ms:.3} ms", STUDY.name);
@@ -82,7 +83,7 @@ fn cases(options: &Options, gpu: &Gpu) -> Result<Vec<Case>, DetailError> {
     Ok(cases)
 }
 
-fn flights(options: &Options, gpu: &Gpu) -> Result<Vec<(usize, usize, Ages)>, DetailError> {
+fn flights(options: &Options, gpu: &Gpu) -> Result<Vec<(usize, usize, Ages)>, BlockError> {
     let terrain = ground(options.seed, DVec2::ZERO);
     let eye = camera(&terrain, Kind::Flying, options.seed);
     let mut flights = Vec::new();
@@ -189,7 +190,7 @@ fn run(options: &Options) -> Report {
         notes: notes(),
         summary: Value::Null,
     };
-    let measured = Gpu::new().map_err(DetailError::from).and_then(|gpu| {
+    let measured = Gpu::new().map_err(BlockError::from).and_then(|gpu| {
         let cases = cases(options, &gpu)?;
         Ok((cases, flights(options, &gpu)?, gpu.name.clone()))
     });
@@ -226,7 +227,7 @@ fn notes() -> Vec<String> {
          in f64. Those against the true surface are of the height function in f64, or of the sea."
             .into(),
         format!(
-            "Ages: {FRAMES} frames of a flight, all vertices chosen anew in each. They are counted as the \
+            "Ages: {FRAMES} frames of a flight, all vertices chosen anew in each, and up to {BUDGET} blocks made. They are counted as the \
              engine's simulation sees them: what has arrived when a frame is handed to the renderer is \
              used in the next."
         ),
@@ -296,7 +297,7 @@ fn figures(cases: &[Case], flights: &[(usize, usize, Ages)]) -> Vec<Figure> {
         Figure {
             name: "ground_error_true".into(),
             caption: "Largest distance from the true surface, over the bound that the answer holds. Above 1, \
-                      what lies between the 25 samples of a cell is more than the cell allows for."
+                      what lies between the samples of a block is more than the block allows for."
                 .into(),
             chart: chart(
                 "Error against the true surface",

@@ -1,13 +1,15 @@
-//! Meshes of views that see all: every edge inside of the extent is there once in each direction.
+//! Meshes of random cameras: every edge inside of the extent is there once in each direction. Blocks that meet have vertices
+//! of their own on the border between them: those at one place are one vertex where the bits of their heights are the
+//! same, and leave an edge open where they are not.
 
 use crate::scenes::camera::Camera;
 use crate::scenes::cameras::{KINDS, around};
-use crate::scenes::selection::{bound, cells_of, choose, detail_view};
+use crate::scenes::selection::{blocks_of, bound, choose, detail_view, drawn};
 use crate::scenes::terrains;
 use bevy::math::{DVec2, UVec2};
 use bevy::platform::collections::{HashMap, HashSet};
-use dolomite_ground::detail::{DetailMesh, mesh};
-use dolomite_terrain::GroundRect;
+use dolomite_ground::blocks::kept::KeptBlocks;
+use dolomite_ground::blocks::mesh::{BlockMesh, BlockVertex};
 
 /// What is found in meshes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -18,7 +20,7 @@ pub struct Cracks {
     pub shared: u64,
     /// Edges inside of the extent with a triangle on one side alone, or with more than two.
     pub open: u64,
-    /// Vertices at a place where there is another.
+    /// Vertices at a place where there is another, of another height.
     pub doubled: u64,
     /// Triangles that do not face up.
     pub turned: u64,
@@ -31,12 +33,15 @@ impl Cracks {
         (self.open, self.doubled, self.turned) == (0, 0, 0)
     }
 
-    fn add(&mut self, mesh: &DetailMesh, extent: GroundRect) {
+    /// Of a mesh with one vertex where blocks have the same.
+    fn add(&mut self, blocks: &KeptBlocks, mesh: &BlockMesh) {
         self.views += 1;
-        let places: Vec<DVec2> = mesh.vertices.iter().map(|v| v.point.to_dvec2()).collect();
+        let extent = blocks.terrain().extent();
+        let place = |vertex: &BlockVertex| blocks.lattice.point(vertex.at).to_dvec2();
+        let places: Vec<DVec2> = mesh.vertices.iter().map(place).collect();
         let mut known = HashSet::new();
-        let points = mesh.vertices.iter().map(|vertex| vertex.point.to_fixed());
-        self.doubled += points.filter(|&point| !known.insert(point)).count() as u64;
+        let at = mesh.vertices.iter().map(|vertex| vertex.at);
+        self.doubled += at.filter(|&at| !known.insert(at)).count() as u64;
         let mut edges: HashMap<(u32, u32), u32> = HashMap::default();
         for &[a, b, c] in &mesh.triangles {
             for edge in [(a, b), (b, c), (c, a)] {
@@ -75,7 +80,7 @@ pub fn cracks(edges: u64, seed: u32) -> Cracks {
         let own = seed.wrapping_mul(1000).wrapping_add(group);
         let terrains = terrains::all(own);
         let terrain = &terrains[group as usize % 3];
-        let mut cells = cells_of(terrain, 0.125);
+        let mut blocks = blocks_of(terrain, 0.125);
         for (_, camera) in around(terrain, KINDS.len(), own) {
             let camera = Camera {
                 size: UVec2::new(480, 270),
@@ -84,8 +89,8 @@ pub fn cracks(edges: u64, seed: u32) -> Cracks {
             let mut view = detail_view(&camera, bound(16.0));
             // No frustum: the border of the mesh is that of the ground.
             view.planes = [[0.0, 0.0, 0.0, 1.0]; 6];
-            let selection = choose(&mut cells, &view);
-            found.add(&mesh::mesh(&cells, &selection), terrain.extent());
+            let choice = choose(&mut blocks, &view);
+            found.add(&blocks, &drawn(&blocks, &choice));
             if found.shared >= edges {
                 return found;
             }
@@ -97,27 +102,38 @@ pub fn cracks(edges: u64, seed: u32) -> Cracks {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenes::selection::welded;
+    use dolomite_ground::blocks::mesh::mesh as mesh_of_blocks;
 
     #[test]
     fn meshes_are_closed_and_a_missing_or_a_turned_triangle_is_found() {
         let found = cracks(20_000, 2);
         assert!(found.none() && found.shared >= 20_000, "{found:?}");
         let terrain = terrains::fbm(1);
-        let mut cells = cells_of(&terrain, 1.0);
-        let (_, camera) = around(&terrain, 4, 1)[3];
-        let selection = choose(&mut cells, &detail_view(&camera, bound(8.0)));
-        let mut mesh = mesh::mesh(&cells, &selection);
-        let of = |mesh: &DetailMesh| {
+        let mut blocks = blocks_of(&terrain, 1.0);
+        let (_, camera) = around(&terrain, 2, 1)[1];
+        let choice = choose(&mut blocks, &detail_view(&camera, bound(8.0)));
+        let mut mesh = drawn(&blocks, &choice);
+        let of = |mesh: &BlockMesh| {
             let mut found = Cracks::default();
-            found.add(mesh, terrain.extent());
+            found.add(&blocks, mesh);
             found
         };
         let whole = of(&mesh);
+        assert!(whole.none(), "{whole:?}");
         let lost = mesh.triangles.pop().expect("many triangles");
         assert!(of(&mesh).open > whole.open);
         mesh.triangles.push([lost[0], lost[2], lost[1]]);
         assert_eq!(of(&mesh).turned, 1);
         mesh.vertices.push(mesh.vertices[0]);
         assert_eq!(of(&mesh).doubled, 1);
+        // A vertex on the border of two blocks, which is another by a bit in one of them.
+        let mut apart = mesh_of_blocks(&blocks, &choice);
+        let mut known = HashSet::new();
+        let again = apart.vertices.iter_mut().find(|v| !known.insert(v.at));
+        let again = again.expect("blocks meet");
+        again.height = again.height.next_up();
+        let found = of(&welded(&apart));
+        assert!(found.open > 0 && found.doubled == 1, "{found:?}");
     }
 }

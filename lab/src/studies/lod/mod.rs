@@ -12,7 +12,8 @@
 //! | [`uniform`], [`cdlod`], [`bisected`] | a static grid; CDLOD; equal edges and greedy |
 //! | [`bisection`] | the triangles of the last two |
 //! | [`mod@tune`], [`mod@compare`] | turns the knob; all methods under all cameras |
-//! | [`ours`] | our selection, with its three metrics |
+//! | [`ours`] | our choice in blocks, with its three metrics |
+//! | [`mod@judge`] | a drawn surface against the ground: errors, holes |
 //! | [`mod@guarantee`] | is any error above the tolerance: many cameras, many places |
 //! | [`mod@drawn`], [`mod@soak`] | the same of the triangles that the adapter drew, for as long as one likes |
 //! | [`mod@cracks`], [`mod@pops`] | gaps in meshes; movement from frame to frame |
@@ -33,6 +34,7 @@ pub mod compare;
 pub mod cracks;
 pub mod drawn;
 pub mod guarantee;
+pub mod judge;
 pub mod measure;
 pub mod ours;
 pub mod passes;

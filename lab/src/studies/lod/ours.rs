@@ -1,19 +1,21 @@
-//! Our selection as a method among the others: its CPU reference, cells and all, for three metrics.
+//! Our choice as a method among the others: its CPU reference, blocks and all, for three metrics.
 
 use super::baseline::{Baseline, Knob};
 use crate::scenes::camera::Camera;
 use crate::scenes::mesh::Drawn;
-use crate::scenes::selection::{FINEST, MOST_VERTICES, cells_of, detail_view, ground_mesh};
+use crate::scenes::selection::{FINEST, KEEP, blocks_of, choose, detail_view, ground_mesh};
 use crate::scenes::truth::Truth;
-use dolomite_ground::detail::{DetailCells, Metric, mesh, select};
+use dolomite_ground::blocks::kept::KeptBlocks;
+use dolomite_ground::detail::Metric;
 use std::sync::{Arc, Mutex};
 
-/// The same by the length of edges: a few times what 4 pixels of error take.
-const MOST_BY_LENGTH: u32 = 1 << 21;
+/// Most blocks by the length of edges: with each as fine as it may be, 2²¹ vertices, a few times what 4 pixels of error
+/// take.
+const MOST_BY_LENGTH: usize = 1 << 12;
 
-/// The same by distance. With eight times as many the mountain still errs by 219 pixels for who stands on it,
-/// and finding that out takes three minutes.
-const MOST_BY_DISTANCE: u32 = 1 << 18;
+/// The same by distance: 2¹⁸ vertices. With eight times as many the mountain still errs by 219 pixels for who stands on it,
+/// and finding that out takes minutes.
+const MOST_BY_DISTANCE: usize = 1 << 9;
 
 /// What the knob of a method turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,24 +28,24 @@ pub enum Asked {
     ErrorBound,
 }
 
-/// Cells of one terrain, made for whoever asks first.
-pub type SharedCells = Arc<Mutex<Option<DetailCells>>>;
+/// Blocks of one terrain, made for whoever asks first.
+pub type SharedBlocks = Arc<Mutex<Option<KeptBlocks>>>;
 
-/// Our selection with one of its metrics.
+/// Our choice with one of its metrics.
 #[derive(Debug)]
 pub struct Ours {
     asked: Asked,
-    cells: SharedCells,
+    blocks: SharedBlocks,
 }
 
 impl Ours {
-    /// The three metrics on shared cells.
+    /// The three metrics on shared blocks.
     #[must_use]
     pub fn all() -> [Self; 3] {
-        let cells = SharedCells::default();
+        let blocks = SharedBlocks::default();
         [Asked::ErrorBound, Asked::EdgeLength, Asked::Classic].map(|asked| Self {
             asked,
-            cells: cells.clone(),
+            blocks: blocks.clone(),
         })
     }
 
@@ -94,26 +96,23 @@ impl Baseline for Ours {
 
     fn draw(&self, truth: &Truth, camera: &Camera, knob: f64) -> Option<Box<dyn Drawn>> {
         let view = detail_view(camera, self.metric(knob));
-        // A poisoned lock holds cells of another thread that are right all the same.
-        let mut cells = self.cells.lock().unwrap_or_else(|e| e.into_inner());
-        let cells = match &mut *cells {
-            Some(cells) if cells.terrain().same(&truth.terrain) => cells,
-            other => other.insert(cells_of(&truth.terrain, FINEST)),
+        // A poisoned lock holds blocks of another thread that are right all the same.
+        let mut blocks = self.blocks.lock().unwrap_or_else(|e| e.into_inner());
+        let blocks = match &mut *blocks {
+            Some(blocks) if blocks.terrain().same(&truth.terrain) => blocks,
+            other => other.insert(blocks_of(&truth.terrain, FINEST)),
         };
-        let most = match self.asked {
-            Asked::ErrorBound => MOST_VERTICES,
+        blocks.keep = match self.asked {
+            Asked::ErrorBound => KEEP,
             Asked::EdgeLength => MOST_BY_LENGTH,
             Asked::Classic => MOST_BY_DISTANCE,
         };
-        let selection = select(cells, &view, most);
+        let choice = choose(blocks, &view);
         // A coarser tolerance than asked: the knob would no longer mean what it says.
-        if selection.coarsening > 1.0 {
+        if choice.coarsening > 1.0 {
             return None;
         }
-        Some(Box::new(ground_mesh(
-            &mesh::mesh(cells, &selection),
-            camera,
-        )))
+        Some(Box::new(ground_mesh(blocks, &choice, camera)))
     }
 }
 

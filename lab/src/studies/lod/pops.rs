@@ -1,16 +1,16 @@
 //! How far the drawn surface moves on the screen from one frame to the next.
 //!
-//! Frames k and k + 1 are drawn, each for its camera. At every vertex of either mesh the drawn surfaces of
+//! Frames k and k + 1 are drawn, each for its camera, once all blocks that it asks for are made. At every vertex of either mesh the drawn surfaces of
 //! both are compared at the same place of the ground, and both heights are projected by the camera of frame
 //! k + 1: what the eye would see move against still ground. Only places count that both cameras see;
 //! those that one of them does not see are told apart.
 
 use crate::scenes::camera::{Camera, View};
 use crate::scenes::mesh::{Drawn, GroundMesh};
-use crate::scenes::selection::{FINEST, bound, cells_of, choose, detail_view, ground_mesh};
+use crate::scenes::selection::{FINEST, blocks_of, bound, choose, detail_view, ground_mesh};
 use crate::scenes::truth::Truth;
 use bevy::math::{DVec2, DVec3};
-use dolomite_ground::detail::{DetailCells, mesh};
+use dolomite_ground::blocks::kept::KeptBlocks;
 use dolomite_terrain::Terrain;
 use dolomite_testkit::cores::on_all_cores;
 use dolomite_testkit::metrics::ErrorStats;
@@ -93,11 +93,11 @@ struct Frame {
     ground: GroundMesh,
 }
 
-fn frame(cells: &mut DetailCells, camera: Camera) -> Frame {
-    let selection = choose(cells, &detail_view(&camera, bound(TAU)));
+fn frame(blocks: &mut KeptBlocks, camera: Camera) -> Frame {
+    let choice = choose(blocks, &detail_view(&camera, bound(TAU)));
     Frame {
         view: camera.view(),
-        ground: ground_mesh(&mesh::mesh(cells, &selection), &camera),
+        ground: ground_mesh(blocks, &choice, &camera),
     }
 }
 
@@ -105,12 +105,12 @@ fn frame(cells: &mut DetailCells, camera: Camera) -> Frame {
 #[must_use]
 pub fn pops(terrain: &Terrain, way: Move, start: Camera, frames: usize) -> Option<Moved> {
     let truth = Truth::new(terrain);
-    let mut cells = cells_of(terrain, FINEST);
-    let mut before = frame(&mut cells, way.camera(&truth, start, 0));
+    let mut blocks = blocks_of(terrain, FINEST);
+    let mut before = frame(&mut blocks, way.camera(&truth, start, 0));
     let mut seen = Vec::new();
     let (mut worst, mut inside, mut entering) = (None::<Step>, 0.0_f64, 0.0_f64);
     for number in 1..=frames {
-        let after = frame(&mut cells, way.camera(&truth, start, number));
+        let after = frame(&mut blocks, way.camera(&truth, start, number));
         for (own, other) in [(&before, &after), (&after, &before)] {
             let moved = on_all_cores(&own.ground.positions, |&place| {
                 moved(place, &other.ground, &before.view, &after.view)
@@ -194,8 +194,8 @@ mod tests {
             ..cameras::ordinary(&terrain)[1]
         };
         let truth = Truth::new(&terrain);
-        let mut cells = cells_of(&terrain, FINEST);
-        let [one, same] = [(), ()].map(|()| frame(&mut cells, start));
+        let mut blocks = blocks_of(&terrain, FINEST);
+        let [one, same] = [(), ()].map(|()| frame(&mut blocks, start));
         for &place in &one.ground.positions {
             if let Some(step) = moved(place, &same.ground, &one.view, &same.view) {
                 // Barycentric coordinates in f64.

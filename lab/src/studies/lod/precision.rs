@@ -1,8 +1,9 @@
 //! The same ground far from the origin: are errors the same there?
 
-use super::guarantee::{Count, at_a_place, view};
+use super::guarantee::{at_a_place, view};
+use super::judge::Count;
 use crate::scenes::cameras::{KINDS, around};
-use crate::scenes::selection::{FINEST, cells_of};
+use crate::scenes::selection::{FINEST, blocks_of};
 use crate::scenes::terrains;
 use crate::scenes::truth::Truth;
 use bevy::math::DVec2;
@@ -36,7 +37,7 @@ pub fn pairs(rounds: usize, taus: &[f64], samples: usize, seed: u32) -> Vec<Pair
     let centres = [DVec2::ZERO, DVec2::splat(FAR)];
     let grounds = centres.map(|centre| terrains::movable(seed, centre));
     let truths = grounds.each_ref().map(Truth::new);
-    let mut cells = grounds.map(|terrain| cells_of(&terrain, FINEST));
+    let mut blocks = grounds.map(|terrain| blocks_of(&terrain, FINEST));
     let cameras = around(&truths[0].terrain, rounds * KINDS.len(), seed);
     let mut pairs = Vec::new();
     for (number, (kind, camera)) in cameras.into_iter().enumerate() {
@@ -46,8 +47,8 @@ pub fn pairs(rounds: usize, taus: &[f64], samples: usize, seed: u32) -> Vec<Pair
                 there.eye.x += centres[k].x;
                 there.eye.z += centres[k].y;
                 let mut random = Random::new(seed.wrapping_add(number as u32));
-                let cells = &mut cells[k];
-                view(&truths[k], cells, (kind, there), tau, samples, &mut random)
+                let blocks = &mut blocks[k];
+                view(&truths[k], blocks, (kind, there), tau, samples, &mut random)
             });
             pairs.push(Pair { near, far });
         }

@@ -1,7 +1,8 @@
 //! What the study tells: counts, ratios, rows and the chart.
 
 use super::compare::{PLACES, Row};
-use super::guarantee::{Count, TAUS};
+use super::guarantee::TAUS;
+use super::judge::Count;
 use super::measure::{Measured, Tally};
 use crate::csv;
 use crate::plot::{Axes, Chart, Curve};

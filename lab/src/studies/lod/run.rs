@@ -307,8 +307,8 @@ fn times(plan: &Plan, rows: &mut Vec<csv::Row>) -> Value {
             continue;
         };
         for (part, time) in [
-            ("cells", found.make),
-            ("selection", found.select),
+            ("blocks", found.make),
+            ("choice", found.select),
             ("mesh", found.mesh),
         ] {
             rows.push(csv::Row {
@@ -320,7 +320,7 @@ fn times(plan: &Plan, rows: &mut Vec<csv::Row>) -> Value {
         }
         told.push(json!({
             "make_ms": found.make, "select_ms": found.select, "mesh_ms": found.mesh,
-            "cells_looked_at": found.cells, "cells_drawn": found.drawn_cells,
+            "blocks": found.blocks, "blocks_drawn": found.drawn_blocks,
             "vertices": found.vertices, "triangles": found.triangles, "held": found.held,
         }));
     }
@@ -408,18 +408,21 @@ fn notes(plan: &Plan) -> Vec<String> {
              {} places each and more where there are more triangles; errors in units of the bound. \
              Cells down to 1/64 m. Pictures of 240 x 135, of a hundred rounds nine 480 x 270 and one 1920 x \
              1080: an error in pixels is the same thing at any size. Where the finest cell is reached, the bound is the \
-             one that the selection reports.",
+             one that the choice reports.",
             plan.cameras, plan.samples
         ),
-        "vertices: those of triangles that may be seen; of the uniform grid all, as a static mesh has \
-         them. A method without a number says why: memory, or the end of its knob."
+        "vertices: those of triangles that may be seen, each once, also where blocks or grids that meet both store it; of \
+         the uniform grid all, as a static mesh has them. A method without a number says why: memory, or the end of its knob."
             .into(),
         format!(
             "pops: pictures of {} x {}, tolerance {TAU} px, at vertices of both frames that both see.",
             plan.picture.x, plan.picture.y
         ),
+        "passes: choices of at most 64 blocks each; making: from the roots to a choice that has nothing to make, resting: one \
+         more of the same view, moving: one choice each after steps of 10 m."
+            .into(),
         "precision: hills and a height map can be moved, noise is another one elsewhere.".into(),
-        "time: 1920 x 1080, cells down to 1/8 m; cells on all cores, selection and mesh on one."
+        "time: 1920 x 1080, cells down to 1/8 m; blocks on all cores, choice and mesh on one."
             .into(),
     ]
 }

@@ -2,10 +2,11 @@
 //! of a file, so that a run that was stopped goes on where it was.
 
 use super::drawn::at_a_place;
-use super::guarantee::{AT_A_PLACE, Count, merge};
+use super::guarantee::{AT_A_PLACE, merge};
+use super::judge::Count;
 use super::measure::Tally;
 use crate::scenes::cameras::Kind;
-use dolomite_testkit::detail::DetailError;
+use dolomite_testkit::blocks::BlockError;
 use dolomite_testkit::gpu::Gpu;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -31,7 +32,7 @@ pub struct Asked {
 pub enum SoakError {
     /// The passes could not be run.
     #[error(transparent)]
-    Passes(#[from] DetailError),
+    Passes(#[from] BlockError),
     /// What was found cannot be kept, or read again.
     #[error("{}: {source}", path.display())]
     File {

@@ -1,8 +1,8 @@
-//! What a view costs on the CPU: cells, selection, mesh.
+//! What a view costs on the CPU: blocks, choice, mesh.
 
 use crate::scenes::camera::Camera;
-use crate::scenes::selection::{bound, cells_of, choose, detail_view};
-use dolomite_ground::detail::mesh;
+use crate::scenes::selection::{blocks_of, bound, choose, detail_view};
+use dolomite_ground::blocks::mesh::mesh;
 use dolomite_terrain::Terrain;
 use dolomite_testkit::metrics::median;
 use std::time::Instant;
@@ -10,25 +10,25 @@ use std::time::Instant;
 /// Times of one camera, milliseconds, medians.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Speed {
-    /// Making all cells that the view looks at, on all cores: a first selection less one that finds them.
+    /// Making all blocks that the view asks for, on all cores: choices until it is settled, less one that finds them.
     pub make: f64,
-    /// Selecting where all cells are known, on one core.
+    /// Choosing where all blocks are known, on one core.
     pub select: f64,
     /// Heights and triangles, on one core.
     pub mesh: f64,
-    /// Cells that the view looks at.
-    pub cells: u64,
-    /// Cells whose centre is drawn.
-    pub drawn_cells: u64,
-    /// Vertices.
+    /// Blocks that there are then.
+    pub blocks: u64,
+    /// Blocks that are drawn.
+    pub drawn_blocks: u64,
+    /// Vertices, those of each block by themselves.
     pub vertices: u64,
     /// Triangles.
     pub triangles: u64,
-    /// Greatest error ratio that was not met; see `Selection::held`.
+    /// The bound that is held, in tolerances; see `Choice::held`.
     pub held: f64,
 }
 
-/// A camera at `tau` pixels with cells no smaller than `finest` metres. `None` without `repeats`.
+/// A camera at `tau` pixels with cells down to `finest` metres. `None` without `repeats`.
 #[must_use]
 pub fn speed(
     terrain: &Terrain,
@@ -42,34 +42,34 @@ pub fn speed(
     let [mut first, mut again, mut meshing] = [(); 3].map(|()| Vec::new());
     let mut last = None;
     for _ in 0..repeats {
-        let mut cells = cells_of(terrain, finest);
-        // Else the second selection might have to make cells again.
-        cells.keep = usize::MAX;
+        let mut blocks = blocks_of(terrain, finest);
         let start = Instant::now();
-        drop(choose(&mut cells, &view));
+        drop(choose(&mut blocks, &view));
         first.push(milliseconds(start));
         let start = Instant::now();
-        let selection = choose(&mut cells, &view);
+        let choice = choose(&mut blocks, &view);
         again.push(milliseconds(start));
         let start = Instant::now();
-        let drawn = mesh::mesh(&cells, &selection);
+        let drawn = mesh(&blocks, &choice);
         meshing.push(milliseconds(start));
+        let exist = choice.blocks.iter();
+        let exist = exist.filter(|block| choice.exists(block, &blocks));
         last = Some((
-            cells.len() as u64,
-            selection.cells().count() as u64,
+            blocks.len() as u64,
+            exist.count() as u64,
             drawn.vertices.len() as u64,
             drawn.triangles.len() as u64,
-            f64::from(selection.held),
+            f64::from(choice.held),
         ));
     }
-    let (cells, drawn_cells, vertices, triangles, held) = last?;
+    let (blocks, drawn_blocks, vertices, triangles, held) = last?;
     let select = median(again)?;
     Some(Speed {
         make: median(first)? - select,
         select,
         mesh: median(meshing)?,
-        cells,
-        drawn_cells,
+        blocks,
+        drawn_blocks,
         vertices,
         triangles,
         held,

@@ -2,17 +2,18 @@
 
 use super::ways::Way;
 use crate::scenes::camera::Camera;
+use crate::scenes::selection::{ground_of, params};
 use bevy::image::Image;
 use bevy::math::{DVec2, DVec3, Mat4, Quat, UVec2, Vec2, Vec3};
 use bevy::render::render_resource::encase::UniformBuffer;
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice, pod_collect_to_vec};
 use dolomite_geometry::layout::{GeometryDraw, MATERIAL_ROWS, MaterialRow, VERTEX_BYTES};
 use dolomite_geometry::vertex::pack;
-use dolomite_ground::detail::{DetailCells, Metric};
+use dolomite_ground::detail::Metric;
 use dolomite_ground::render::GroundLook;
 use dolomite_shaders::ShaderFile;
 use dolomite_terrain::Terrain;
-use dolomite_testkit::detail::{DetailError, DetailStage};
+use dolomite_testkit::blocks::{BlockError, BlockStage};
 use dolomite_testkit::gpu::{Gpu, GpuError};
 use std::borrow::Cow;
 use std::time::{Duration, Instant};
@@ -201,7 +202,7 @@ impl<'a> Renderer<'a> {
     ///
     /// # Errors
     /// If its shader is wrong, or the adapter refuses it.
-    pub fn pipeline(&self, way: &Way, sea: bool) -> Result<RenderPipeline, DetailError> {
+    pub fn pipeline(&self, way: &Way, sea: bool) -> Result<RenderPipeline, BlockError> {
         let device = self.gpu.device();
         let mut defs = vec!["GBUFFER"];
         defs.extend(way.defs);
@@ -271,7 +272,10 @@ impl<'a> Renderer<'a> {
     /// The ground's triangles for a camera within `pixels` of error, with its look and its relief map.
     ///
     /// # Errors
-    /// [`DetailError`].
+    /// [`BlockError`].
+    ///
+    /// # Panics
+    /// If what the camera asks for is not made after a thousand choices of 64 blocks each.
     pub fn scene(
         &self,
         terrain: &Terrain,
@@ -279,12 +283,12 @@ impl<'a> Renderer<'a> {
         pixels: f32,
         look: &GroundLook,
         relief: &Image,
-    ) -> Result<Scene, DetailError> {
-        let cells = DetailCells::new(terrain.clone(), 0.25);
+    ) -> Result<Scene, BlockError> {
+        let ground = ground_of(terrain, 0.25);
         let metric = Metric::ErrorBound { pixels };
-        let mut stage = DetailStage::new(self.gpu, &cells, 1 << 18)?;
-        let told = crate::scenes::selection::params(&cells, camera, metric, [1 << 18, 1 << 19]);
-        let run = stage.run(told)?;
+        let mut stage = BlockStage::new(self.gpu, &ground, 1 << 12)?;
+        let told = params(&ground, camera, metric, [1 << 18, 1 << 19]);
+        let (run, _) = stage.settle_in_room(told, 64, 1000)?;
         let xz = DVec2::new(told.view.anchor[0].into(), told.view.anchor[1].into());
         let anchor = DVec3::new(xz.x, told.anchor_height.into(), xz.y);
         let range = told.depth_range;
@@ -332,14 +336,14 @@ impl<'a> Renderer<'a> {
     /// Draws a way's view into a G-buffer, moved to the left by so many of its pixels; gives the time of that.
     ///
     /// # Errors
-    /// [`DetailError`].
+    /// [`BlockError`].
     pub fn draw(
         &self,
         targets: &Targets,
         scene: &Scene,
         (way, pipeline): (&Way, &RenderPipeline),
         (camera, shift): (&Camera, f32),
-    ) -> Result<Duration, DetailError> {
+    ) -> Result<Duration, BlockError> {
         let clip_from_anchor = clip_from_anchor(scene, camera, shift / targets.size.x as f32);
         self.gpu
             .queue()
@@ -403,7 +407,7 @@ impl<'a> Renderer<'a> {
     /// display shows it.
     ///
     /// # Errors
-    /// [`DetailError`].
+    /// [`BlockError`].
     pub fn lit(
         &self,
         targets: &Targets,
@@ -411,7 +415,7 @@ impl<'a> Renderer<'a> {
         (camera, moved): (&Camera, f32),
         (samples, shift): (u32, u32),
         daylight: Daylight,
-    ) -> Result<Vec<[f32; 4]>, DetailError> {
+    ) -> Result<Vec<[f32; 4]>, BlockError> {
         let device = self.gpu.device();
         let size = targets.size / samples;
         let out = device.create_buffer(&wgpu::BufferDescriptor {

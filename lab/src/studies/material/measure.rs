@@ -5,7 +5,7 @@ use super::views::{Kind, Place};
 use super::ways::WAYS;
 use crate::scenes::camera::Camera;
 use bevy::math::UVec2;
-use dolomite_testkit::detail::DetailError;
+use dolomite_testkit::blocks::BlockError;
 use dolomite_testkit::flip;
 use dolomite_testkit::metrics::ErrorStats;
 use image::RgbImage;
@@ -100,7 +100,7 @@ fn flip_of(a: &RgbImage, b: &RgbImage) -> (f64, f64) {
 /// Measures all ways in a view; frames are timed in turns, so that what else the machine does falls on all.
 ///
 /// # Errors
-/// [`DetailError`].
+/// [`BlockError`].
 pub fn measure(
     renderer: &Renderer<'_>,
     buffers: &Buffers,
@@ -108,7 +108,7 @@ pub fn measure(
     scene: &Scene,
     pipelines: &[RenderPipeline],
     repeats: usize,
-) -> Result<Case, DetailError> {
+) -> Result<Case, BlockError> {
     let light = match kind {
         Kind::Night => Daylight::Night,
         _ => Daylight::Day,

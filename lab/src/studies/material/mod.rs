@@ -10,7 +10,7 @@ pub mod ways;
 use crate::study::{Asked, Options, Report, Study};
 use dolomite_ground::render::relief::relief_map;
 use dolomite_ground::render::{GroundLook, TerrainRelief};
-use dolomite_testkit::detail::DetailError;
+use dolomite_testkit::blocks::BlockError;
 use dolomite_testkit::gpu::Gpu;
 use frame::Renderer;
 use measure::{Buffers, Case, TIMED, measure};
@@ -70,7 +70,7 @@ const ERROR: f32 = 4.0;
 /// Texels of a side of a relief map, as the plugin makes it by default.
 const RELIEF: u32 = 1024;
 
-fn cases(options: &Options, gpu: &Gpu) -> Result<Vec<Case>, DetailError> {
+fn cases(options: &Options, gpu: &Gpu) -> Result<Vec<Case>, BlockError> {
     let arrays = textures::arrays();
     let renderer = Renderer::new(gpu, [&arrays[0], &arrays[1]]);
     let buffers = Buffers::new(gpu);
@@ -135,7 +135,7 @@ fn write(cases: &[Case], folder: &Path) {
 
 fn run(options: &Options) -> Report {
     let measured = Gpu::new()
-        .map_err(DetailError::from)
+        .map_err(BlockError::from)
         .and_then(|gpu| Ok((cases(options, &gpu)?, gpu.name)));
     match measured {
         Ok((cases, device)) => {

@@ -31,6 +31,9 @@ pub struct Located {
     pub height: f64,
     /// How far it is from the true surface at most, metres.
     pub bound: f64,
+    /// How far the triangle is from it at most where all corners stand on the ground, metres; infinite where that is not
+    /// known.
+    pub error: f32,
 }
 
 /// Where a place is in a block, in half cells from its north-western corner.
@@ -71,10 +74,11 @@ fn leaf(
             let beyond = |of: DVec2| of.perp_dot(towards(outer).as_dvec2());
             let same = beyond(off) * beyond(towards(outer + 1).as_dvec2()) >= 0.0;
             let corner = |k: usize| square.corner(outer + k);
+            // The right-angled corner first, as the pass has it.
             let corners = if same {
-                [corner(2), corner(1), corner(0)]
+                [corner(1), corner(0), corner(2)]
             } else {
-                [corner(0), corner(3), corner(2)]
+                [corner(3), corner(2), corner(0)]
             };
             return Ok((corners, errors[centre]));
         }
@@ -173,5 +177,6 @@ fn answer(
         weights,
         height,
         bound: bound + ROUNDING * largest,
+        error,
     }
 }

@@ -1,9 +1,8 @@
 //! What each dispatch of a choice takes, by the device's timestamps.
 
-use super::{DetailError, DetailRun, DetailStage};
+use super::BlockError;
 use crate::gpu::Gpu;
 use bytemuck::pod_collect_to_vec;
-use dolomite_ground::detail::layout::DetailParams;
 use std::time::Duration;
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePass, ComputePassDescriptor,
@@ -15,17 +14,15 @@ use wgpu::{
 pub struct PassTime {
     /// Its entry.
     pub entry: &'static str,
-    /// The depth that it worked on; the last of all for the passes that close a choice.
-    pub depth: u32,
     /// From its begin to its end.
     pub time: Duration,
 }
 
 /// Timestamps before and after each dispatch.
-pub(crate) struct Timer {
+pub(super) struct Timer {
     set: QuerySet,
     resolved: Buffer,
-    passes: Vec<(&'static str, u32)>,
+    passes: Vec<&'static str>,
 }
 
 impl Timer {
@@ -33,12 +30,12 @@ impl Timer {
         let count = 2 * dispatches as u32;
         Self {
             set: gpu.device().create_query_set(&QuerySetDescriptor {
-                label: Some("detail_times"),
+                label: Some("block_times"),
                 ty: QueryType::Timestamp,
                 count,
             }),
             resolved: gpu.device().create_buffer(&BufferDescriptor {
-                label: Some("detail_times"),
+                label: Some("block_times"),
                 size: 8 * u64::from(count),
                 usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
@@ -51,10 +48,9 @@ impl Timer {
         &mut self,
         encoder: &'a mut CommandEncoder,
         entry: &'static str,
-        depth: u32,
     ) -> ComputePass<'a> {
         let first = 2 * self.passes.len() as u32;
-        self.passes.push((entry, depth));
+        self.passes.push(entry);
         encoder.begin_compute_pass(&ComputePassDescriptor {
             label: Some(entry),
             timestamp_writes: Some(ComputePassTimestampWrites {
@@ -71,41 +67,16 @@ impl Timer {
     }
 
     /// What each of them took, after all was submitted.
-    pub fn times(&self, gpu: &Gpu) -> Result<Vec<PassTime>, DetailError> {
+    pub fn times(&self, gpu: &Gpu) -> Result<Vec<PassTime>, BlockError> {
         let ticks: Vec<u64> = pod_collect_to_vec(&gpu.read(&self.resolved)?);
         let nanoseconds = f64::from(gpu.queue().get_timestamp_period());
         let times = self.passes.iter().zip(ticks.chunks_exact(2));
         Ok(times
-            .map(|(&(entry, depth), ticks)| {
+            .map(|(&entry, ticks)| {
                 let taken = ticks[1].saturating_sub(ticks[0]) as f64 * nanoseconds;
                 let time = Duration::from_nanos(taken as u64);
-                PassTime { entry, depth, time }
+                PassTime { entry, time }
             })
             .collect())
-    }
-}
-
-impl DetailStage<'_> {
-    /// A choice, and what each of its dispatches took, in their order; none where the device has no
-    /// timestamps. Each dispatch is a pass of its own here.
-    ///
-    /// # Errors
-    /// [`DetailError`].
-    pub fn run_timed(
-        &mut self,
-        params: DetailParams,
-    ) -> Result<(DetailRun, Vec<PassTime>), DetailError> {
-        let gpu = self.gpu;
-        let features = gpu.device().features();
-        if !features.contains(wgpu::Features::TIMESTAMP_QUERY) {
-            return Ok((self.run(params)?, Vec::new()));
-        }
-        self.times = Some(Timer::new(gpu, 1));
-        let run = self.run(params)?;
-        let Some(timer) = self.times.take() else {
-            return Ok((run, Vec::new()));
-        };
-        let times = timer.times(gpu)?;
-        Ok((run, times))
     }
 }
