@@ -31,7 +31,7 @@ impl Trs {
     }
 
     /// The same, without the row that says nothing.
-    pub(crate) fn to_affine(&self) -> DAffine3 {
+    pub(crate) fn affine(&self) -> DAffine3 {
         DAffine3::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
     }
 

@@ -82,7 +82,7 @@ pub(crate) fn write_weights(
         let mut refitted = BTreeMap::new();
         let enough = enough(mesh, options);
         let fitted = |vertex: usize| {
-            if vertex % 64 == 0 {
+            if vertex.is_multiple_of(64) {
                 options.report("weights", vertex as f64 / all.len() as f64);
             }
             let influences = &all[vertex];

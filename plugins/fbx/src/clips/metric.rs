@@ -86,7 +86,7 @@ impl Shells {
         moves: impl Fn(usize) -> bool,
     ) {
         for &node in self.order.iter().filter(|&&node| moves(node)) {
-            let own = pose[node].to_affine();
+            let own = pose[node].affine();
             out[node] = match self.parents[node] {
                 Some(parent) => out[parent] * own,
                 None => own,

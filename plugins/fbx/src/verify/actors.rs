@@ -159,7 +159,7 @@ impl<'a> Actors<'a> {
             players,
             channels,
             playing,
-            locals: [&rest, &played].map(|pose| pose.iter().map(Trs::to_affine).collect()),
+            locals: [&rest, &played].map(|pose| pose.iter().map(Trs::affine).collect()),
             played,
             truth: rest,
             true_world,
@@ -203,7 +203,7 @@ impl<'a> Actors<'a> {
         self.work += self.movers.len().max(1);
         for (node, curves) in &mut self.curves {
             self.truth[*node] = curves.at(time);
-            self.locals[0][*node] = self.truth[*node].to_affine();
+            self.locals[0][*node] = self.truth[*node].affine();
         }
         for morph in &mut self.morphs {
             morph.weights.clear();
@@ -230,7 +230,7 @@ impl<'a> Actors<'a> {
             },
         );
         for &node in &self.playing {
-            self.locals[1][node] = self.played[node].to_affine();
+            self.locals[1][node] = self.played[node].affine();
         }
         let [of_truth, of_played] = &self.locals;
         self.shells
