@@ -3,7 +3,7 @@
 //! Conventions: metres, right-handed, Y up; rotations are unit quaternions; indices point into the
 //! lists of [`Model`]; a parent's index is not always less than its child's.
 
-use glam::{DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat4, DQuat, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A translation, a rotation and a scale, applied to a point from right to left.
@@ -28,6 +28,11 @@ impl Trs {
     /// As a matrix.
     pub fn matrix(&self) -> DMat4 {
         DMat4::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
+    }
+
+    /// The same, without the row that says nothing.
+    pub(crate) fn affine(&self) -> DAffine3 {
+        DAffine3::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
     }
 
     /// No infinite and no undefined number in it, and a rotation of unit length.

@@ -1,6 +1,6 @@
 //! Influences of the file become weights of the result.
 
-use crate::clips::{Samples, Take};
+use crate::clips::{Samples, Take, in_parts, threads};
 use crate::error::FbxError;
 use crate::model::{Mesh, Model};
 use crate::options::{Budget, Options};
@@ -56,7 +56,8 @@ pub(crate) fn write_weights(
     for job in jobs {
         let influences = job.source.influences.iter();
         let needy = influences.filter(|list| job.source.dual || list.len() > count);
-        budget.must(needy.count() * FIT, "the weights of a skin")?;
+        let needy = needy.count();
+        budget.must(needy * FIT, "the weights of a skin")?;
         if job.source.dual {
             let of_scene = scene.meshes.iter().map(|mesh| mesh.num_vertices);
             budget.must(
@@ -72,22 +73,23 @@ pub(crate) fn write_weights(
         let mesh: &ufbx::Mesh = &scene.meshes[job.fbx_mesh];
         // The bind matrices put it back.
         let offset = model.meshes[job.mesh].offset;
-        let mut kept = Vec::with_capacity(job.source.influences.len());
+        let all = &job.source.influences;
+        let positions: Vec<DVec3> = (0..all.len())
+            .map(|vertex| vec3(mesh.vertices[vertex]) - offset)
+            .collect();
+        let mut kept = Vec::with_capacity(all.len());
         let mut dual = Fit::default();
         let mut refitted = BTreeMap::new();
         let enough = enough(mesh, options);
-        for (vertex, influences) in job.source.influences.iter().enumerate() {
-            if vertex % 64 == 0 {
-                options.report(
-                    "weights",
-                    vertex as f64 / job.source.influences.len() as f64,
-                );
+        let fitted = |vertex: usize| {
+            if vertex.is_multiple_of(64) {
+                options.report("weights", vertex as f64 / all.len() as f64);
             }
+            let influences = &all[vertex];
             if bent.is_none() && influences.len() <= count {
-                kept.push(packed(influences, count));
-                continue;
+                return (packed(influences, count), None);
             }
-            let position = vec3(mesh.vertices[vertex]) - offset;
+            let position = positions[vertex];
             let at = |pose: usize, joint: usize| matrices[pose][joint];
             let targets: Vec<DVec3> = match &bent {
                 Some(bent) => bent.iter().map(|pose| pose[vertex]).collect(),
@@ -96,17 +98,24 @@ pub(crate) fn write_weights(
                     .collect(),
             };
             let (few, fit) = fit(influences, count, position, &targets, enough, at);
-            match bent.is_some() {
-                true => dual.error = dual.error.max(fit.error),
-                false => {
-                    report.refitted += 1;
-                    report.weight_error = report.weight_error.max(fit.error);
-                    report.largest_weights_error = report.largest_weights_error.max(fit.largest);
+            (packed(&few, count), Some(fit))
+        };
+        let threads = threads(needy * FIT, options);
+        let parts = in_parts(all.len(), threads, |range| {
+            range.map(&fitted).collect::<Vec<_>>()
+        });
+        for (vertex, (few, fit)) in parts.into_iter().flatten().enumerate() {
+            if let Some(fit) = fit {
+                match bent.is_some() {
+                    true => dual.error = dual.error.max(fit.error),
+                    false => {
+                        report.refitted += 1;
+                        report.weight_error = report.weight_error.max(fit.error);
+                        let largest = report.largest_weights_error.max(fit.largest);
+                        report.largest_weights_error = largest;
+                        refitted.insert(vertex as u32, differences(&all[vertex], &few));
+                    }
                 }
-            }
-            let few = packed(&few, count);
-            if bent.is_none() {
-                refitted.insert(vertex as u32, differences(influences, &few));
             }
             kept.push(few);
         }

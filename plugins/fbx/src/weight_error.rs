@@ -37,6 +37,21 @@ struct Vertex<'a> {
     differences: &'a [(usize, f64)],
 }
 
+impl Vertex<'_> {
+    /// How far it is off where joints have the mesh at `matrices`.
+    fn off(&self, matrices: &[DAffine3], weights: &[f64]) -> f64 {
+        let mut p = self.position;
+        for (offset, weight) in self.offsets.iter().zip(weights) {
+            p += *offset * *weight;
+        }
+        let parts = self.differences.iter();
+        parts
+            .map(|&(joint, weight)| matrices[joint].transform_point3(p) * weight)
+            .sum::<DVec3>()
+            .length()
+    }
+}
+
 /// The largest distance, metres, at rest and at any time of the clips.
 pub(crate) fn weight_error(
     refitted: &Refitted,
@@ -66,7 +81,8 @@ pub(crate) fn weight_error(
     } else {
         4 * groups.len()
     };
-    let mut farthest = off(&vertices, &groups, &matrices(skin, &world), &rest, 0.0).0;
+    let there = matrices(skin, &world);
+    let mut farthest = off(&vertices, &groups, &there, &rest, 0.0, &mut Vec::new()).0;
     for take in takes {
         let stretches: Vec<Stretch> = take.plan.gaps().collect();
         let mut poser = Poser::of(
@@ -166,32 +182,26 @@ fn matrices(skin: &Skin, world: &[DAffine3]) -> Vec<DAffine3> {
 }
 
 /// The largest distance in one pose, `floor` where it is less, and how many vertices were held by themselves; `matrices` are
-/// where joints have the mesh, and `weights` those of morph targets.
+/// where joints have the mesh, and `weights` those of morph targets; `bounds` become those of the groups.
 fn off(
     vertices: &[Vertex],
     groups: &[Group],
     matrices: &[DAffine3],
     weights: &[f64],
     floor: f64,
+    bounds: &mut Vec<f64>,
 ) -> (f64, usize) {
-    let far = |vertex: &Vertex| {
-        let mut p = vertex.position;
-        for (offset, weight) in vertex.offsets.iter().zip(weights) {
-            p += *offset * *weight;
-        }
-        let parts = vertex.differences.iter();
-        parts
-            .map(|&(joint, weight)| matrices[joint].transform_point3(p) * weight)
-            .sum::<DVec3>()
-            .length()
-    };
+    let far = |vertex: &Vertex| vertex.off(matrices, weights);
     if groups.is_empty() {
         let each = vertices.iter().map(far).filter(|far| far.is_finite());
         return (each.fold(floor, f64::max), vertices.len());
     }
     let (mut farthest, mut count) = (floor, 0);
+    bounds.clear();
     for group in groups {
-        if group.bound(matrices) <= farthest {
+        let bound = group.bound(matrices);
+        bounds.push(bound);
+        if bound <= farthest {
             continue;
         }
         count += group.members.len();
@@ -226,8 +236,10 @@ struct Poser<'a> {
     posed: Option<f64>,
     /// Where joints have the mesh: at the last look, at those of a span that were kept, and at the end of the span before.
     matrices: Vec<DAffine3>,
-    kept: Vec<Vec<DAffine3>>,
-    end: Vec<DAffine3>,
+    /// Bounds of the groups there.
+    bounds: Vec<f64>,
+    kept: Vec<(Vec<DAffine3>, Vec<f64>)>,
+    end: (Vec<DAffine3>, Vec<f64>),
     rates: Vec<Rates>,
     chains: Vec<Chain>,
     work: usize,
@@ -293,8 +305,9 @@ impl<'a> Poser<'a> {
             weights: rest,
             posed: None,
             matrices: Vec::new(),
+            bounds: Vec::new(),
             kept: Vec::new(),
-            end: Vec::new(),
+            end: <_>::default(),
             work: 0,
         }
     }
@@ -317,12 +330,15 @@ impl<'a> Poser<'a> {
 }
 
 impl Poser<'_> {
-    /// The largest distance where joints have the mesh, `floor` where it is less.
-    fn farthest(&mut self, floor: f64) -> f64 {
-        let (vertices, groups) = (self.vertices, self.groups);
-        let (far, held) = off(vertices, groups, &self.matrices, &self.weights, floor);
-        self.work += 4 * groups.len() + held;
-        far
+    /// Mixes where joints had the mesh.
+    fn mix(&mut self, row: &[f64]) {
+        for (joint, out) in self.matrices.iter_mut().enumerate() {
+            *out = DAffine3::ZERO;
+            for (weight, (matrices, _)) in row.iter().zip(&self.kept) {
+                out.matrix3 += matrices[joint].matrix3 * *weight;
+                out.translation += matrices[joint].translation * *weight;
+            }
+        }
     }
 }
 
@@ -330,14 +346,20 @@ impl Subject for Poser<'_> {
     fn look(&mut self, time: f64, floor: f64) -> f64 {
         self.to(time);
         self.matrices = matrices(self.skin, &self.world);
-        self.farthest(floor)
+        let (vertices, groups) = (self.vertices, self.groups);
+        let (matrices, bounds) = (&self.matrices, &mut self.bounds);
+        let (far, held) = off(vertices, groups, matrices, &self.weights, floor, bounds);
+        self.work += 4 * groups.len() + held;
+        far
     }
 
     fn keep(&mut self, index: usize) {
         if self.kept.len() <= index {
-            self.kept.resize(index + 1, Vec::new());
+            self.kept.resize(index + 1, <_>::default());
         }
-        self.kept[index].clone_from(&self.matrices);
+        let (matrices, bounds) = &mut self.kept[index];
+        matrices.clone_from(&self.matrices);
+        bounds.clone_from(&self.bounds);
     }
 
     fn keep_end(&mut self, index: usize) {
@@ -346,7 +368,7 @@ impl Subject for Poser<'_> {
 
     fn keep_again(&mut self) {
         if self.kept.is_empty() {
-            self.kept.push(Vec::new());
+            self.kept.push(<_>::default());
         }
         std::mem::swap(&mut self.kept[0], &mut self.end);
     }
@@ -356,16 +378,32 @@ impl Subject for Poser<'_> {
         if self.groups.is_empty() {
             return None;
         }
+        // Bounds are lengths of sums over matrices, so that a mixture's is no larger than the same mixture of theirs, all added.
+        let long = |row: &Vec<f64>| row.iter().map(|weight| weight.abs()).sum::<f64>();
+        let longest = rows.iter().map(long).fold(0.0, f64::max) * (1.0 + 1e-12);
+        let looks = rows.first().map_or(0, Vec::len);
+        let of_looks = |group: usize| self.kept[..looks].iter().map(move |kept| kept.1[group]);
+        let above: Vec<usize> = (0..self.groups.len())
+            .filter(|&group| longest * of_looks(group).fold(0.0, f64::max) > floor)
+            .collect();
+        self.work += self.groups.len();
         let mut most = floor;
+        if above.is_empty() {
+            return Some(most);
+        }
         for row in rows {
-            for (joint, out) in self.matrices.iter_mut().enumerate() {
-                *out = DAffine3::ZERO;
-                for (weight, kept) in row.iter().zip(&self.kept) {
-                    out.matrix3 += kept[joint].matrix3 * *weight;
-                    out.translation += kept[joint].translation * *weight;
+            self.mix(row);
+            self.work += 4 * above.len();
+            for &number in &above {
+                let group = &self.groups[number];
+                if group.bound(&self.matrices) <= most {
+                    continue;
+                }
+                self.work += group.members.len();
+                for &member in &group.members {
+                    most = most.max(self.vertices[member].off(&self.matrices, &self.weights));
                 }
             }
-            most = self.farthest(most);
         }
         Some(most)
     }

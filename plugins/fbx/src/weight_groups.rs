@@ -177,6 +177,7 @@ mod tests {
         seen.sort_unstable();
         assert!(seen == (0..400).collect::<Vec<_>>());
         let mut near = f64::INFINITY;
+        let mut last: Option<Vec<DAffine3>> = None;
         for pose in 0..40 {
             let matrix = |joint: usize| {
                 let seed = pose * 100 + joint * 10;
@@ -188,8 +189,20 @@ mod tests {
                 )
             };
             let matrices: Vec<DAffine3> = (0..5).map(matrix).collect();
+            let mixed = |before: &Vec<DAffine3>| -> Vec<DAffine3> {
+                let mix = |(a, b): (&DAffine3, &DAffine3)| DAffine3 {
+                    matrix3: a.matrix3 * 1.7 - b.matrix3 * 0.7,
+                    translation: a.translation * 1.7 - b.translation * 0.7,
+                };
+                matrices.iter().zip(before).map(mix).collect()
+            };
             for group in &groups {
                 let bound = group.bound(&matrices);
+                if let Some(before) = &last {
+                    // Bounds of mixtures are no larger than those of what is mixed, all added.
+                    let all = 1.7 * bound + 0.7 * group.bound(before);
+                    assert!(group.bound(&mixed(before)) <= all * (1.0 + 1e-12));
+                }
                 for &member in &group.members {
                     let parts = held[member].differences.iter();
                     let off: DVec3 = parts
@@ -199,6 +212,7 @@ mod tests {
                     near = near.min(bound / off.length());
                 }
             }
+            last = Some(matrices);
         }
         // It is a bound of something, not of anything.
         assert!(near < 1.5, "{near}");

@@ -69,7 +69,7 @@ pub(crate) fn fit(
         largest: best.0,
     };
     let own: Vec<f64> = renormalised(candidates).iter().map(|i| i.weight).collect();
-    let gram = gram(&offsets, &vec![1.0; targets.len()], &own);
+    let gram = gram(&offsets, &vec![1.0; targets.len()], &own, Subset::MAX);
     // The joints with the largest weights, if other weights make them do.
     let first = (1 << candidates.len().min(count)) - 1;
     let weights = on_simplex(&gram, first, candidates.len());
@@ -100,7 +100,7 @@ pub(crate) fn fit(
         }
         let mut importance = vec![1.0; targets.len()];
         for _ in 0..ROUNDS {
-            let gram = self::gram(&offsets, &importance, &own);
+            let gram = self::gram(&offsets, &importance, &own, subset);
             let weights = on_simplex(&gram, subset, candidates.len());
             let weights = &weights[..candidates.len()];
             let (error, errors) = worst_of(&offsets, weights);
@@ -155,15 +155,18 @@ fn worst_of(offsets: &[[DVec3; CANDIDATES]], weights: &[f64]) -> (f64, Vec<f64>)
     (errors.iter().copied().fold(0.0, f64::max), errors)
 }
 
-/// `G`, with poses weighted, and a little of `|x - own|^2`, which is quadratic too where `x` sums to 1.
-fn gram(offsets: &[[DVec3; CANDIDATES]], importance: &[f64], own: &[f64]) -> Gram {
+/// `G`, with poses weighted, and a little of `|x - own|^2`, which is quadratic too where `x` sums to 1. Of pairs of joints outside of
+/// `subset` nothing is asked.
+fn gram(offsets: &[[DVec3; CANDIDATES]], importance: &[f64], own: &[f64], subset: Subset) -> Gram {
     let n = own.len();
     let mut gram = [[0.0; CANDIDATES]; CANDIDATES];
-    for (row, &importance) in offsets.iter().zip(importance) {
-        for i in 0..n {
-            for j in 0..=i {
-                gram[i][j] += importance * row[i].dot(row[j]);
-            }
+    let asked = |joint: usize| subset >> joint & 1 == 1;
+    for i in 0..n {
+        for j in (0..=i).filter(|&j| i == j || asked(i) && asked(j)) {
+            let poses = offsets.iter().zip(importance);
+            gram[i][j] = poses.fold(0.0, |sum, (row, importance)| {
+                sum + importance * row[i].dot(row[j])
+            });
         }
     }
     let trace: f64 = (0..n).map(|i| gram[i][i]).sum();

@@ -86,12 +86,20 @@ impl Shells {
         moves: impl Fn(usize) -> bool,
     ) {
         for &node in self.order.iter().filter(|&&node| moves(node)) {
-            let own = pose[node];
-            let own =
-                DAffine3::from_scale_rotation_translation(own.scale, own.rotation, own.translation);
+            let own = pose[node].affine();
             out[node] = match self.parents[node] {
                 Some(parent) => out[parent] * own,
                 None => own,
+            };
+        }
+    }
+
+    /// The same of `nodes`, parents before children, from matrices to their parents.
+    pub(crate) fn world_of(&self, nodes: &[usize], locals: &[DAffine3], out: &mut [DAffine3]) {
+        for &node in nodes {
+            out[node] = match self.parents[node] {
+                Some(parent) => out[parent] * locals[node],
+                None => locals[node],
             };
         }
     }

@@ -4,6 +4,9 @@ use super::majorant::{Majorant, ORDERS};
 
 /// A part of a Bézier curve of third degree between two of its parameters, as its four points.
 pub(crate) fn part(points: [f64; 4], from: f64, to: f64) -> [f64; 4] {
+    if from == 0.0 && to == 1.0 {
+        return points;
+    }
     // The curve's polar form, which its points are values of.
     let polar = |a: f64, b: f64, c: f64| {
         let mix = |x: f64, y: f64, t: f64| x + (y - x) * t;

@@ -55,6 +55,27 @@ impl Curve<'_> {
         self.between(inner, value)
     }
 
+    /// The same of how it moves alone: what its size is said to be may be less than it is.
+    pub(super) fn moves_over(&mut self, over: Over) -> Majorant {
+        let middle = over.middle();
+        let (Some(first), Some(last)) = (self.keys.first(), self.keys.last()) else {
+            return Majorant::ZERO;
+        };
+        if self.keys.len() == 1 {
+            return Majorant::ZERO;
+        }
+        if middle >= first.time && middle <= last.time {
+            let at = self.segment(middle);
+            if let (Some(key), Some(next)) = (self.keys.get(at), self.keys.get(at + 1))
+                && over.from >= key.time - over.slack
+                && over.to <= next.time + over.slack
+            {
+                return self.piece_over(at, over).unwrap_or(Majorant::ZERO);
+            }
+        }
+        self.over(over).moves
+    }
+
     fn between(&mut self, over: Over, value: f64) -> Number {
         let at = self.segment(over.middle());
         let (Some(key), Some(next)) = (self.keys.get(at), self.keys.get(at + 1)) else {
@@ -63,16 +84,28 @@ impl Curve<'_> {
         if over.from < key.time - over.slack || over.to > next.time + over.slack {
             return self.anywhere(over, value);
         }
+        match self.piece_over(at, over) {
+            None => Number::still(value),
+            Some(moves) if key.interpolation == Interpolation::Linear => line(value, moves.0[1]),
+            Some(moves) => Number::of(value, moves),
+        }
+    }
+
+    /// What lies between key `at` and the next one, over a part of it, but for the size of lines; `None` where it stands.
+    fn piece_over(&mut self, at: usize, over: Over) -> Option<Majorant> {
+        let (key, next) = (self.keys.get(at)?, self.keys.get(at + 1)?);
         let length = next.time - key.time;
         let share = |time: f64| ((time - key.time) / length).clamp(0.0, 1.0);
         let (s, e) = (share(over.from), share(over.to));
         match key.interpolation {
-            Interpolation::ConstantPrev | Interpolation::ConstantNext => Number::still(value),
-            Interpolation::Linear => line(value, (next.value - key.value) * (e - s)),
+            Interpolation::ConstantPrev | Interpolation::ConstantNext => None,
+            Interpolation::Linear => {
+                Some(Majorant::moving(0.0, (next.value - key.value) * (e - s)))
+            }
             Interpolation::Cubic => {
                 let piece = self.piece(at, key, next);
                 let values = piece.values;
-                let moves = match piece.is_even() {
+                Some(match piece.is_even() {
                     true => cubic(part(values, s, e)),
                     false => {
                         let (a, b) = (piece.out, 1.0 - piece.into);
@@ -81,8 +114,7 @@ impl Curve<'_> {
                         let time = time.map(|x| (x - time[0]) / (time[3] - time[0]));
                         cubic_over_time(time, part(values, p, q))
                     }
-                };
-                Number::of(value, moves)
+                })
             }
         }
     }

@@ -152,12 +152,36 @@ impl Majorant {
         Self(self.0.map(|x| times(x, by.abs())), times(self.1, by.abs()))
     }
 
+    /// With so many times another.
+    #[inline]
+    pub(crate) fn plus_scaled(&self, other: &Self, by: f64) -> Self {
+        if !(other.is_known() && by.is_finite()) {
+            return self.plus(&other.scaled(by));
+        }
+        let by = by.abs();
+        Self(
+            std::array::from_fn(|k| self.0[k] + other.0[k] * by),
+            self.1 + other.1 * by,
+        )
+    }
+
+    /// With a product of two others.
+    #[inline]
+    pub(crate) fn plus_product(&self, a: &Self, b: &Self) -> Self {
+        match b.is_still() {
+            true => self.plus_scaled(a, b.0[0]),
+            false => self.plus(&a.product(b)),
+        }
+    }
+
     /// The larger of each order.
     #[inline]
     pub(crate) fn max(&self, other: &Self) -> Self {
+        // One instruction for two orders, which `f64::max` is not; what is no number stays none.
+        let larger = |a: f64, b: f64| if a < b { b } else { a };
         Self(
-            std::array::from_fn(|k| self.0[k].max(other.0[k])),
-            self.1.max(other.1),
+            std::array::from_fn(|k| larger(self.0[k], other.0[k])),
+            larger(self.1, other.1),
         )
     }
 

@@ -3,6 +3,7 @@
 //! ufbx reads keys, tangents and properties; what they come to at a time is worked out here, since ufbx
 //! leaves out which layers are muted or play alone and looks for keyed weights in one layer only.
 
+mod circle;
 mod cubic;
 mod curve;
 mod curve_rates;
@@ -28,6 +29,6 @@ pub(crate) use over::Over;
 #[cfg(test)]
 pub(crate) use over::holds;
 pub(crate) use pose::{BlendWeight, NodeCurves, aside, order_of};
-pub(crate) use rates::Rates;
+pub(crate) use rates::{Rates, Turning};
 pub(crate) use squares::Squares;
 pub(crate) use value::{Meaning, Value};

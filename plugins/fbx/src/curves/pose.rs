@@ -1,6 +1,7 @@
 //! Where a node is, and what a blend channel weighs.
 
 use super::layers::Layers;
+use super::majorant::Majorant;
 use super::value::{Meaning, Value, fixed, turn};
 use crate::model::Trs;
 use crate::read::convert::vec3;
@@ -41,6 +42,10 @@ pub(crate) struct NodeCurves<'a> {
     pub(super) helpers: Vec<Value<'a>>,
     /// The last of them belongs to the node's parent itself.
     pub(super) parent_helps: bool,
+    /// It has none of all this but a translation, a rotation and a scale, in other units at most.
+    is_plain: bool,
+    /// Majorants of its translation and of its scale, where nothing moves but how it is turned and they are known.
+    pub(super) turns_alone: Option<(Majorant, Majorant)>,
     last: Trs,
 }
 
@@ -49,12 +54,18 @@ pub(crate) struct NodeCurves<'a> {
 pub(super) struct Turn<'a> {
     pub(super) angles: Value<'a>,
     fixed: DQuat,
+    /// It never turns anything.
+    is_nothing: bool,
 }
 
 impl<'a> Turn<'a> {
     fn of(angles: Value<'a>) -> Self {
         let fixed = turn(angles.fixed, RotationOrder::Xyz);
-        Self { angles, fixed }
+        Self {
+            is_nothing: angles.is_nothing(),
+            angles,
+            fixed,
+        }
     }
 
     fn at(&mut self, time: f64) -> DQuat {
@@ -112,6 +123,8 @@ impl<'a> NodeCurves<'a> {
                 .map(|helper| scale(helper.as_ref())),
             helpers,
             parent_helps,
+            is_plain: false,
+            turns_alone: None,
             last: Trs::IDENTITY,
         };
         out.fixed_order = rotation_order(out.order.fixed.x as i64);
@@ -131,6 +144,12 @@ impl<'a> NodeCurves<'a> {
             &out.scale_pivot,
         ];
         out.has_pivots = !pivots.into_iter().all(Value::is_nothing);
+        out.is_plain = !out.has_pivots
+            && out.helpers.is_empty()
+            && (!node.has_adjust_transform || only_scales(node))
+            && out.own_aside.is_none()
+            && out.parent_aside.is_none()
+            && node.adjust_mirror_axis == MirrorAxis::None;
         out
     }
 
@@ -148,6 +167,12 @@ impl<'a> NodeCurves<'a> {
         self.last = rest_of(self.node);
     }
 
+    /// Whether its scale, or one that it takes on, is not the same at all times.
+    pub(crate) fn scales(&self) -> bool {
+        let mut others = self.helpers.iter().chain(&self.taken);
+        self.scale.moves() || others.any(Value::moves)
+    }
+
     pub(super) fn rotation_order(&mut self, time: f64) -> RotationOrder {
         match self.order.moves() {
             true => rotation_order(self.order.at(time, Meaning::Plain).x as i64),
@@ -159,15 +184,38 @@ impl<'a> NodeCurves<'a> {
     fn turned(&mut self, time: f64) -> DQuat {
         let order = self.rotation_order(time);
         let angles = self.rotation.at(time, Meaning::Angles(order));
-        match self.node.use_rotation_space {
-            true => self.before.at(time) * turn(angles, order) * self.after.at(time).conjugate(),
-            false => turn(angles, RotationOrder::Xyz),
+        if !self.node.use_rotation_space {
+            return turn(angles, RotationOrder::Xyz);
         }
+        let mut turned = turn(angles, order);
+        if !self.before.is_nothing {
+            turned = self.before.at(time) * turned;
+        }
+        if !self.after.is_nothing {
+            turned *= self.after.at(time).conjugate();
+        }
+        turned
     }
 
     fn pose(&mut self, time: f64) -> Trs {
         let node = self.node;
         let plain = Meaning::Plain;
+        if self.is_plain {
+            let turned = match self.stands {
+                Some(turned) => turned,
+                None => self.turned(time),
+            };
+            let mut out = Trs {
+                translation: self.translation.at(time, plain),
+                rotation: turned.normalize(),
+                scale: self.scale.at(time, Meaning::Scale),
+            };
+            if node.has_adjust_transform {
+                out.translation *= node.adjust_pre_scale * node.adjust_translation_scale;
+                out.scale *= node.adjust_post_scale * node.adjust_pre_scale;
+            }
+            return out;
+        }
         let (mut rotation, mut scale) = (DQuat::IDENTITY, DVec3::ONE);
         let mut helped = DVec3::ONE;
         let above = self.helpers.len() - usize::from(self.parent_helps);
@@ -228,6 +276,13 @@ impl<'a> NodeCurves<'a> {
             scale,
         }
     }
+}
+
+/// What is added to a node's transform for other axes and another unit is a scale alone.
+fn only_scales(node: &Node) -> bool {
+    quat(node.adjust_pre_rotation) == DQuat::IDENTITY
+        && quat(node.adjust_post_rotation) == DQuat::IDENTITY
+        && vec3(node.adjust_pre_translation) == DVec3::ZERO
 }
 
 /// By how much ufbx turns a camera's or light's own axes, a number of quarter turns.

@@ -7,7 +7,7 @@ use super::pose::{BlendWeight, NodeCurves, Turn};
 use super::squares::Squares;
 use crate::model::Trs;
 use crate::read::convert::vec3;
-use ufbx::RotationOrder;
+use ufbx::{Node, RotationOrder};
 
 impl Turn<'_> {
     fn over(&mut self, over: Over) -> Majorant {
@@ -23,14 +23,34 @@ impl Turn<'_> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rates {
     pub(crate) translation: Majorant,
-    pub(crate) turn: Majorant,
+    pub(crate) turn: Turning,
     pub(crate) scale: Majorant,
+}
+
+/// What is known of a matrix that turns: by what angle, all axes together, or the majorant of the matrix itself.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Turning {
+    /// Radians: the matrix has the majorant of the exponential of this.
+    By(Majorant),
+    Whole(Majorant),
+}
+
+impl Turning {
+    pub(crate) const STILL: Self = Self::By(Majorant::ZERO);
+
+    /// The majorant of the matrix.
+    pub(crate) fn whole(&self) -> Majorant {
+        match self {
+            Self::By(angle) => angle.rotation(),
+            Self::Whole(turn) => *turn,
+        }
+    }
 }
 
 impl Rates {
     pub(crate) const UNKNOWN: Self = Self {
         translation: Majorant::UNKNOWN,
-        turn: Majorant::UNKNOWN,
+        turn: Turning::Whole(Majorant::UNKNOWN),
         scale: Majorant::UNKNOWN,
     };
 
@@ -38,10 +58,27 @@ impl Rates {
     pub(crate) fn still(pose: &Trs) -> Self {
         Self {
             translation: Majorant::still(pose.translation.length()),
-            turn: Majorant::still(1.0),
+            turn: Turning::STILL,
             scale: Majorant::still(pose.scale.abs().max_element()),
         }
     }
+}
+
+/// Of the length of a vector.
+fn lengths(parts: &[Number; 3]) -> Majorant {
+    Majorant::length(&parts.map(|number| number.moves))
+}
+
+/// In glTF's axes and unit: of the length of a translation, and of a scale.
+fn adjusted(node: &Node, mut places: Majorant, sizes: Majorant) -> (Majorant, Majorant) {
+    if !node.has_adjust_transform {
+        return (places, sizes);
+    }
+    places.0[0] += vec3(node.adjust_pre_translation).length();
+    (
+        places.scaled(node.adjust_pre_scale * node.adjust_translation_scale),
+        sizes.scaled(node.adjust_pre_scale * node.adjust_post_scale),
+    )
 }
 
 /// Of the largest of three.
@@ -52,13 +89,44 @@ fn largest(parts: &[Number; 3]) -> Majorant {
 impl NodeCurves<'_> {
     /// Over a span between keys. Mirrored axes and turned cameras change no length.
     pub(crate) fn over(&mut self, over: Over) -> Rates {
+        let turn = self.spin_over(over);
+        if let Some((translation, scale)) = self.turns_alone {
+            return Rates {
+                translation,
+                turn,
+                scale,
+            };
+        }
+        let (translation, scale) = self.places_over(over, &turn);
+        if self.only_turns() {
+            self.turns_alone = Some((translation, scale));
+        }
+        Rates {
+            translation,
+            turn,
+            scale,
+        }
+    }
+
+    /// Nothing but how it is turned moves, and that moves nothing else.
+    fn only_turns(&self) -> bool {
+        !self.has_pivots && !self.translation.moves() && !self.scales()
+    }
+
+    /// Of the translation's length and of the scales, where it is turned so.
+    fn places_over(&mut self, over: Over, turn: &Turning) -> (Majorant, Majorant) {
         let node = self.node;
-        let order = self.rotation_order(over.middle());
-        // Between two whole numbers the order is the lower one's.
-        let changes = self.order.moves() && {
-            let [number, ..] = self.order.over(over, false);
-            number.low().trunc() != number.high().trunc()
-        };
+        if self.helpers.is_empty() && !self.has_pivots {
+            let places = match self.translation.moves() {
+                true => lengths(&self.translation.over(over, false)),
+                false => Majorant::still(self.translation.fixed.length()),
+            };
+            let sizes = match self.scale.moves() {
+                true => largest(&self.scale.over(over, true)),
+                false => Majorant::still(self.scale.fixed.abs().max_element()),
+            };
+            return adjusted(node, places, sizes);
+        }
         let mut helped = [Number::still(1.0); 3];
         let above = self.helpers.len() - usize::from(self.parent_helps);
         let by = |a: &[Number; 3], b: &[Number; 3]| [0, 1, 2].map(|i| a[i].product(&b[i]));
@@ -66,8 +134,6 @@ impl NodeCurves<'_> {
             helped = by(&helped, &helper.over(over, true));
         }
         let own = self.scale.over(over, true);
-        let spin = self.spin_over(over, order, changes);
-        let lengths = |parts: &[Number; 3]| Majorant::length(&parts.map(|number| number.moves));
         let translation = self.translation.over(over, false);
         let mut places = match self.has_pivots {
             false => lengths(&translation),
@@ -85,7 +151,7 @@ impl NodeCurves<'_> {
                         .plus(&offset[i])
                         .minus(&turned_at[i])
                 });
-                let swung = spin.product(&lengths(&place));
+                let swung = turn.whole().product(&lengths(&place));
                 let around = self.rotation_offset.over(over, false);
                 let shift = [0, 1, 2].map(|i| turned_at[i].plus(&around[i]).plus(&translation[i]));
                 swung.plus(&lengths(&shift))
@@ -95,20 +161,11 @@ impl NodeCurves<'_> {
             let all = by(&helped, &helper.over(over, true));
             places = places.product(&largest(&all));
         }
-        let mut sizes = largest(&own);
-        if node.has_adjust_transform {
-            places.0[0] += vec3(node.adjust_pre_translation).length();
-            places = places.scaled(node.adjust_pre_scale * node.adjust_translation_scale);
-            sizes = sizes.scaled(node.adjust_pre_scale * node.adjust_post_scale);
-        }
+        let (places, mut sizes) = adjusted(node, places, largest(&own));
         if node.is_scale_helper {
             sizes = sizes.product(&largest(&helped));
         }
-        Rates {
-            translation: places,
-            turn: spin,
-            scale: sizes,
-        }
+        (places, sizes)
     }
 }
 
@@ -134,8 +191,14 @@ impl NodeCurves<'_> {
         }
     }
 
-    /// The majorant of the matrix that turns it; `changes` says that its order does.
-    fn spin_over(&mut self, over: Over, order: RotationOrder, changes: bool) -> Majorant {
+    /// Of the matrix that turns it.
+    fn spin_over(&mut self, over: Over) -> Turning {
+        let order = self.rotation_order(over.middle());
+        // Between two whole numbers the order is the lower one's.
+        let changes = self.order.moves() && {
+            let [number, ..] = self.order.over(over, false);
+            number.low().trunc() != number.high().trunc()
+        };
         let around = self.node.use_rotation_space;
         let stands = !around || !self.before.angles.moves() && !self.after.angles.moves();
         if stands
@@ -143,7 +206,7 @@ impl NodeCurves<'_> {
             && order != RotationOrder::Spheric
             && let Some(sum) = self.rotation.sum_over(over)
         {
-            return sum.rotation();
+            return Turning::By(sum);
         }
         let turned = match around {
             true if changes => Majorant::within(1.0, 2.0),
@@ -158,7 +221,7 @@ impl NodeCurves<'_> {
             false => turned,
         };
         // A quaternion turns a vector from both sides.
-        spin.product(&spin).near(2.0)
+        Turning::Whole(spin.product(&spin).near(2.0))
     }
 }
 

@@ -1,10 +1,11 @@
 //! A property as its layers have it.
 
+use super::circle::sin_cos;
 use super::curve::Curve;
 use super::hanging::source_of;
 use super::layers::{Layer, Layers, Mode, Weight};
 use crate::read::convert::vec3;
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DQuat, DVec3};
 use ufbx::{AnimValue, Element, RotationOrder};
 
 /// A property of up to three numbers.
@@ -190,28 +191,26 @@ fn slerp(from: DQuat, to: DQuat, share: f64) -> DQuat {
 
 /// The rotation by three angles, degrees.
 pub(crate) fn turn(degrees: DVec3, order: RotationOrder) -> DQuat {
-    let about = |axis: usize| {
-        let angle = degrees[axis];
-        if angle == 0.0 {
-            return DQuat::IDENTITY;
-        }
-        let half = DVec2::from_angle(angle.to_radians() * 0.5);
-        let mut out = [0.0, 0.0, 0.0, half.x];
-        out[axis] = half.y;
-        DQuat::from_array(out)
-    };
-    // The first letter turns first.
-    let (first, second, third) = match order {
-        RotationOrder::Xyz => (0, 1, 2),
-        RotationOrder::Xzy => (0, 2, 1),
-        RotationOrder::Yzx => (1, 2, 0),
-        RotationOrder::Yxz => (1, 0, 2),
-        RotationOrder::Zxy => (2, 0, 1),
-        RotationOrder::Zyx => (2, 1, 0),
+    // The first letter turns first. Turning about the second axis and then the first one turns about the third, one way or the other.
+    let ([first, second, third], way) = match order {
+        RotationOrder::Xyz => ([0, 1, 2], -1.0),
+        RotationOrder::Xzy => ([0, 2, 1], 1.0),
+        RotationOrder::Yzx => ([1, 2, 0], -1.0),
+        RotationOrder::Yxz => ([1, 0, 2], 1.0),
+        RotationOrder::Zxy => ([2, 0, 1], -1.0),
+        RotationOrder::Zyx => ([2, 1, 0], 1.0),
         // ufbx gives none for it, nor does any reader of it say what it means.
         RotationOrder::Spheric => return DQuat::IDENTITY,
     };
-    about(third) * about(second) * about(first)
+    let [(s1, c1), (s2, c2), (s3, c3)] =
+        [first, second, third].map(|axis| sin_cos(0.5 * degrees[axis]));
+    // The product of the three quaternions, of which each has one axis.
+    let [a, b, c, w] = [c2 * s1, s2 * c1, way * s2 * s1, c2 * c1];
+    let mut out = [0.0, 0.0, 0.0, c3 * w - s3 * c];
+    out[first] = c3 * a + way * s3 * b;
+    out[second] = c3 * b - way * s3 * a;
+    out[third] = c3 * c + s3 * w;
+    DQuat::from_array(out)
 }
 
 /// Three angles of a rotation, degrees.

@@ -116,16 +116,18 @@ impl Value<'_> {
         sum
     }
 
-    /// Of the sum of its three angles, radians, where these are those of one layer and no mixture: turning about one axis after
+    /// Of the sum of its three angles, radians, but for how large it is itself, where these are those of one layer and no mixture: turning about one axis after
     /// the other has the majorant of turning by their sum, since products of exponentials are those of sums.
     pub(super) fn sum_over(&mut self, over: Over) -> Option<Majorant> {
-        let own = match &mut self.parts[..] {
+        let part = match &mut self.parts[..] {
             [] => return Some(Majorant::ZERO),
-            [part] if matches!(part.mode, Mode::Base | Mode::Override) => part.own_over(over),
+            [part] if matches!(part.mode, Mode::Base | Mode::Override) => part,
             _ => return None,
         };
-        let [x, y, z] = own.map(|number| number.moves);
-        Some(x.plus(&y).plus(&z).scaled(DEGREE))
+        let curves = part.curves.iter_mut().flatten();
+        let moves = curves.map(|curve| curve.moves_over(over));
+        let sum = moves.fold(Majorant::ZERO, |sum, moves| sum.plus(&moves));
+        Some(sum.scaled(DEGREE))
     }
 
     /// The majorant of the unit quaternion that its angles come to.

@@ -1,64 +1,79 @@
 //! The file's pose and the keys' pose at a time, and how far they are apart.
 
 use super::bodies::{Bodies, Scratch, Weights};
-use super::chain::{Chain, down, length};
+use super::chain::Chain;
 use super::found::Subject;
 use super::lengths::Lengths;
-use super::played;
 use crate::clips::{MorphCurves, Player, Pose, SHELL, Shells, Source, play};
-use crate::curves::{Majorant, NodeCurves, Over, Rates, Reading, Squares};
-use crate::model::{Channel, Clip, Property, Trs};
+use crate::curves::{Majorant, NodeCurves, Rates, Reading, Squares};
+use crate::model::{Channel, Clip, Trs};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 /// Both poses of one clip.
 pub(super) struct Actors<'a> {
     source: &'a Source<'a, 'a>,
-    shells: &'a Shells,
-    begin: f64,
-    curves: Vec<(usize, NodeCurves<'a>)>,
-    morphs: Vec<Morph<'a>>,
-    players: Vec<Player<'a>>,
-    channels: Vec<&'a Channel>,
-    moving: &'a [bool],
+    pub(super) shells: &'a Shells,
+    pub(super) begin: f64,
+    pub(super) curves: Vec<(usize, NodeCurves<'a>)>,
+    pub(super) morphs: Vec<Morph<'a>>,
+    pub(super) players: Vec<Player<'a>>,
+    pub(super) channels: Vec<&'a Channel>,
+    pub(super) moving: &'a [bool],
     /// Nodes that move, parents first.
-    movers: Vec<usize>,
-    truth: Pose,
-    played: Pose,
-    true_world: Vec<DAffine3>,
-    world: Vec<DAffine3>,
+    pub(super) movers: Vec<usize>,
+    pub(super) truth: Pose,
+    pub(super) played: Pose,
+    /// The same two below their parents and in the world, as matrices.
+    locals: [Vec<DAffine3>; 2],
+    pub(super) true_world: Vec<DAffine3>,
+    pub(super) world: Vec<DAffine3>,
+    /// Nodes that players move.
+    playing: Vec<usize>,
     /// What is added to a point by going from where a node belongs to where it is.
     off: Vec<DAffine3>,
     /// Bodies that move, and their morph targets' weights.
-    bodies: Vec<(usize, Weights)>,
+    pub(super) bodies: Vec<(usize, Weights)>,
     scratch: Scratch,
-    all: &'a Bodies,
-    /// What looks at a span saw: for each, what is off of each node that moves, and how far the three axes of its shell are.
-    kept: Vec<Vec<(DAffine3, DMat3)>>,
-    /// The same of the end of the last span.
-    end: Vec<(DAffine3, DMat3)>,
+    pub(super) all: &'a Bodies,
+    /// What looks at a span saw, and the same of the end of the last span.
+    kept: Vec<Seen>,
+    end: Seen,
     swings: Vec<DMat3>,
+    /// How far each node's shell was off in the last look, and each body by one joint alone.
+    fars: Vec<f64>,
+    reaches: Vec<f64>,
     /// The farthest of all nodes' shells.
     nodes: f64,
     /// No morph target moves.
-    is_plain: bool,
+    pub(super) is_plain: bool,
     /// Scratch of [`Actors::rate`].
-    rates: [Vec<Rates>; 2],
-    chains: [Vec<Chain>; 2],
+    pub(super) rates: [Vec<Rates>; 2],
+    pub(super) chains: [Vec<Chain>; 2],
     /// Of nodes whose scales move, and of those whose axes do not keep their lengths.
-    squares: Vec<Option<Squares>>,
-    lengths: Vec<Lengths>,
+    pub(super) squares: Vec<Option<Squares>>,
+    pub(super) lengths: Vec<Lengths>,
     /// The time that both poses are of.
-    posed: Option<f64>,
+    pub(super) posed: Option<f64>,
     /// Poses of nodes that were worked out, and what costs as much.
-    work: usize,
+    pub(super) work: usize,
 }
 
-/// Axes that differ by no more than this share are about as long.
-const ALIKE: f64 = 1e-3;
+/// What a look saw.
+#[derive(Clone, Default)]
+struct Seen {
+    /// What is off of each node that moves, and how far the three axes of its shell are.
+    off: Vec<(DAffine3, DMat3)>,
+    /// No mixture of looks is off by more than the same mixture of these, all added.
+    fars: Vec<f64>,
+    reaches: Vec<f64>,
+}
 
-struct Morph<'a> {
-    mesh: usize,
-    curves: MorphCurves<'a>,
+/// By how much sums of what looks saw may be rounded.
+const MIXED: f64 = 1.0 + 1e-12;
+
+pub(super) struct Morph<'a> {
+    pub(super) mesh: usize,
+    pub(super) curves: MorphCurves<'a>,
     weights: Vec<f64>,
 }
 
@@ -107,6 +122,9 @@ impl<'a> Actors<'a> {
             (body, weights)
         });
         let count = rest.len();
+        let mut playing: Vec<usize> = channels.iter().map(|channel| channel.node).collect();
+        playing.sort_unstable();
+        playing.dedup();
         let order = shells.in_order().iter().copied();
         Self {
             bodies: bodies.collect(),
@@ -115,12 +133,14 @@ impl<'a> Actors<'a> {
             movers: order.filter(|&node| moving[node]).collect(),
             off: vec![nothing(); count],
             kept: Vec::new(),
-            end: Vec::new(),
+            end: Seen::default(),
+            fars: Vec::new(),
+            reaches: Vec::new(),
             posed: None,
             swings: vec![DMat3::ZERO; count],
             nodes: 0.0,
             is_plain: morphs.is_empty(),
-            rates: [vec![Rates::UNKNOWN; count], vec![Rates::UNKNOWN; count]],
+            rates: [&rest, &played].map(|pose| pose.iter().map(Rates::still).collect()),
             chains: [vec![Chain::ROOT; count], vec![Chain::ROOT; count]],
             squares: vec![None; count],
             lengths: vec![Lengths::still(&DMat3::IDENTITY); count],
@@ -138,6 +158,8 @@ impl<'a> Actors<'a> {
                 .collect(),
             players,
             channels,
+            playing,
+            locals: [&rest, &played].map(|pose| pose.iter().map(Trs::affine).collect()),
             played,
             truth: rest,
             true_world,
@@ -174,13 +196,14 @@ impl<'a> Actors<'a> {
             .distance(&self.true_world, &other.true_world, self.moving)
     }
 
-    fn pose(&mut self, time: f64) {
+    pub(super) fn pose(&mut self, time: f64) {
         if self.posed.replace(time) == Some(time) {
             return;
         }
         self.work += self.movers.len().max(1);
         for (node, curves) in &mut self.curves {
             self.truth[*node] = curves.at(time);
+            self.locals[0][*node] = self.truth[*node].affine();
         }
         for morph in &mut self.morphs {
             morph.weights.clear();
@@ -206,193 +229,67 @@ impl<'a> Actors<'a> {
                 }
             },
         );
-        let moves = |node: usize| self.moving[node];
+        for &node in &self.playing {
+            self.locals[1][node] = self.played[node].affine();
+        }
+        let [of_truth, of_played] = &self.locals;
         self.shells
-            .world_where(&self.truth, &mut self.true_world, moves);
+            .world_of(&self.movers, of_truth, &mut self.true_world);
         self.shells
-            .world_where(&self.played, &mut self.world, moves);
+            .world_of(&self.movers, of_played, &mut self.world);
+    }
+
+    /// The farthest of six points of a node's shell, as they are off.
+    fn far(&self, node: usize) -> f64 {
+        let (shift, swing) = (self.off[node].translation, &self.swings[node]);
+        let mut farthest = 0.0_f64;
+        for axis in [swing.x_axis, swing.y_axis, swing.z_axis] {
+            // The farther of the two ends.
+            let far = axis.length_squared() + 2.0 * shift.dot(axis).abs();
+            farthest = farthest.max(far);
+        }
+        (shift.length_squared() + farthest).sqrt()
     }
 
     /// The farthest of all points, as they are off.
     fn farthest(&mut self, floor: f64) -> f64 {
-        let mut farthest = 0.0_f64;
+        self.nodes = 0.0;
+        let mut fars = std::mem::take(&mut self.fars);
+        fars.clear();
         for &node in &self.movers {
-            let (shift, swing) = (self.off[node].translation, &self.swings[node]);
-            for axis in [swing.x_axis, swing.y_axis, swing.z_axis] {
-                // The farther of the two ends.
-                let far =
-                    shift.length_squared() + axis.length_squared() + 2.0 * shift.dot(axis).abs();
-                farthest = farthest.max(far);
-            }
+            let far = self.far(node);
+            self.nodes = self.nodes.max(far);
+            fars.push(far);
         }
-        self.nodes = farthest.sqrt();
+        self.fars = fars;
         let mut farthest = self.nodes.max(floor);
-        for (body, weights) in &self.bodies {
-            let body = &self.all.0[*body];
-            let (model, off) = (self.source.model, &self.off);
-            let world = &self.true_world;
-            let own = (&mut self.scratch, &mut self.work);
-            farthest = body.farthest(model, off, world, weights, farthest, own);
+        self.reaches.clear();
+        for slot in 0..self.bodies.len() {
+            farthest = self.farthest_of(slot, farthest);
+            self.reaches.push(self.scratch.reach);
         }
         farthest
     }
 
-    /// Majorants of what places each node below its parent, of the file and of the keys.
-    fn locals(&mut self, over: Over) {
-        for &node in &self.movers {
-            self.rates[0][node] = Rates::still(&self.truth[node]);
-            self.rates[1][node] = Rates::still(&self.played[node]);
-            self.squares[node] = None;
-        }
-        for (node, curves) in &mut self.curves {
-            let rates = curves.over(over);
-            self.squares[*node] = (!rates.scale.is_still()).then(|| curves.squares_over(over));
-            self.rates[0][*node] = rates;
-        }
-        let label = over.since(self.begin);
-        for (channel, player) in self.channels.iter().zip(&mut self.players) {
-            let rates = &mut self.rates[1][channel.node];
-            match channel.property {
-                Property::Translation => {
-                    rates.translation = played::vector(channel, player, label).0;
-                }
-                Property::Rotation => rates.turn = played::turn(channel, player, label),
-                Property::Scale => rates.scale = played::vector(channel, player, label).1,
-                Property::Weights => {}
-            }
-        }
+    /// The farthest vertex of a body.
+    fn farthest_of(&mut self, slot: usize, floor: f64) -> f64 {
+        let (body, weights) = &self.bodies[slot];
+        let own = (&mut self.scratch, &mut self.work);
+        let (off, world) = (&self.off, &self.true_world);
+        self.all.0[*body].farthest(self.source.model, off, world, weights, floor, own)
     }
 
-    /// Majorants of each node in the world.
-    fn chains(&mut self) {
-        let places = [(&self.true_world, &self.truth), (&self.world, &self.played)];
-        let sides = self.rates.iter().zip(&mut self.chains).zip(places);
-        for ((rates, chains), (world, pose)) in sides {
-            down(
-                self.shells,
-                &self.movers,
-                self.moving,
-                rates,
-                (world, pose),
-                chains,
-            );
+    /// Mixes what looks saw of a node.
+    fn mix(&mut self, row: &[f64], slot: usize) {
+        let (mut off, mut swing) = (nothing(), DMat3::ZERO);
+        for (weight, kept) in row.iter().zip(&self.kept) {
+            let (one, other) = &kept.off[slot];
+            off.matrix3 += one.matrix3 * *weight;
+            off.translation += one.translation * *weight;
+            swing += *other * *weight;
         }
-    }
-
-    /// Majorants of how long the axes of nodes are that do not keep their lengths.
-    fn lengths(&mut self) {
-        for &node in &self.movers {
-            if self.chains[0][node].keeps {
-                continue;
-            }
-            let still = |axes: &DMat3| (Lengths::still(axes), Majorant::still(length(axes)));
-            let (above, axes) = match self.shells.parent(node) {
-                None => still(&DMat3::IDENTITY),
-                Some(parent) if self.moving[parent] => {
-                    let chain = &self.chains[0][parent];
-                    let lengths = match chain.keeps {
-                        true => Lengths::still(&self.true_world[parent].matrix3),
-                        false => self.lengths[parent],
-                    };
-                    (lengths, chain.axes)
-                }
-                Some(parent) => still(&self.true_world[parent].matrix3),
-            };
-            let scales = self.squares[node];
-            let scales = scales.unwrap_or_else(|| Squares::still(self.truth[node].scale));
-            self.lengths[node] = above.below(&axes, &self.rates[0][node], &scales);
-        }
-    }
-
-    /// Of how far out the shell of a node is, in its own unit: as far as its axes are short. `posed` says that poses are those of the
-    /// span's middle.
-    fn shell(&self, node: usize, posed: bool) -> Majorant {
-        let chain = &self.chains[0][node];
-        let axes = &self.true_world[node].matrix3;
-        let columns = || [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length);
-        if chain.keeps {
-            let columns = columns();
-            let least = columns.into_iter().fold(f64::INFINITY, f64::min);
-            return Majorant::still(SHELL / least.max(1e-9));
-        }
-        let lengths = &self.lengths[node];
-        // As they are in the middle of the span, or as they are known to be.
-        let (columns, off) = match posed {
-            true => (columns(), 0.0),
-            false => (lengths.middles.map(f64::sqrt), lengths.off),
-        };
-        let of = |squared: &Majorant, shortest: f64, longest: f64| {
-            let least = (shortest * shortest * (1.0 - off) - squared.1).max(0.0);
-            let most = longest * longest * (1.0 + off) + squared.1;
-            let [near, far] = [most, least].map(|square| SHELL / square.sqrt().max(1e-9));
-            let mut moves = match least <= 1e-18 {
-                true => Majorant::within(far, far),
-                false => squared.reciprocal_root(least).scaled(SHELL),
-            };
-            moves.1 = moves.1.min(moves.0[1] / 2.0).min(far - near);
-            moves
-        };
-        let ([x, y, z], [a, b, c]) = (columns, &lengths.squares);
-        let (shortest, longest) = (x.min(y).min(z), x.max(y).max(z));
-        // One for all where they are about as long.
-        if longest - shortest <= ALIKE * shortest {
-            return of(&a.max(b).max(c), shortest, longest);
-        }
-        let of = |squared: &Majorant, long: f64| {
-            // As fast as the axes move, each is no longer than it is.
-            let mut axis = chain.axes;
-            axis.0[0] = (long * long * (1.0 + off) + squared.1).sqrt();
-            of(&squared.min(&axis.product(&axis)), long, long)
-        };
-        of(a, x).max(&of(b, y)).max(&of(c, z))
-    }
-
-    /// Majorants of how far a point of a body that a node carries is moved.
-    fn carried(&mut self, over: Over) -> Majorant {
-        let mut out = Majorant::ZERO;
-        let label = over.since(self.begin);
-        for (number, weights) in &self.bodies {
-            let body = &self.all.0[*number];
-            // How far morph targets move vertices, in the file and by the keys.
-            let mut morphs = [Majorant::ZERO; 2];
-            if body.has_targets() {
-                morphs = [
-                    Majorant::still(body.reach(weights.wanted.iter().copied())),
-                    Majorant::still(body.reach(weights.played.iter().copied())),
-                ];
-                let mut parts = Vec::new();
-                let sum = |parts: &[Majorant]| {
-                    let each = body.reaches().iter().zip(parts);
-                    each.fold(Majorant::ZERO, |sum, (reach, part)| {
-                        sum.plus(&part.scaled(*reach))
-                    })
-                };
-                let morph = self.morphs.iter_mut().find(|morph| morph.mesh == body.mesh);
-                if let Some(morph) = morph {
-                    morph.curves.over(over, &mut parts);
-                    morphs[0] = sum(&parts);
-                }
-                let weigh = |c: &&Channel| c.property == Property::Weights && c.node == body.node;
-                let mut all = self.channels.iter().zip(&mut self.players);
-                if let Some((channel, player)) = all.find(|(channel, _)| weigh(channel)) {
-                    parts.clear();
-                    played::numbers(channel, player, label, &mut parts);
-                    morphs[1] = sum(&parts);
-                }
-            }
-            for (node, far, longer) in body.levers() {
-                let moved = |side: usize| {
-                    let chain = match self.moving[node] {
-                        true => self.chains[side][node],
-                        false => Chain::still(&self.true_world[node]),
-                    };
-                    let reach = Majorant::still(far).plus(&morphs[side].scaled(longer));
-                    chain.origin.plus(&chain.axes.product(&reach))
-                };
-                out = out.max(&moved(0).plus(&moved(1)));
-            }
-        }
-        out
+        let node = self.movers[slot];
+        (self.off[node], self.swings[node]) = (off, swing);
     }
 }
 
@@ -421,12 +318,15 @@ impl Subject for Actors<'_> {
             return;
         }
         if self.kept.len() <= index {
-            self.kept.resize(index + 1, Vec::new());
+            self.kept.resize(index + 1, Seen::default());
         }
         let (off, swings) = (&self.off, &self.swings);
-        self.kept[index].clear();
+        let kept = &mut self.kept[index];
+        kept.off.clear();
         let pairs = self.movers.iter().map(|&node| (off[node], swings[node]));
-        self.kept[index].extend(pairs);
+        kept.off.extend(pairs);
+        kept.fars.clone_from(&self.fars);
+        kept.reaches.clone_from(&self.reaches);
     }
 
     fn keep_end(&mut self, index: usize) {
@@ -440,7 +340,7 @@ impl Subject for Actors<'_> {
             return;
         }
         if self.kept.is_empty() {
-            self.kept.push(Vec::new());
+            self.kept.push(Seen::default());
         }
         std::mem::swap(&mut self.kept[0], &mut self.end);
     }
@@ -452,49 +352,35 @@ impl Subject for Actors<'_> {
         let mut most = floor;
         self.work += rows.len() * self.movers.len() / 2;
         for row in rows {
-            for (slot, &node) in self.movers.iter().enumerate() {
-                let (mut off, mut swing) = (nothing(), DMat3::ZERO);
-                for (weight, kept) in row.iter().zip(&self.kept) {
-                    let (one, other) = &kept[slot];
-                    off.matrix3 += one.matrix3 * *weight;
-                    off.translation += one.translation * *weight;
-                    swing += *other * *weight;
+            let sum = |kept: &[Seen], of: &dyn Fn(&Seen) -> f64| {
+                let each = row.iter().zip(kept);
+                each.map(|(weight, kept)| weight.abs() * of(kept))
+                    .sum::<f64>()
+                    * MIXED
+            };
+            for slot in 0..self.movers.len() {
+                if sum(&self.kept, &|kept| kept.fars[slot]) > most {
+                    self.mix(row, slot);
+                    most = most.max(self.far(self.movers[slot]));
                 }
-                (self.off[node], self.swings[node]) = (off, swing);
             }
-            most = self.farthest(most);
+            let mut is_mixed = false;
+            for body in 0..self.bodies.len() {
+                if sum(&self.kept, &|kept| kept.reaches[body]) <= most {
+                    continue;
+                }
+                if !is_mixed {
+                    (0..self.movers.len()).for_each(|slot| self.mix(row, slot));
+                    is_mixed = true;
+                }
+                most = self.farthest_of(body, most);
+            }
         }
         Some(most)
     }
 
     fn rate(&mut self, from: f64, to: f64) -> Majorant {
-        let over = Over {
-            from,
-            to,
-            slack: 1e-7 * (to - self.begin).abs() + 1e-9,
-        };
-        // Of the poses only lengths of axes are asked, which mostly are the same at all times, or known.
-        if self.posed.is_none() || !self.is_plain {
-            self.pose(over.middle());
-        }
-        self.work += 8 * self.movers.len();
-        self.locals(over);
-        self.chains();
-        self.lengths();
-        let is_known =
-            |&node: &usize| self.chains[0][node].keeps || self.lengths[node].off <= ALIKE;
-        if !self.movers.iter().all(is_known) {
-            self.pose(over.middle());
-        }
-        let posed = self.posed == Some(over.middle());
-        let mut out = Majorant::ZERO;
-        for &node in &self.movers {
-            let shell = self.shell(node, posed);
-            let moved = |chain: &Chain| chain.origin.plus(&chain.axes.product(&shell));
-            let both = self.chains.each_ref().map(|chains| moved(&chains[node]));
-            out = out.max(&both[0].plus(&both[1]));
-        }
-        out.max(&self.carried(over))
+        self.moves(from, to)
     }
 
     fn work(&self) -> usize {

@@ -6,7 +6,7 @@
 
 use crate::model::{Mesh, Model, Part, Skin};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Vertices that are held together.
 const TOGETHER: usize = 16;
@@ -30,6 +30,8 @@ pub(crate) struct Body {
     /// For each of these, the box of what follows it, in the node's own unit.
     boxes: Vec<(DVec3, DVec3)>,
     groups: Vec<Group>,
+    /// For each joint that anything follows, the ball of all that does.
+    wholes: Vec<Ball>,
     /// For every [`GROUPS`] of them, the balls that they lie in.
     balls: Vec<Vec<Ball>>,
     /// How far each morph target reaches.
@@ -62,6 +64,22 @@ struct Ball {
     radius: f64,
 }
 
+impl Ball {
+    /// Around a box.
+    fn around(joint: usize, (low, high): &(DVec3, DVec3)) -> Self {
+        Self {
+            joint,
+            middle: low.midpoint(*high),
+            radius: low.distance(*high) / 2.0,
+        }
+    }
+
+    /// How far what lies in it is moved at most; `size` is that of the matrix that moves it.
+    fn far(&self, off: &DAffine3, size: f64) -> f64 {
+        off.transform_point3(self.middle).length() + size * self.radius
+    }
+}
+
 /// What one joint does to a group.
 struct Row {
     joint: usize,
@@ -71,11 +89,17 @@ struct Row {
     /// How far those of a vertex are from these at most.
     places: f64,
     weights: f64,
+    /// How many vertices do not follow it.
+    misses: usize,
 }
 
 /// What a look at a body fills anew.
 #[derive(Default)]
 pub(super) struct Scratch {
+    /// The largest distance of all that follows one joint alone, over all joints: in the last look at a body, where that is a
+    /// sum over joints and nothing else. No mixture of looks is off by more than the same mixture of these, all added.
+    pub(super) reach: f64,
+    reaches: Vec<f64>,
     sizes: Vec<f64>,
     bounds: Vec<f64>,
     moved: Vec<(DAffine3, DMat3)>,
@@ -145,7 +169,8 @@ impl Body {
         for (number, part) in of.parts.iter().enumerate() {
             let order = order(part, skin.is_some());
             for some in order.chunks(GROUPS * TOGETHER) {
-                let mut sides: BTreeMap<usize, (DVec3, DVec3)> = BTreeMap::new();
+                // Few joints.
+                let mut sides: Vec<(usize, (DVec3, DVec3))> = Vec::new();
                 for vertices in some.chunks(TOGETHER) {
                     groups.push(group(
                         part,
@@ -157,23 +182,23 @@ impl Body {
                         &mut all_follows,
                     ));
                 }
-                for (&joint, &(low, high)) in &sides {
+                for &(joint, (low, high)) in &sides {
                     let (all_low, all_high) = &mut boxes[joint];
                     (*all_low, *all_high) = (all_low.min(low), all_high.max(high));
                 }
-                let ball = |(joint, (low, high)): (usize, (DVec3, DVec3))| Ball {
-                    joint,
-                    middle: low.midpoint(high),
-                    radius: low.distance(high) / 2.0,
-                };
-                balls.push(sides.into_iter().map(ball).collect());
+                let ball = |(joint, sides): &(usize, (DVec3, DVec3))| Ball::around(*joint, sides);
+                balls.push(sides.iter().map(ball).collect());
             }
         }
+        let has_some = |(_, (low, _)): &(usize, &(DVec3, DVec3))| low.is_finite();
+        let wholes = boxes.iter().enumerate().filter(has_some);
+        let wholes = wholes.map(|(joint, sides)| Ball::around(joint, sides));
         let targets = of.targets.len();
         let vertices: usize = of.parts.iter().map(|part| part.positions.len()).sum();
         Self {
             node,
             mesh,
+            wholes: wholes.collect(),
             joints,
             boxes,
             groups,
@@ -217,7 +242,7 @@ impl Body {
         })
     }
 
-    /// The largest distance of a vertex; `floor` where it is less. `off` is what is added to a point by going from where a node
+    /// The largest distance of a vertex; `floor`, which is not below 0, where it is less. `off` is what is added to a point by going from where a node
     /// belongs to where it is, and `world` where it belongs.
     pub(super) fn farthest(
         &self,
@@ -240,22 +265,40 @@ impl Body {
             morphed = each.fold(0.0, f64::max);
         }
         let Scratch {
+            reach,
+            reaches,
             sizes,
             bounds,
             moved,
         } = scratch;
+        *work += self.balls.len() / 2;
         sizes.clear();
         let joints = self.joints.iter();
         sizes.extend(joints.map(|(joint, _)| size(&off[*joint].matrix3)));
+        reaches.clear();
+        reaches.resize(self.joints.len(), 0.0);
+        *reach = 0.0;
+        for ball in &self.wholes {
+            let far = ball.far(&off[self.joints[ball.joint].0], sizes[ball.joint]);
+            reaches[ball.joint] = SUM * (far + morphed);
+            *reach = reach.max(reaches[ball.joint]);
+        }
+        let is_above = *reach > floor;
+        if self.has_targets() {
+            *reach = f64::INFINITY;
+        }
+        if !is_above {
+            return floor;
+        }
         bounds.clear();
         bounds.extend(self.balls.iter().map(|balls| {
+            // Most joints are off by less than is asked about, wherever what follows them lies.
+            let above = balls.iter().filter(|ball| reaches[ball.joint] > floor);
             let far = |ball: &Ball| {
-                let middle = off[self.joints[ball.joint].0].transform_point3(ball.middle);
-                middle.length() + sizes[ball.joint] * ball.radius
+                SUM * (ball.far(&off[self.joints[ball.joint].0], sizes[ball.joint]) + morphed)
             };
-            SUM * (balls.iter().map(far).fold(0.0, f64::max) + morphed)
+            above.map(far).fold(floor, f64::max)
         }));
-        *work += self.balls.len() / 2;
         let Some(first) = (0..bounds.len()).max_by(|&a, &b| bounds[a].total_cmp(&bounds[b])) else {
             return floor;
         };
@@ -339,16 +382,25 @@ fn order(part: &Part, skinned: bool) -> Vec<u32> {
         (low.min(p), high.max(p))
     });
     let scale = (high - low).max_element().max(1e-30).recip() * 1023.0;
-    // Bits of three numbers in turn (Morton, 1966).
-    let spread = |x: f64| (0..10).fold(0, |sum, bit| sum | (x as u64 >> bit & 1) << (3 * bit));
-    let mut keyed: Vec<(usize, u64, u32)> = (0..part.positions.len())
+    // Bits of three numbers in turn (Morton, 1966): of ten bits each goes to the place of three times its number.
+    let spread = |x: f64| {
+        [
+            (16, 0x0300_00ff),
+            (8, 0x0300_f00f),
+            (4, 0x030c_30c3),
+            (2, 0x0924_9249),
+        ]
+        .iter()
+        .fold(x as u32, |bits, (by, mask)| (bits | bits << by) & mask)
+    };
+    let mut keyed: Vec<(u32, u32, u32)> = (0..part.positions.len())
         .map(|vertex| {
             let most = follows(part, vertex, skinned).fold((0, 0.0), |most, next| {
                 if next.1 > most.1 { next } else { most }
             });
             let place = (vector(part.positions[vertex]) - low) * scale;
             let code = spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2;
-            (most.0, code, vertex as u32)
+            (most.0 as u32, code, vertex as u32)
         })
         .collect();
     keyed.sort_unstable();
@@ -361,7 +413,7 @@ fn group(
     vertices: &[u32],
     skinned: bool,
     joints: &[(usize, DAffine3)],
-    sides: &mut BTreeMap<usize, (DVec3, DVec3)>,
+    sides: &mut Vec<(usize, (DVec3, DVec3))>,
     all_follows: &mut Vec<(u32, f64)>,
 ) -> Group {
     let held = |&number: &u32| {
@@ -374,13 +426,15 @@ fn group(
             follows: (from, all_follows.len() as u32),
         }
     };
-    let held = vertices.iter().map(held).collect();
+    let held: Vec<Held> = vertices.iter().map(held).collect();
     let mut rows: Vec<Row> = Vec::new();
-    let count = vertices.len() as f64;
-    let mut all: Vec<(usize, usize, DVec3, f64)> = Vec::with_capacity(vertices.len() * 4);
-    for (number, &vertex) in vertices.iter().enumerate() {
-        let place = vector(part.positions[vertex as usize]);
-        for (joint, weight) in follows(part, vertex as usize, skinned) {
+    let share = 1.0 / vertices.len() as f64;
+    // What each vertex has of each row.
+    let mut all: Vec<(usize, DVec3, f64)> = Vec::with_capacity(vertices.len() * 4);
+    for vertex in &held {
+        let begin = all.len();
+        for &(joint, weight) in &all_follows[vertex.follows.0 as usize..vertex.follows.1 as usize] {
+            let joint = joint as usize;
             let at = rows.iter().position(|row| row.joint == joint);
             let at = at.unwrap_or_else(|| {
                 rows.push(Row {
@@ -389,41 +443,39 @@ fn group(
                     weight: 0.0,
                     places: 0.0,
                     weights: 0.0,
+                    misses: vertices.len(),
                 });
                 rows.len() - 1
             });
-            let beside = joints[joint].1.transform_point3(place);
-            let (low, high) = sides.entry(joint).or_insert((beside, beside));
-            (*low, *high) = (low.min(beside), high.max(beside));
-            rows[at].place += beside * (weight / count);
-            rows[at].weight += weight / count;
-            match all
-                .iter_mut()
-                .rev()
-                .find(|one| (one.0, one.1) == (number, at))
-            {
+            let beside = joints[joint].1.transform_point3(vertex.place);
+            match sides.iter_mut().find(|(known, _)| *known == joint) {
+                Some((_, (low, high))) => (*low, *high) = (low.min(beside), high.max(beside)),
+                None => sides.push((joint, (beside, beside))),
+            }
+            let row = &mut rows[at];
+            row.place += beside * (weight * share);
+            row.weight += weight * share;
+            match all[begin..].iter_mut().find(|one| one.0 == at) {
                 // A vertex may follow a joint twice.
                 Some(one) => {
-                    one.2 += beside * weight;
-                    one.3 += weight;
+                    one.1 += beside * weight;
+                    one.2 += weight;
                 }
-                None => all.push((number, at, beside * weight, weight)),
+                None => {
+                    row.misses -= 1;
+                    all.push((at, beside * weight, weight));
+                }
             }
         }
     }
-    for (at, row) in rows.iter_mut().enumerate() {
-        let its = all.iter().filter(|one| one.1 == at);
-        let (mut seen, mut places, mut weights) = (0, 0.0_f64, 0.0_f64);
-        for (_, _, place, weight) in its {
-            seen += 1;
-            places = places.max(place.distance(row.place));
-            weights = weights.max((weight - row.weight).abs());
-        }
-        if seen < vertices.len() {
-            places = places.max(row.place.length());
-            weights = weights.max(row.weight);
-        }
-        (row.places, row.weights) = (places, weights);
+    for (at, place, weight) in all {
+        let row = &mut rows[at];
+        row.places = row.places.max(place.distance(row.place));
+        row.weights = row.weights.max((weight - row.weight).abs());
+    }
+    for row in rows.iter_mut().filter(|row| row.misses > 0) {
+        row.places = row.places.max(row.place.length());
+        row.weights = row.weights.max(row.weight);
     }
     Group {
         part: number,

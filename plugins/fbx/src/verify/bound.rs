@@ -13,9 +13,10 @@
 //!    `|D| <= L(n) e + r`, where `e` is the largest error at the `n` times.
 //! 3. A polynomial is nowhere longer than the longest of the Bézier points of its pieces, which are mixtures of what it is at the
 //!    places: matrices that are known already. So `|D| <= h + r`, where `h` is the longest of these.
-//! 4. Where what is off is no mixture (morph targets): at `N > n - 1` zeros of Chebyshev's polynomial a polynomial of degree
+//! 4. At `N > n - 1` zeros of Chebyshev's polynomial a polynomial of degree
 //!    `n - 1` is at most `1 / cos(pi (n - 1) / 2 N)` times as long as the longest at these (Ehlich and Zeller, "Schwankung von
-//!    Polynomen zwischen Gitterpunkten", 1964). So `|D| <= C (e + r) + r` for `N` times, with `C` = 1.0353 for `N = 6 (n - 1)`.
+//!    Polynomen zwischen Gitterpunkten", 1964). So `|D| <= C p + r`, where `p` is the longest of `q` at `N` times, with `C` = 1.0353 for
+//!    `N = 6 (n - 1)`. Where what is off is no mixture (morph targets) that is at most the largest error there and `r`.
 //!
 //! All hold for vectors, since they hold along each direction, and so for the farthest of many points. With `n = 1` `r`
 //! is how far anything goes from where it is in the middle, which is known across kinks and keys too, near poles of angles and
@@ -63,7 +64,7 @@ const NEARER: f64 = 0.7;
 /// By how much keys beside each other may be off is no more than this share.
 const SKEWED: f64 = 0.004;
 
-/// How much longer a polynomial may be than at [`dense`] places: 1 / cos(pi / 12).
+/// How much longer a polynomial may be than at dense places: 1 / cos(pi / 12).
 const RIPPLE: f64 = 1.035_277;
 
 /// Lebesgue constants of places are below this.
@@ -107,13 +108,14 @@ impl Found {
         most
     }
 
-    /// The bound after looks at some places, by the second and the third of the module's.
+    /// The bound after looks at some places, by the second and the third of the module's, or where it is a last one the fourth.
     fn bound(
         &mut self,
         subject: &mut impl Subject,
         span: &Span,
         places: &Places,
         rest: f64,
+        is_last: bool,
     ) -> f64 {
         let enough = self.enough(span.within);
         let most = self.largest(subject, span, places, (enough - rest) / places.lebesgue);
@@ -121,9 +123,13 @@ impl Found {
         if places.hull.is_empty() || bound <= self.enough(span.within) {
             return bound;
         }
-        let floor = (self.enough(span.within) - rest).max(0.0);
-        match subject.mixed(&places.hull, floor) {
-            Some(hull) => bound.min(hull.max(floor).max(most) + rest),
+        let (rows, longer) = match is_last {
+            true => (places.dense(), RIPPLE),
+            false => (&places.hull[..], 1.0),
+        };
+        let floor = ((self.enough(span.within) - rest) / longer).max(0.0);
+        match subject.mixed(rows, floor) {
+            Some(mixed) => bound.min(longer * mixed.max(floor).max(most) + rest),
             None => bound,
         }
     }
@@ -199,7 +205,7 @@ impl Found {
             let of = |near: f64| all.iter().find(|places| places.rest(&rate) <= near);
             let tried = of(rough.max(few)).map(|places| {
                 let rest = places.rest(&rate);
-                (self.bound(subject, &span, places, rest), rest)
+                (self.bound(subject, &span, places, rest, false), rest)
             });
             if let Some((bound, rest)) = tried
                 && (rest <= rough || bound <= self.enough(span.within))
@@ -224,7 +230,7 @@ impl Found {
                 }
             };
             let rest = places.rest(&rate);
-            let bound = self.bound(subject, &span, places, rest);
+            let bound = self.bound(subject, &span, places, rest, false);
             self.settle(span, rate, bound, rest);
         }
     }
@@ -253,6 +259,16 @@ impl Found {
         }
     }
 
+    /// The largest error at dense places, where what is off is no mixture of what was kept.
+    fn dense(&mut self, subject: &mut impl Subject, span: &Span, degree: usize, floor: f64) -> f64 {
+        let mut far = floor;
+        for x in dense(degree) {
+            let time = within(x, span.from, span.to);
+            far = far.max(self.look(subject, time, span.within, far));
+        }
+        far
+    }
+
     fn second(&mut self, subject: &mut impl Subject, open: &Open, most: usize) {
         let Open { span, rate, .. } = open;
         let mut best = open.bound;
@@ -265,7 +281,7 @@ impl Found {
         if let Some(places) = first
             && last.is_none_or(|last| last.count() > places.count())
         {
-            best = best.min(self.bound(subject, span, places, places.rest(rate)));
+            best = best.min(self.bound(subject, span, places, places.rest(rate), false));
             if best <= self.enough(span.within) {
                 self.prove(span.within, best);
                 return;
@@ -283,15 +299,12 @@ impl Found {
             return;
         };
         let rest = places.rest(rate);
-        best = best.min(self.bound(subject, span, places, rest));
+        best = best.min(self.bound(subject, span, places, rest, true));
         let degree = places.count() - 1;
-        if degree > 0 && best > self.enough(span.within) {
-            // What is off is no polynomial of what was kept, or its hull is too wide: it is looked at in as many places.
-            let mut far = ((self.enough(span.within) - rest) / RIPPLE - rest).max(0.0);
-            for x in dense(degree) {
-                let time = within(x, span.from, span.to);
-                far = far.max(self.look(subject, time, span.within, far));
-            }
+        let is_mixture = subject.mixed(&[], 0.0).is_some();
+        if degree > 0 && !is_mixture && best > self.enough(span.within) {
+            let floor = ((self.enough(span.within) - rest) / RIPPLE - rest).max(0.0);
+            let far = self.dense(subject, span, degree, floor);
             best = best.min(RIPPLE * (far + rest) + rest);
         }
         self.prove(span.within, best);

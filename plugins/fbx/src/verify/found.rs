@@ -172,6 +172,11 @@ impl Found {
         [keyed.found, keyed.found.max(within.found)]
     }
 
+    /// The largest error that was seen at keys and between them, or of those within frames.
+    pub(super) fn seen_of(&self, within: bool) -> f64 {
+        self.kinds[usize::from(within)].found
+    }
+
     /// No error is above these: the same two.
     pub(crate) fn bounds(&self) -> [f64; 2] {
         let [keyed, within] = [0, 1].map(|i| {
@@ -218,7 +223,7 @@ impl Found {
 
     /// Both sides of a jump, or a key.
     pub(crate) fn key(&mut self, subject: &mut impl Subject, time: f64) {
-        let floor = self.kinds[0].found;
+        let floor = self.seen_of(false);
         self.look(subject, time, false, floor);
     }
 

@@ -47,11 +47,12 @@ impl Lengths {
 
     /// Below axes of the majorant `axes`, by what places a node there.
     pub(super) fn below(&self, axes: &Majorant, own: &Rates, scales: &Squares) -> Self {
-        let turned = own.turn.product(&own.turn).product(&self.uneven);
+        let turn = own.turn.whole();
+        let turned = turn.product(&turn).product(&self.uneven);
         let mut about = self.even.plus(&turned);
         if self.uneven.0[0] > UNEVEN * self.even.0[0] {
             // However uneven, they are no longer than all axes are.
-            let all = axes.product(&own.turn);
+            let all = axes.product(&turn);
             about = about.min(&all.product(&all));
         }
         let scale = own.scale.product(&own.scale);
@@ -77,7 +78,7 @@ impl Lengths {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curves::{Number, Over, holds};
+    use crate::curves::{Number, Over, Turning, holds};
     use glam::DQuat;
 
     fn line(middle: f64, way: f64) -> Number {
@@ -93,7 +94,7 @@ mod tests {
         let [x, y, z] = scales.map(|number| number.moves);
         let own = Rates {
             translation: Majorant::ZERO,
-            turn: Majorant::moving(0.0, 0.7).rotation(),
+            turn: Turning::By(Majorant::moving(0.0, 0.7)),
             scale: x.max(&y).max(&z),
         };
         let below = |above: &Lengths, axes: f64| {
@@ -109,7 +110,7 @@ mod tests {
             };
             let once = below(&Lengths::still(&above), 2.0 + uneven);
             let axes = Majorant::still(2.0 + uneven)
-                .product(&own.turn)
+                .product(&own.turn.whole())
                 .product(&own.scale);
             let twice = once.below(&axes, &own, &Squares::of(&scales));
             for axis in 0..3 {

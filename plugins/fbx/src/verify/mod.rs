@@ -11,6 +11,7 @@ mod bound;
 mod chain;
 mod found;
 mod lengths;
+mod moves;
 mod places;
 mod played;
 mod times;

@@ -5,7 +5,7 @@
 
 use crate::curves::{Majorant, ORDERS};
 use std::f64::consts::PI;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 /// Places, -1 to 1, and what follows from their number.
 #[derive(Debug)]
@@ -20,6 +20,8 @@ pub(super) struct Places {
     product: f64,
     /// For each point that spans the hull of the polynomial through them, and is no place itself: how much of each place is in it.
     pub(super) hull: Vec<Vec<f64>>,
+    /// The same for each of the [`dense`] places.
+    dense: OnceLock<Vec<Vec<f64>>>,
 }
 
 /// Within the span: how many, and Lebesgue constants (1 / n times the sum of cot((2 k + 1) pi / 4 n)).
@@ -81,12 +83,21 @@ impl Places {
             lebesgue,
             product,
             hull,
+            dense: OnceLock::new(),
         }
     }
 
     /// All kinds, with the ends or without, few places first.
     pub(super) fn all(ends: bool) -> &'static [Self] {
         if ends { &OF_ENDS } else { &OF_WITHIN }
+    }
+
+    /// What polynomials through them are at dense places: for each of these, how much of each place is in it. Nothing for one place.
+    pub(super) fn dense(&self) -> &[Vec<f64>] {
+        self.dense.get_or_init(|| {
+            let row = |x: f64| (0..self.count()).map(|i| value(&self.at, i, x)).collect();
+            dense(self.count() - 1).into_iter().map(row).collect()
+        })
     }
 
     /// How many there are.
@@ -154,6 +165,13 @@ fn hull(places: &[f64], ends: bool) -> Vec<Vec<f64>> {
     out
 }
 
+/// Lagrange's polynomial to a place.
+fn value(places: &[f64], to: usize, x: f64) -> f64 {
+    let others = places.iter().enumerate().filter(|(i, _)| *i != to);
+    let factors = others.map(|(_, place)| (x - place) / (places[to] - place));
+    factors.product()
+}
+
 /// Coefficients of Lagrange's polynomial to a place over a piece, which is taken to be one long.
 fn lagrange(places: &[f64], to: usize, from: f64, until: f64) -> Vec<f64> {
     let mut out = vec![1.0];
@@ -191,12 +209,8 @@ mod tests {
     use super::*;
 
     fn polynomial(places: &[f64], values: &[f64], x: f64) -> f64 {
-        let of = |i: usize| {
-            let others = (0..places.len()).filter(|&k| k != i);
-            let factors = others.map(|k| (x - places[k]) / (places[i] - places[k]));
-            factors.product::<f64>()
-        };
-        (0..places.len()).map(|i| of(i) * values[i]).sum()
+        let each = (0..places.len()).map(|i| value(places, i, x) * values[i]);
+        each.sum()
     }
 
     fn shares() -> impl Iterator<Item = f64> {
@@ -258,6 +272,13 @@ mod tests {
                         .fold(hull, |hull, value| hull.max(value.abs()));
                 }
                 assert!(hull >= most * (1.0 - 1e-12), "{hull} of {most}: {places:?}");
+                let dense = places.dense().iter();
+                let dense = dense.map(|each| row(each).abs()).fold(0.0, f64::max);
+                assert!(
+                    dense <= most * (1.0 + 1e-6),
+                    "{dense} of {most}: {places:?}"
+                );
+                assert!(1.035_277 * dense >= most, "{dense} of {most}: {places:?}");
                 assert!(hull <= most * 1.6, "{hull} of {most}: {places:?}");
             }
         }

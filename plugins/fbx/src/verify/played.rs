@@ -1,7 +1,7 @@
 //! Majorants of keys as they are played, over a span between keys.
 
 use crate::clips::Player;
-use crate::curves::{Majorant, ORDERS, Over, cubic, part};
+use crate::curves::{Majorant, ORDERS, Over, Turning, cubic, part};
 use crate::model::{Channel, Interpolation, Property};
 use glam::DVec4;
 
@@ -91,10 +91,10 @@ fn each(channel: &Channel, stretch: &Stretch, over: Over, number: usize) -> Majo
 }
 
 /// The majorant of the matrix of a channel of rotations, and of its player.
-pub(super) fn turn(channel: &Channel, player: &mut Player, over: Over) -> Majorant {
+pub(super) fn turn(channel: &Channel, player: &mut Player, over: Over) -> Turning {
     match stretch(channel, player, over) {
-        Stretch::Across => Majorant::within(1.0, 2.0),
-        Stretch::Still(_) => Majorant::still(1.0),
+        Stretch::Across => Turning::Whole(Majorant::within(1.0, 2.0)),
+        Stretch::Still(_) => Turning::STILL,
         Stretch::Moves(key, begin, end) => match channel.interpolation {
             Interpolation::Cubic => {
                 let quat = |key: usize, which: usize| {
@@ -108,11 +108,12 @@ pub(super) fn turn(channel: &Channel, player: &mut Player, over: Over) -> Majora
                 let axes = points.map(|point| point.to_array());
                 let axis = |i: usize| part(axes.map(|point| point[i]), begin, end);
                 let parts = [axis(0), axis(1), axis(2), axis(3)];
-                sphere([0, 1, 2, 3].map(|i| DVec4::from_array(parts.map(|part| part[i]))))
+                let points = [0, 1, 2, 3].map(|i| DVec4::from_array(parts.map(|part| part[i])));
+                Turning::Whole(sphere(points))
             }
             _ => {
                 let half = player.arc(key).angle();
-                Majorant::moving(0.0, 2.0 * half * (end - begin)).rotation()
+                Turning::By(Majorant::moving(0.0, 2.0 * half * (end - begin)))
             }
         },
     }

@@ -34,7 +34,10 @@ const WORK: (usize, usize) = (1_000_000, 40);
 const LEAST: usize = 4;
 
 /// Spans that are looked at by themselves, whoever looks at the others.
-const TOGETHER: usize = 64;
+const TOGETHER: usize = 32;
+
+/// What a span costs, in poses of samples that are chosen from: some seven looks of two poses each.
+const LOOKS: usize = 16;
 
 /// Times of a clip that are looked at before all else.
 const BEFORE: usize = 24;
@@ -65,16 +68,14 @@ pub(crate) fn check(
     let mut found = Found::new(expected, NOTHING * bound, bound);
     let mut own = actors();
     for (span, _) in spans.iter().step_by(spans.len() / BEFORE + 1) {
-        found.look(
-            &mut own,
-            f64::midpoint(span.from, span.to),
-            span.within,
-            0.0,
-        );
+        // What is more than is asked for is seen however much that is.
+        let floor = found.seen_of(span.within).min(bound);
+        let middle = f64::midpoint(span.from, span.to);
+        found.look(&mut own, middle, span.within, floor);
     }
     let known = found.apart();
     let groups = spans.len().div_ceil(TOGETHER);
-    let parts = in_parts(groups, threads(4 * poses, source.options), |range| {
+    let parts = in_parts(groups, threads(LOOKS * poses, source.options), |range| {
         let mut actors = actors();
         let of_group = |group: usize| {
             // What a group finds is not to depend on who was looked at before it.
