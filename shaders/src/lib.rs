@@ -133,6 +133,7 @@ pub const ALL: &[ShaderFile] = files![
     "geometry/draw.wgsl",
     "geometry/draw_types.wgsl",
     "geometry/head.wgsl",
+    "geometry/once.wgsl",
     "geometry/user_amplify.wgsl",
     "geometry/user_material.wgsl",
     "geometry/user_vertex.wgsl",

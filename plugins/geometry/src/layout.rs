@@ -63,7 +63,7 @@ pub struct GeometryDraw {
     pub uv_range: f32,
     pub viewport: [f32; 2],
     pub flags: u32,
-    pub pad: u32,
+    pub producer: u32,
     pub numbers: [[f32; 4]; 4],
 }
 

@@ -15,11 +15,13 @@
 //! | [`vertex`] | the words of a stored vertex |
 //! | [`ring`] | what the GPU wrote, on its way back without anybody waiting |
 //! | [`budget`] | a controller that moves a tolerance so that a time is held |
+//! | [`once`] | where a pixel's surface is, by its depth: surfaces that are shaded once a pixel |
 //! | `render` | pools, draws and counters (feature `render`) |
 
 pub mod budget;
 mod components;
 pub mod layout;
+pub mod once;
 #[cfg(feature = "render")]
 pub mod render;
 pub mod ring;

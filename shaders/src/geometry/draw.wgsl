@@ -24,6 +24,7 @@ struct Varying {
 }
 
 #ifndef GEOMETRY_SHADOW
+#ifndef GEOMETRY_SURFACE
 #import dolomite::geometry::user_material::material
 
 // A linear colour as a picture without G-buffer holds it: as it is, or encoded (IEC 61966-2-1).
@@ -36,7 +37,26 @@ fn pictured(colour: vec3<f32>) -> vec3<f32> {
 #endif
 }
 #endif
+#endif
 
+#ifdef GEOMETRY_ONCE
+// What the draws of the producers left of the surfaces that are seen, shaded once a pixel; see once.wgsl.
+#import dolomite::geometry::once::{Rows, clip_rows, is_of, place_at, footprint, unpack_surface_normal}
+
+@group(3) @binding(0) var surfaces: texture_2d<u32>;
+
+struct Covering {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) at: vec2<f32>,
+}
+
+// A triangle over the whole picture, at the far end: where nothing was drawn it is not.
+@vertex
+fn vertex(@builtin(vertex_index) number: u32) -> Covering {
+    let at = vec2(f32(number & 1u), f32(number >> 1u)) * 4.0 - 1.0;
+    return Covering(vec4(at, 0.0, 1.0), at);
+}
+#else
 // Of the corner of a triangle.
 fn corner_weights(number: u32) -> vec3<f32> {
     let corner = number % 3u;
@@ -51,7 +71,7 @@ fn rasterised(position: vec3<f32>, normal: vec3<f32>, uv: vec2<f32>, before: vec
     out.clip.z = select(out.clip.z, min(out.clip.z, 1.0), out.clip.w == 1.0);
 #endif
 #ifdef GEOMETRY_VERTEX_SHADED
-    out.colour = pictured(material(Surface(position, normal, uv, row)).base_color);
+    out.colour = pictured(material(Surface(position, normal, uv, row, vec3(0.0), vec3(0.0))).base_color);
 #else
     out.position = position;
     out.normal = normal;
@@ -163,6 +183,7 @@ fn vertex(
 #endif
 
 #ifndef GEOMETRY_SHADOW
+#ifndef GEOMETRY_SURFACE
 // The colour of a line, where those of the vertices are as the picture holds them.
 fn drawn_over(colour: vec3<f32>) -> vec3<f32> {
 #ifdef GEOMETRY_VERTEX_SHADED
@@ -177,7 +198,8 @@ fn shade(in: Varying, front: bool) -> Shaded {
 #ifdef GEOMETRY_VERTEX_SHADED
     var shaded = Shaded(in.colour, vec3(0.0), vec3(0.0, 1.0, 0.0), 1.0, 0.0, 0.0, 1.0, true, false);
 #else
-    var shaded = material(Surface(in.position, normalize(select(-in.normal, in.normal, front)), in.uv, in.row));
+    let normal = normalize(select(-in.normal, in.normal, front));
+    var shaded = material(Surface(in.position, normal, in.uv, in.row, dpdx(in.position), dpdy(in.position)));
 #endif
 #ifdef GEOMETRY_LINES
     // Distance to the nearest edge in pixels, from the barycentric coordinates' own slope.
@@ -194,6 +216,19 @@ fn shade(in: Varying, front: bool) -> Shaded {
     }
 #endif
     return shaded;
+}
+#endif
+#endif
+#endif
+
+#ifdef GEOMETRY_SURFACE
+#import dolomite::geometry::once::pack_surface
+
+// What of the surface is kept until it is shaded.
+@fragment
+fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<u32> {
+    let normal = select(-in.normal, in.normal, front);
+    return pack_surface(in.clip.z, normal, in.uv / geometry_draw.uv_range, in.row, geometry_draw.producer);
 }
 #endif
 
@@ -214,9 +249,8 @@ struct GBuffer {
     @location(3) lighting_pass: u32,
 }
 
-@fragment
-fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
-    let shaded = shade(in, front);
+// `now` and `before`: clip space of this frame and the last.
+fn gbuffer(shaded: Shaded, now: vec4<f32>, before: vec4<f32>) -> GBuffer {
     let unlit = select(0u, DEFERRED_FLAGS_UNLIT_BIT, shaded.unlit);
     let fog = select(0u, DEFERRED_FLAGS_FOG_ENABLED_BIT, shaded.fog);
     var out: GBuffer;
@@ -236,13 +270,39 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
     out.normal = vec4(shaded.normal * 0.5 + 0.5, 1.0);
 #endif
 #ifdef MOTION_VECTORS
-    let now = in.clip_now.xy / in.clip_now.w;
-    let before = in.clip_before.xy / in.clip_before.w;
     // Half of the NDC difference, y down, as Bevy's prepass has it.
-    out.motion = (now - before) * vec2(0.5, -0.5);
+    out.motion = (now.xy / now.w - before.xy / before.w) * vec2(0.5, -0.5);
 #endif
     return out;
 }
+
+#ifdef GEOMETRY_ONCE
+@fragment
+fn fragment(in: Covering) -> GBuffer {
+    let kept = textureLoad(surfaces, vec2<i32>(in.clip.xy), 0);
+    if !is_of(kept, geometry_draw.producer) {
+        discard;
+    }
+    let rows = clip_rows(geometry_draw.clip_from_anchor, in.at, bitcast<f32>(kept.x));
+    let position = place_at(rows);
+    let normal = unpack_surface_normal(kept.y);
+    let across = footprint(rows, position, normal, geometry_draw.viewport);
+    let uv = unpack2x16snorm(kept.z) * geometry_draw.uv_range;
+    let shaded = material(Surface(position, normal, uv, kept.w & 0xffu, across.dx, across.dy));
+    let place = vec4(position, 1.0);
+    return gbuffer(shaded, geometry_draw.clip_from_anchor * place, geometry_draw.previous_clip_from_anchor * place);
+}
+#else
+@fragment
+fn fragment(in: Varying, @builtin(front_facing) front: bool) -> GBuffer {
+    let shaded = shade(in, front);
+#ifdef MOTION_VECTORS
+    return gbuffer(shaded, in.clip_now, in.clip_before);
+#else
+    return gbuffer(shaded, vec4(1.0), vec4(1.0));
+#endif
+}
+#endif
 #endif
 
 #ifdef DIRECT

@@ -20,7 +20,8 @@ struct GeometryDraw {
     viewport: vec2<f32>,
     // FILL, LINES.
     flags: u32,
-    pad: u32,
+    // Number of the producer among those of the frame.
+    producer: u32,
     // The producer's numbers of the view.
     numbers: array<vec4<f32>, 4>,
 }
@@ -48,6 +49,9 @@ struct Surface {
     uv: vec2<f32>,
     // Row of the table.
     material: u32,
+    // What a pixel spans along the picture's rows and down its columns, metres on the surface; 0 at vertices.
+    dx: vec3<f32>,
+    dy: vec3<f32>,
 }
 
 // What goes to the G-buffer.

@@ -27,9 +27,8 @@ fn kept(pixel: f32, size: f32) -> f32 {
 
 // What the rasteriser gives, shaded; stage space's origin stands `anchor_height` metres up.
 fn ground_surface(view: GroundView, surface: Surface, anchor_height: f32) -> Shaded {
-    // Derivatives before any branch: WGSL wants them in uniform control flow.
-    let dx = dpdx(surface.position);
-    let dy = dpdy(surface.position);
+    let dx = surface.dx;
+    let dy = surface.dy;
     let position = vec3(surface.position.x, surface.position.y + anchor_height, surface.position.z);
     let camera_distance = length(surface.position - view.camera);
     let pixel = max(length(dx.xz), length(dy.xz));

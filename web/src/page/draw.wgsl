@@ -65,7 +65,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     let near = min(away.x, min(away.y, away.z));
     let line = select(0.0, 1.0 - smoothstep(0.35, 1.1, near), (geometry_draw.flags & LINES) != 0u);
     let facing = normalize(select(-in.normal, in.normal, front));
-    let shaded = material(Surface(in.position, facing, in.uv, in.row));
+    let shaded = material(Surface(in.position, facing, in.uv, in.row, dpdx(in.position), dpdy(in.position)));
     let towards = normalize(geometry_draw.camera - in.position);
     let sun = geometry_draw.numbers[0];
     let sky = mix(geometry_draw.numbers[2].xyz, geometry_draw.numbers[1].xyz, shaded.normal.y * 0.5 + 0.5);

@@ -11,7 +11,7 @@ use bevy::render::view::{ViewDepthTexture, ViewTarget};
 
 use super::extract::ExtractedGeometryCamera;
 use super::pass::{draw_calls, ready, viewport};
-use super::pipeline::DrawKey;
+use super::pipeline::{DrawKey, DrawStep};
 use super::producer::Producers;
 
 type DirectView<'a> = (
@@ -36,9 +36,8 @@ pub fn draw(
     if prepass.is_some_and(|prepass| prepass.deferred.is_some()) {
         return;
     }
-    let calls = ready(&producers, entity, &cache, |lines| {
-        DrawKey::new(prepass, target, lines)
-    });
+    let key = |lines| DrawKey::new(prepass, target, lines);
+    let calls = ready(&producers, entity, &cache, key, DrawStep::Whole);
     if calls.is_empty() {
         return;
     }

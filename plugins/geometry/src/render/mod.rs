@@ -12,6 +12,7 @@ mod camera;
 mod direct;
 mod extract;
 mod material;
+mod once;
 mod pass;
 mod pipeline;
 mod prepare;
@@ -114,6 +115,7 @@ pub fn build_render(app: &mut App) {
         .insert_resource(shared.unwrap_or_default())
         .init_resource::<Producers>()
         .init_resource::<GeometryScene>()
+        .init_resource::<once::Surfaces>()
         .configure_sets(
             Render,
             (
@@ -142,7 +144,7 @@ pub fn build_render(app: &mut App) {
             Render,
             (
                 prepare::views.in_set(GeometrySystems::Views),
-                pass::bind.in_set(GeometrySystems::Bind),
+                (once::keep, pass::bind).in_set(GeometrySystems::Bind),
                 stats::collect.in_set(RenderSystems::Cleanup),
             ),
         )

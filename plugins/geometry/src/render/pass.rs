@@ -15,9 +15,10 @@ use bevy::render::renderer::{RenderContext, RenderDevice, ViewQuery};
 use bevy::render::view::{ViewDepthTexture, ViewTarget};
 
 use super::extract::ExtractedGeometryCamera;
-use super::pipeline::{DrawKey, DrawPipelines, Drawn};
+use super::once::Surfaces;
+use super::pipeline::{DrawKey, DrawPipelines, DrawStep, Drawn};
 use super::producer::{Producer, Producers};
-use super::record::{DrawCall, DrawSource, record_draw};
+use super::record::{DrawCall, DrawSource, record_covering, record_draw};
 use super::shared::GeometryShared;
 use super::traits::DrawTraits;
 use super::view::{DrawGroups, GeometryView};
@@ -69,7 +70,10 @@ pub fn bind(
         }
         for (entity, state) in states.iter_mut() {
             if let Ok((prepass, target)) = views.get(*entity) {
-                draws.draw(&of, &cache, DrawKey::new(prepass, target, state.shown[1]));
+                let key = DrawKey::new(prepass, target, state.shown[1]);
+                for step in key.steps(traits) {
+                    draws.draw(&of, &cache, key.in_step(*step));
+                }
             }
             if state.inputs.is_none() && inputs_layout.entries.is_empty() {
                 let layout = cache.get_bind_group_layout(inputs_layout);
@@ -175,18 +179,26 @@ fn source(traits: &DrawTraits, lines: bool) -> DrawSource {
     }
 }
 
-/// The draws of all producers that have something to show in a view, and whose pipelines are there.
+/// The draws of all producers that have something to show in a view in one of the steps, and whose pipelines are there:
+/// those of all its steps.
 pub fn ready<'a>(
     producers: &'a Producers,
     view: Entity,
     cache: &'a PipelineCache,
     key: impl Fn(bool) -> DrawKey,
+    step: DrawStep,
 ) -> Vec<DrawCall<'a>> {
     let calls = producers.iter().filter_map(|producer| {
         let state = producer.views.get(&view).filter(|state| state.is_shown())?;
         let lines = state.shown[1];
-        let id = producer.draws.as_ref()?.known(key(lines))?;
-        call(producer, state, cache.get_render_pipeline(id)?, lines, 0)
+        let key = key(lines);
+        let steps = key.steps(&producer.traits);
+        let draws = producer.draws.as_ref()?;
+        let pipeline = |step| cache.get_render_pipeline(draws.known(key.in_step(step))?);
+        if !steps.contains(&step) || steps.iter().any(|step| pipeline(*step).is_none()) {
+            return None;
+        }
+        call(producer, state, pipeline(step)?, lines, 0)
     });
     calls.collect()
 }
@@ -225,7 +237,7 @@ type DeferredView<'a> = (
 /// The primitives of every producer into the G-buffer and the depth buffer.
 pub fn draw_gbuffer(
     view: ViewQuery<DeferredView, With<ExtractedGeometryCamera>>,
-    producers: Res<Producers>,
+    (producers, surfaces): (Res<Producers>, Res<Surfaces>),
     cache: Res<PipelineCache>,
     mut ctx: RenderContext,
 ) {
@@ -234,11 +246,28 @@ pub fn draw_gbuffer(
     else {
         return;
     };
-    let calls = ready(&producers, entity, &cache, |lines| {
-        DrawKey::new(Some(prepass), target, lines)
-    });
-    if calls.is_empty() {
+    let key = |lines| DrawKey::new(Some(prepass), target, lines);
+    let [kept, shaded, whole] = [DrawStep::Surfaces, DrawStep::Once, DrawStep::Whole]
+        .map(|step| ready(&producers, entity, &cache, key, step));
+    let surfaces = surfaces.of(entity).filter(|_| !kept.is_empty());
+    if surfaces.is_none() && whole.is_empty() {
         return;
+    }
+    let viewport = viewport(camera, resolution);
+    let recorder = ctx.diagnostic_recorder();
+    let recorder = recorder.as_deref();
+    if let Some((target, _)) = &surfaces {
+        let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+            label: Some("geometry_surfaces"),
+            color_attachments: &[Some(target.clone())],
+            depth_stencil_attachment: Some(depth.get_attachment(StoreOp::Store)),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        let span = recorder.pass_span(&mut pass, "geometry_surfaces");
+        draw_calls(&mut pass, viewport.as_ref(), &kept);
+        span.end(&mut pass);
     }
     let attachments = [
         prepass
@@ -252,8 +281,6 @@ pub fn draw_gbuffer(
         Some(deferred.get_attachment()),
         Some(pass_id.get_attachment()),
     ];
-    let recorder = ctx.diagnostic_recorder();
-    let recorder = recorder.as_deref();
     let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
         label: Some("geometry_gbuffer"),
         color_attachments: &attachments,
@@ -263,7 +290,15 @@ pub fn draw_gbuffer(
         multiview_mask: None,
     });
     let span = recorder.pass_span(&mut pass, "geometry_gbuffer");
-    draw_calls(&mut pass, viewport(camera, resolution).as_ref(), &calls);
+    if let Some((_, group)) = surfaces {
+        if let Some(viewport) = &viewport {
+            pass.set_camera_viewport(viewport);
+        }
+        for call in &shaded {
+            record_covering(pass.wgpu_pass(), call, group);
+        }
+    }
+    draw_calls(&mut pass, viewport.as_ref(), &whole);
     span.end(&mut pass);
 }
 

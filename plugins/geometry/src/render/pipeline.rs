@@ -22,6 +22,7 @@ use bevy::render::render_resource::{
 use bevy::render::view::ViewTarget;
 use bevy::shader::{ShaderCacheError, ShaderDefVal};
 
+use super::once::{SURFACE_FORMAT, surfaces_layout};
 use super::traits::{DrawShader, DrawTraits};
 use super::variants::{Look, Target, shadow_defs};
 use crate::layout::{
@@ -39,6 +40,20 @@ pub struct DrawKey {
     pub motion: bool,
     /// Of a view without G-buffer.
     pub(super) direct: Option<Picture>,
+    /// Which of the steps to the G-buffer it is.
+    pub(super) step: DrawStep,
+}
+
+/// How a draw comes into the G-buffer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum DrawStep {
+    /// At once: its material runs in the draw.
+    #[default]
+    Whole,
+    /// What is kept of its surfaces until they are shaded; see [`DrawTraits::shaded_once`].
+    Surfaces,
+    /// These are shaded.
+    Once,
 }
 
 /// What a view without G-buffer draws into.
@@ -65,6 +80,21 @@ impl DrawKey {
                 format: target.main_texture_format(),
                 encoded: target.compositing_space == Some(CompositingSpace::Srgb),
             }),
+            step: DrawStep::Whole,
+        }
+    }
+
+    /// The same in a step of its own.
+    pub(super) const fn in_step(self, step: DrawStep) -> Self {
+        Self { step, ..self }
+    }
+
+    /// The steps in which a producer's draw comes into this view.
+    pub(super) fn steps(self, traits: &DrawTraits) -> &'static [DrawStep] {
+        if traits.shaded_once && self.direct.is_none() && !self.lines {
+            &[DrawStep::Surfaces, DrawStep::Once]
+        } else {
+            &[DrawStep::Whole]
         }
     }
 }
@@ -83,6 +113,8 @@ pub struct DrawPipelines {
     pub draw_layout: BindGroupLayoutDescriptor,
     /// Of draws that fetch vertices by themselves: amplified ones, and those of lines.
     pub fetch_layout: BindGroupLayoutDescriptor,
+    /// Group 3 of what is shaded once a pixel: what was kept of surfaces.
+    pub surfaces_layout: BindGroupLayoutDescriptor,
     /// Of producers that cast shadows.
     pub shadow: Option<CachedRenderPipelineId>,
     draw: Vec<(DrawKey, CachedRenderPipelineId)>,
@@ -125,6 +157,7 @@ impl DrawPipelines {
             data_layout: data_layout.clone(),
             draw_layout,
             fetch_layout,
+            surfaces_layout: surfaces_layout(),
             shadow: None,
             draw: Vec::new(),
         };
@@ -171,53 +204,45 @@ impl DrawPipelines {
             return id;
         }
         let fetched = of.traits.fetches(key.lines);
+        let (normals, motion) = (key.normals, key.motion);
         let look = Look {
             lines: key.lines,
-            target: match key.direct {
-                Some(picture) => Target::Picture {
+            target: match (key.direct, key.step) {
+                (Some(picture), _) => Target::Picture {
                     encoded: picture.encoded,
                 },
-                None => Target::GBuffer {
-                    normals: key.normals,
-                    motion: key.motion,
-                },
+                (None, DrawStep::Whole) => Target::GBuffer { normals, motion },
+                (None, DrawStep::Surfaces) => Target::Surfaces,
+                (None, DrawStep::Once) => Target::Once { normals, motion },
             },
         };
         let defs = look.defs(&of.shader.defs, of.traits);
-        let target = |format: TextureFormat| {
-            Some(ColorTargetState {
-                format,
-                blend: None,
-                write_mask: ColorWrites::ALL,
-            })
+        let label = match look.target {
+            Target::Picture { .. } => "geometry_direct",
+            Target::GBuffer { .. } => "geometry_gbuffer",
+            Target::Surfaces => "geometry_surfaces",
+            Target::Once { .. } => "geometry_once",
         };
-        let targets = match key.direct {
-            Some(picture) => vec![target(picture.format)],
-            None => vec![
-                key.normals.then(|| target(NORMAL_PREPASS_FORMAT)).flatten(),
-                key.motion
-                    .then(|| target(MOTION_VECTOR_PREPASS_FORMAT))
-                    .flatten(),
-                target(DEFERRED_PREPASS_FORMAT),
-                target(DEFERRED_LIGHTING_PASS_ID_FORMAT),
-            ],
-        };
-        let label = match key.direct {
-            Some(_) => "geometry_direct",
-            None => "geometry_gbuffer",
+        let mut layout = self.layouts(fetched);
+        let (vertex, primitive, depth) = if key.step == DrawStep::Once {
+            layout.push(self.surfaces_layout.clone());
+            covering(of, defs.clone())
+        } else {
+            let vertex = vertex_state(of, defs.clone(), fetched);
+            (vertex, primitive(of.traits), depth())
         };
         let id = cache.queue_render_pipeline(RenderPipelineDescriptor {
             label: Some(format!("{label} {}", of.name).into()),
-            layout: self.layouts(fetched),
-            vertex: vertex_state(of, defs.clone(), fetched),
+            layout,
+            vertex,
             fragment: Some(FragmentState {
                 shader: of.shader.handle.clone(),
                 shader_defs: defs,
                 entry_point: Some("fragment".into()),
-                targets,
+                targets: targets(key),
             }),
-            primitive: primitive(of.traits),
-            depth_stencil: Some(depth()),
+            primitive,
+            depth_stencil: Some(depth),
             ..default()
         });
         self.draw.push((key, id));
@@ -241,6 +266,50 @@ impl DrawPipelines {
         all.map(|id| cache.get_render_pipeline_state(*id))
             .find_map(pipeline_fault)
     }
+}
+
+/// What a draw writes.
+fn targets(key: DrawKey) -> Vec<Option<ColorTargetState>> {
+    let target = |format: TextureFormat| {
+        Some(ColorTargetState {
+            format,
+            blend: None,
+            write_mask: ColorWrites::ALL,
+        })
+    };
+    if let Some(picture) = key.direct {
+        return vec![target(picture.format)];
+    }
+    if key.step == DrawStep::Surfaces {
+        return vec![target(SURFACE_FORMAT)];
+    }
+    vec![
+        key.normals.then(|| target(NORMAL_PREPASS_FORMAT)).flatten(),
+        key.motion
+            .then(|| target(MOTION_VECTOR_PREPASS_FORMAT))
+            .flatten(),
+        target(DEFERRED_PREPASS_FORMAT),
+        target(DEFERRED_LIGHTING_PASS_ID_FORMAT),
+    ]
+}
+
+/// A triangle over the picture, where something nearer than the far end was drawn.
+fn covering(
+    of: &Drawn,
+    defs: Vec<ShaderDefVal>,
+) -> (VertexState, PrimitiveState, DepthStencilState) {
+    let vertex = VertexState {
+        shader: of.shader.handle.clone(),
+        shader_defs: defs,
+        entry_point: Some("vertex".into()),
+        buffers: Vec::new(),
+    };
+    let depth = DepthStencilState {
+        depth_write_enabled: Some(false),
+        depth_compare: Some(CompareFunction::Less),
+        ..depth()
+    };
+    (vertex, PrimitiveState::default(), depth)
 }
 
 /// Why a pipeline could not be made; `None` while its files are on their way.

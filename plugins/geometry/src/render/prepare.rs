@@ -38,7 +38,7 @@ pub fn views(
     queue: Res<RenderQueue>,
     mut clips: Local<Vec<DMat4>>,
 ) {
-    for producer in producers.iter_mut() {
+    for (number, producer) in (0..).zip(producers.iter_mut()) {
         let wanted = &producer.wanted;
         producer.views.retain(|entity, _| {
             wanted.iter().any(|(view, _)| view == entity) && views.contains(*entity)
@@ -99,7 +99,7 @@ pub fn views(
                 viewport: frame.size.to_array(),
                 flags: u32::from(camera.settings.fill) * FILL
                     + u32::from(camera.settings.lines) * LINES,
-                pad: 0,
+                producer: number,
                 numbers: producer.numbers.as_ref().map_or([[0.0; 4]; 4], |numbers| {
                     numbers(&frame.viewpoint()).map(|n| n.to_array())
                 }),

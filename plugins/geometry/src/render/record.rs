@@ -73,3 +73,18 @@ pub fn record_draw(
         }
     }
 }
+
+/// Sets the call's pipeline and groups, and `surfaces` as group 3, and shades what was kept of the surfaces of its producer
+/// in a triangle over the picture; see [`DrawTraits::shaded_once`](super::DrawTraits::shaded_once).
+pub fn record_covering(
+    pass: &mut wgpu::RenderPass<'_>,
+    call: &DrawCall<'_>,
+    surfaces: &wgpu::BindGroup,
+) {
+    pass.set_pipeline(call.pipeline);
+    pass.set_bind_group(0, call.groups[0], &[]);
+    pass.set_bind_group(1, call.groups[1], &[]);
+    pass.set_bind_group(2, call.groups[2], call.slot.as_slice());
+    pass.set_bind_group(3, surfaces, &[]);
+    pass.draw(0..3, 0..1);
+}

@@ -30,6 +30,11 @@ pub struct DrawTraits {
     pub others: bool,
     /// Whether shadow views draw ranges of the primitives; see [`ShadowRanges`](super::ShadowRanges).
     pub bounded: bool,
+    /// Whether `material` runs once for each pixel that is seen, in a pass over the picture, in place of in the draw: where
+    /// triangles are small most of what a draw shades is thrown away. In a view with a G-buffer that draws no lines; 16 bytes
+    /// a pixel, once for all producers of a view. For triangles that do not move inside, and materials that read the
+    /// surface's `dx` and `dy` in place of derivatives of their own; of the materials of the table the first 256.
+    pub shaded_once: bool,
     /// Greatest |u| or |v| of a vertex.
     pub uv_range: f32,
 }
@@ -46,6 +51,7 @@ impl Default for DrawTraits {
             shadows: true,
             others: false,
             bounded: false,
+            shaded_once: false,
             uv_range: 1.0,
         }
     }

@@ -39,6 +39,15 @@ pub enum Target {
         /// Whether it holds motion vectors.
         motion: bool,
     },
+    /// What is kept of surfaces until they are shaded ([`DrawTraits::shaded_once`]).
+    Surfaces,
+    /// Bevy's G-buffer, from these.
+    Once {
+        /// Whether it holds normals.
+        normals: bool,
+        /// Whether it holds motion vectors.
+        motion: bool,
+    },
     /// The picture itself.
     Picture {
         /// Whether it holds sRGB numbers that the device takes as they are.
@@ -56,18 +65,39 @@ impl Look {
         targets.flat_map(|target| BOTH.map(|lines| Self { lines, target }))
     }
 
+    /// Those of producers whose surfaces are shaded once a pixel.
+    fn once() -> impl Iterator<Item = Self> {
+        const BOTH: [bool; 2] = [false, true];
+        let shaded = BOTH
+            .into_iter()
+            .flat_map(|normals| BOTH.map(|motion| Target::Once { normals, motion }));
+        let targets = [Target::Surfaces].into_iter().chain(shaded);
+        targets.map(|target| Self {
+            lines: false,
+            target,
+        })
+    }
+
     /// Definitions of a producer's draw in a view that looks so.
     pub fn defs(self, own: &[ShaderDefVal], traits: &DrawTraits) -> Vec<ShaderDefVal> {
         let fetched = traits.fetches(self.lines);
-        let (direct, encoded, normals, motion) = match self.target {
-            Target::GBuffer { normals, motion } => (false, false, normals, motion),
-            Target::Picture { encoded } => (true, encoded, false, false),
+        let (normals, motion) = match self.target {
+            Target::GBuffer { normals, motion } | Target::Once { normals, motion } => {
+                (normals, motion)
+            }
+            Target::Surfaces | Target::Picture { .. } => (false, false),
         };
+        let direct = matches!(self.target, Target::Picture { .. });
+        let encoded = self.target == Target::Picture { encoded: true };
+        let surfaces = self.target == Target::Surfaces;
+        let once = matches!(self.target, Target::Once { .. });
         with(
             of_producer(own, traits),
             [
                 (direct, "DIRECT"),
-                (!direct, "GBUFFER"),
+                (!direct && !surfaces, "GBUFFER"),
+                (surfaces, "GEOMETRY_SURFACE"),
+                (once, "GEOMETRY_ONCE"),
                 // Segments are lines already.
                 (self.lines && fetched, "GEOMETRY_LINES"),
                 (fetched, "GEOMETRY_FETCH"),
@@ -111,7 +141,8 @@ fn definitions(own: &[ShaderDefVal], traits: &DrawTraits) -> Vec<Vec<ShaderDefVa
     if traits.shadows {
         all.push(shadow_defs(own, traits));
     }
-    for look in Look::all() {
+    let once = Look::once().filter(|_| traits.shaded_once);
+    for look in Look::all().chain(once) {
         let defs = look.defs(own, traits);
         // A producer may not tell two looks apart.
         if !all.contains(&defs) {
@@ -157,5 +188,11 @@ mod tests {
             ..traits
         };
         assert_eq!(definitions(&[], &quiet).len(), 4 + 2, "segments are lines");
+        let once = DrawTraits {
+            shaded_once: true,
+            ..traits
+        };
+        // What is kept of surfaces, and the four G-buffers that they are shaded into.
+        assert_eq!(definitions(&[], &once).len(), all.len() + 1 + 4);
     }
 }

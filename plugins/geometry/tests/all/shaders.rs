@@ -79,7 +79,7 @@ fn the_records_of_draws_lie_as_in_rust() {
             uv_range,
             viewport,
             flags,
-            pad,
+            producer,
             numbers,
         }
     );

@@ -137,6 +137,7 @@ impl<const SLOT: usize> PatchKind for GroundKind<SLOT> {
 impl<const SLOT: usize> DetailKind for GroundKind<SLOT> {
     type Cameras = (With<TerrainView>, Without<PatchDetail>);
     const MATERIAL: &'static str = "dolomite::ground::surface";
+    const SHADED_ONCE: bool = true;
     const MATERIAL_DEFS: &[&[&'static str]] = &[
         &[],
         &[DRY],

@@ -50,6 +50,7 @@ pub(super) fn draw_traits<K: PatchKind>() -> DrawTraits {
         shadows: K::SHADOWS,
         others: false,
         bounded: K::BOUNDED && K::SHADOWS && K::AMPLIFIED == 0,
+        shaded_once: false,
         uv_range: K::UV_RANGE,
     }
 }

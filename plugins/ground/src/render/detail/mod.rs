@@ -43,6 +43,9 @@ pub trait DetailKind: AsBindGroup + Resource + Clone {
     const VERTEX_SHADED: bool = false;
     /// Whether it is drawn into shadow maps.
     const SHADOWS: bool = true;
+    /// Whether, in a view with a G-buffer, `material` runs once a pixel in place of in the draw; see
+    /// [`DrawTraits::shaded_once`]: it may not use derivatives but the surface's own.
+    const SHADED_ONCE: bool = false;
 
     /// The ground; without one nothing is drawn.
     fn ground(&self) -> Option<&Terrain>;
@@ -135,6 +138,7 @@ pub(super) fn build<K: DetailKind>(app: &mut App) -> bool {
 fn draw_traits<K: DetailKind>() -> DrawTraits {
     DrawTraits {
         vertex_shaded: K::VERTEX_SHADED,
+        shaded_once: K::SHADED_ONCE,
         shadows: K::SHADOWS,
         others: true,
         uv_range: K::UV_RANGE,
