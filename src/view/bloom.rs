@@ -1,9 +1,12 @@
-//! Bloom in views of any shape.
+//! Bloom in views of any size and shape.
 //!
 //! Bevy's bloom works in a texture of a fixed height, [`Bloom::max_mip_dimension`] (512), and as many times
-//! as wide as the view is. From 32:1 on that is wider than the 16 384 pixels that most devices can hold in
-//! a texture, the device refuses it, and the program ends. A lower texture fits, and bloom looks the same
-//! to within its blur.
+//! as wide as the view is: about half of a picture of 1080 rows, but twice as many pixels as a picture of 360 rows has.
+//! So a view gets no more than half its rows: bloom of a small picture looks as that of a large one does, for an eighth
+//! of its pixels there.
+//!
+//! From 32:1 on the texture would be wider than the 16 384 pixels that most devices can hold, the device
+//! refuses it, and the program ends. A lower texture fits, and bloom looks the same to within its blur.
 
 use bevy::camera::CameraUpdateSystems;
 use bevy::post_process::bloom::Bloom;
@@ -20,6 +23,9 @@ impl Plugin for BloomFitPlugin {
     }
 }
 
+/// Rows of the texture at least: Bevy makes two levels of it, of at least a pixel each.
+const LEAST: u32 = 4;
+
 fn fit(device: Option<Res<RenderDevice>>, mut views: Query<(&Camera, &mut Bloom)>) {
     let Some(device) = device else { return };
     let widest = device.limits().max_texture_dimension_2d;
@@ -34,10 +40,11 @@ fn fit(device: Option<Res<RenderDevice>>, mut views: Query<(&Camera, &mut Bloom)
     }
 }
 
-/// Height of the texture: Bevy's own where it fits, else the greatest power of two with which it is not
-/// wider than `widest`.
+/// Height of the texture: half of the view's, Bevy's own at most; less where it would not fit, the greatest power of two
+/// with which it is not wider than `widest`.
 fn highest(view: UVec2, widest: u32) -> u32 {
-    let own = Bloom::NATURAL.max_mip_dimension;
+    let half = view.y.div_ceil(2).max(LEAST);
+    let own = Bloom::NATURAL.max_mip_dimension.min(half);
     let fits = u64::from(widest) * u64::from(view.y.max(1)) / u64::from(view.x.max(1));
     let fits = u32::try_from(fits).unwrap_or(u32::MAX).max(1);
     own.min(1 << fits.ilog2())
@@ -48,18 +55,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_views_that_would_not_fit_are_changed() {
+    fn half_of_a_view_that_fits() {
         for (view, widest, height) in [
             ((1920, 1080), 16_384, 512),
-            ((1, 1), 16_384, 512),
+            ((1280, 720), 16_384, 360),
+            ((640, 360), 16_384, 180),
+            ((160, 90), 16_384, 45),
+            ((1, 1), 16_384, LEAST),
             ((1, 4000), 16_384, 512),
-            ((320, 10), 16_384, 512),
-            ((320, 9), 16_384, 256),
-            ((330, 10), 16_384, 256),
+            ((320, 9), 16_384, 5),
+            ((16_384, 400), 16_384, 200),
+            ((16_384, 9), 16_384, 5),
             ((16_384, 1), 16_384, 1),
+            ((16_384, 2), 16_384, 2),
             ((4096, 1), 4096, 1),
             // No view has these; what must not happen is a division by 0.
-            ((0, 0), 16_384, 512),
+            ((0, 0), 16_384, LEAST),
         ] {
             let view = UVec2::from(view);
             assert_eq!(highest(view, widest), height, "{view}");

@@ -45,10 +45,10 @@ fn clip_rows(clip_from_anchor: mat4x4<f32>, at: vec2<f32>, depth: f32) -> Rows {
 }
 
 // Where the three planes meet (Cramer's rule).
-fn place_at(of: Rows) -> vec3<f32> {
-    let across = cross(of.row.xyz, of.depth.xyz);
-    let sum = of.column.w * across + of.row.w * cross(of.depth.xyz, of.column.xyz) + of.depth.w * cross(of.column.xyz, of.row.xyz);
-    return -sum / dot(of.column.xyz, across);
+fn place_at(rows: Rows) -> vec3<f32> {
+    let across = cross(rows.row.xyz, rows.depth.xyz);
+    let sum = rows.column.w * across + rows.row.w * cross(rows.depth.xyz, rows.column.xyz) + rows.depth.w * cross(rows.column.xyz, rows.row.xyz);
+    return -sum / dot(rows.column.xyz, across);
 }
 
 // What a pixel spans on a surface.
@@ -63,11 +63,11 @@ const LEAST_COSINE: f32 = 0.05;
 
 // Along the surface with this normal through a place: the derivatives of the place, with a row and a column held. `size`
 // is that of the picture, pixels.
-fn footprint(of: Rows, place: vec3<f32>, normal: vec3<f32>, size: vec2<f32>) -> Footprint {
+fn footprint(rows: Rows, place: vec3<f32>, normal: vec3<f32>, size: vec2<f32>) -> Footprint {
     // The planes of column and row meet in the way of the light.
-    let way = cross(of.column.xyz, of.row.xyz);
+    let way = cross(rows.column.xyz, rows.row.xyz);
     let facing = dot(normal, way);
     let least = LEAST_COSINE * length(way);
-    let scale = dot(of.w, vec4(place, 1.0)) * 2.0 / select(min(facing, -least), max(facing, least), facing >= 0.0);
-    return Footprint(cross(of.row.xyz, normal) * (scale / size.x), cross(of.column.xyz, normal) * (scale / size.y));
+    let scale = dot(rows.w, vec4(place, 1.0)) * 2.0 / select(min(facing, -least), max(facing, least), facing >= 0.0);
+    return Footprint(cross(rows.row.xyz, normal) * (scale / size.x), cross(rows.column.xyz, normal) * (scale / size.y));
 }

@@ -14,7 +14,7 @@ pub(crate) const TICKS: f64 = 46_186_158_000.0;
 pub(super) struct Beyond {
     pub(super) mode: ExtrapolationMode,
     /// Below 0 without end.
-    repeats: i32,
+    pub(super) repeats: i32,
 }
 
 impl From<&Extrapolation> for Beyond {

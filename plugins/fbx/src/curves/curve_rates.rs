@@ -45,12 +45,22 @@ impl Curve<'_> {
         let Some((inner, _)) = self.folded(middle) else {
             return Number::still(value);
         };
+        let slack = over.slack + 1e-9 * (1.0 + middle.abs());
+        // Behind the last of so many repetitions it stands where that one ends.
+        let past = match is_before {
+            true => first.time - over.to,
+            false => over.from - last.time,
+        };
+        let all = f64::from(how.repeats) * (last.time - first.time);
+        if how.repeats > 0 && past >= all - slack {
+            return Number::still(value);
+        }
         // Seams are keys, so that a span lies within one repetition.
         let half = (over.to - over.from) / 2.0;
         let inner = Over {
             from: inner - half,
             to: inner + half,
-            slack: over.slack + 1e-9 * (1.0 + middle.abs()),
+            slack,
         };
         self.between(inner, value)
     }
@@ -175,6 +185,7 @@ pub(super) fn line(value: f64, way: f64) -> Number {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::curves::curve::Beyond;
     use crate::curves::holds;
     use ufbx::{Keyframe, Tangent};
 
@@ -202,6 +213,44 @@ mod tests {
                     number.moves.0[1].is_finite() || to - from > 1.0,
                     "{number:?}"
                 );
+                holds(&number.moves, over, |time| [other.clone().at(time)]);
+            }
+        }
+    }
+
+    #[test]
+    fn behind_the_last_repetition_nothing_moves() {
+        let key = |time: f64, value: f64| Keyframe {
+            time,
+            value,
+            interpolation: Interpolation::Linear,
+            left: Tangent { dx: 0.333, dy: 0.0 },
+            right: Tangent { dx: 0.333, dy: 0.0 },
+        };
+        let keys = [key(1.0, 2.0), key(3.0, 5.0)];
+        for mode in [
+            ExtrapolationMode::Repeat,
+            ExtrapolationMode::Mirror,
+            ExtrapolationMode::RepeatRelative,
+        ] {
+            let mut curve = Curve::with_keys(&keys);
+            curve.after = Beyond { mode, repeats: 2 };
+            curve.before = Beyond { mode, repeats: 3 };
+            // Two repetitions end at 7 s, three begin at -5 s.
+            for (from, to, stands) in [
+                (7.0, 9.0, true),
+                (20.0, 80.0, true),
+                (-9.0, -5.0, true),
+                (6.5, 7.0, false),
+                (-5.0, -4.0, false),
+            ] {
+                let slack = 0.0;
+                let over = Over { from, to, slack };
+                let number = curve.over(over);
+                assert!(number.moves.1.is_finite(), "{mode:?}: {number:?}");
+                let is_still = number.moves == Majorant::still(number.middle);
+                assert_eq!(is_still, stands, "{mode:?} {from}");
+                let other = curve.clone();
                 holds(&number.moves, over, |time| [other.clone().at(time)]);
             }
         }
