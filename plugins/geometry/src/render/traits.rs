@@ -33,7 +33,7 @@ pub struct DrawTraits {
     /// Whether `material` runs once for each pixel that is seen, in a pass over the picture, in place of in the draw: where
     /// triangles are small most of what a draw shades is thrown away. In a view with a G-buffer that draws no lines; 16 bytes
     /// a pixel, once for all producers of a view. For triangles that do not move inside, and materials that read the
-    /// surface's `dx` and `dy` in place of derivatives of their own; of the materials of the table the first 256.
+    /// surface's `dx` and `dy` in place of derivatives of their own.
     pub shaded_once: bool,
     /// Greatest |u| or |v| of a vertex.
     pub uv_range: f32,
