@@ -208,7 +208,7 @@ const SWITCHED: &[Switched] = &[
     },
     Switched {
         name: "ground",
-        passes: &["geometry_surfaces", "geometry_gbuffer", "geometry_shadow"],
+        passes: &["geometry_gbuffer", "geometry_shadow"],
         note: "its draws into G-buffer and shadow maps, with its material",
         usual: true,
         there: always,

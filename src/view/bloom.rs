@@ -23,8 +23,9 @@ impl Plugin for BloomFitPlugin {
     }
 }
 
-/// Rows of the texture at least: Bevy makes two levels of it, of at least a pixel each.
-const LEAST: u32 = 4;
+/// Rows of the texture at least, where it fits: Bevy makes three levels of these, and of fewer than 8 rows one, whose share
+/// is not a number then.
+const LEAST: u32 = 16;
 
 fn fit(device: Option<Res<RenderDevice>>, mut views: Query<(&Camera, &mut Bloom)>) {
     let Some(device) = device else { return };
@@ -63,9 +64,9 @@ mod tests {
             ((160, 90), 16_384, 45),
             ((1, 1), 16_384, LEAST),
             ((1, 4000), 16_384, 512),
-            ((320, 9), 16_384, 5),
+            ((320, 9), 16_384, LEAST),
             ((16_384, 400), 16_384, 200),
-            ((16_384, 9), 16_384, 5),
+            ((16_384, 9), 16_384, 8),
             ((16_384, 1), 16_384, 1),
             ((16_384, 2), 16_384, 2),
             ((4096, 1), 4096, 1),

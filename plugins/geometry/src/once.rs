@@ -133,7 +133,11 @@ mod tests {
                 // Rounding of places from the anchor, of the eye's own place in the planes, and of depth and lens by
                 // the distance: a few steps of f32 each, more by the width of the picture.
                 let scale = eye.length() + place.distance(eye) + 1.0;
-                let allowed = 16.0 * f64::from(f32::EPSILON) * scale;
+                // Without perspective depth has even steps, of as many metres near as far.
+                let step = at.extend(depth * (1.0 + f64::from(f32::EPSILON)));
+                let beyond = clip.inverse() * step.extend(1.0);
+                let step = place.distance(beyond.truncate() / beyond.w);
+                let allowed = 16.0 * f64::from(f32::EPSILON) * scale + step;
                 assert!(error < allowed, "{error} of {allowed} at {place}");
             }
         }

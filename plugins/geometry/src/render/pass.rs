@@ -256,6 +256,8 @@ pub fn draw_gbuffer(
     let viewport = viewport(camera, resolution);
     let recorder = ctx.diagnostic_recorder();
     let recorder = recorder.as_deref();
+    // Of both passes: what budgets and panels know as the time of the draws.
+    let whole_span = recorder.time_span(ctx.command_encoder(), "geometry_gbuffer");
     if let Some((target, _)) = &surfaces {
         let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
             label: Some("geometry_surfaces"),
@@ -265,7 +267,7 @@ pub fn draw_gbuffer(
             occlusion_query_set: None,
             multiview_mask: None,
         });
-        let span = recorder.pass_span(&mut pass, "geometry_surfaces");
+        let span = recorder.pass_span(&mut pass, "surfaces");
         draw_calls(&mut pass, viewport.as_ref(), &kept);
         span.end(&mut pass);
     }
@@ -289,7 +291,7 @@ pub fn draw_gbuffer(
         occlusion_query_set: None,
         multiview_mask: None,
     });
-    let span = recorder.pass_span(&mut pass, "geometry_gbuffer");
+    let span = recorder.pass_span(&mut pass, "shaded");
     if let Some((_, group)) = surfaces {
         if let Some(viewport) = &viewport {
             pass.set_camera_viewport(viewport);
@@ -300,6 +302,8 @@ pub fn draw_gbuffer(
     }
     draw_calls(&mut pass, viewport.as_ref(), &whole);
     span.end(&mut pass);
+    drop(pass);
+    whole_span.end(ctx.command_encoder());
 }
 
 /// The same primitives into the shadow maps of the view's lights.

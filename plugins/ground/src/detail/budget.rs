@@ -27,7 +27,7 @@ use crate::sets::GroundSystems;
 /// moves. Needs Bevy's `RenderDiagnosticsPlugin`.
 #[must_use]
 pub fn frame_time() -> FrameTime {
-    FrameTime::of_passes(&["detail", "geometry_surfaces", "geometry_gbuffer"])
+    FrameTime::of_passes(&["detail", "geometry_gbuffer"])
 }
 
 /// Writes the tolerances into the metrics of the ground's detail. [`Metric::Classic`] has none and stays as

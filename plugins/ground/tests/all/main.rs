@@ -14,6 +14,8 @@ mod cover;
 mod edits;
 #[cfg(feature = "render")]
 mod inspect;
+#[cfg(feature = "render")]
+mod once;
 mod plugin;
 #[cfg(feature = "render")]
 mod several;
