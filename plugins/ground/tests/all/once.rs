@@ -64,7 +64,8 @@ fn gpu_ground_is_the_same_shaded_once_a_pixel() {
     let mean = sum / f64::from(once.width() * once.height());
     println!("mean {mean}, most {most}, {red} red, {sky} sky");
     assert!(red > 300 && sky > 1000, "{red} {sky}");
-    // Normals of 16 bits a coordinate in place of f32, and what a pixel spans by the normal in place of the triangle's plane:
-    // of a material without textures no more than a step of a byte here and there. But not nothing: else both are drawn alike.
-    assert!(mean > 0.0 && mean < 0.25, "{mean}");
+    // Normals of 16 bits a coordinate in place of f32, and what a pixel spans by the normal in place of the triangle's plane, by
+    // which noise fades that is finer than a pixel: twice what was found, 0.40 and 14. But not nothing: else both are drawn
+    // alike.
+    assert!(mean > 0.0 && mean < 0.8 && most < 28, "{mean} {most}");
 }
