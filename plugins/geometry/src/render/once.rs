@@ -4,20 +4,16 @@
 use std::collections::HashMap;
 
 use bevy::prelude::*;
-use bevy::render::render_resource::binding_types::texture_2d;
 use bevy::render::render_resource::{
-    BindGroup, BindGroupEntries, BindGroupLayoutDescriptor, BindGroupLayoutEntries, LoadOp,
-    Operations, PipelineCache, RenderPassColorAttachment, ShaderStages, StoreOp, TextureDescriptor,
-    TextureDimension, TextureFormat, TextureSampleType, TextureUsages, TextureView,
+    BindGroup, BindGroupEntries, LoadOp, Operations, PipelineCache, RenderPassColorAttachment,
+    StoreOp, TextureDescriptor, TextureDimension, TextureUsages, TextureView,
 };
 use bevy::render::renderer::RenderDevice;
 use bevy::render::texture::TextureCache;
 use bevy::render::view::ViewDepthTexture;
 
+use super::pipeline::{SURFACE_FORMAT, surfaces_layout};
 use super::producer::{Producer, Producers};
-
-/// Of the four words that are kept of a surface, see `shaders/src/geometry/once.wgsl`.
-pub const SURFACE_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 
 /// What was kept of the surfaces of each view, in this frame.
 #[derive(Resource, Default)]
@@ -45,17 +41,6 @@ impl Surfaces {
         };
         Some((attachment, &own.group))
     }
-}
-
-/// Layout of the group by which surfaces are read.
-pub fn surfaces_layout() -> BindGroupLayoutDescriptor {
-    BindGroupLayoutDescriptor::new(
-        "geometry_surfaces",
-        &BindGroupLayoutEntries::single(
-            ShaderStages::FRAGMENT,
-            texture_2d(TextureSampleType::Uint),
-        ),
-    )
 }
 
 /// Whether a producer draws something into a view that is shaded once a pixel.

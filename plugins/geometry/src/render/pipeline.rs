@@ -11,23 +11,36 @@ use bevy::core_pipeline::prepass::{
 use bevy::mesh::VertexBufferLayout;
 use bevy::prelude::*;
 use bevy::render::render_resource::binding_types::{
-    storage_buffer_read_only_sized, uniform_buffer_sized,
+    storage_buffer_read_only_sized, texture_2d, uniform_buffer_sized,
 };
 use bevy::render::render_resource::{
     BindGroupLayoutDescriptor, BindGroupLayoutEntries, CachedPipelineState, CachedRenderPipelineId,
     ColorTargetState, ColorWrites, CompareFunction, DepthStencilState, Face, FragmentState,
     FrontFace, PipelineCache, PrimitiveState, RenderPipelineDescriptor, ShaderStages,
-    TextureFormat, VertexAttribute, VertexFormat, VertexState, VertexStepMode,
+    TextureFormat, TextureSampleType, VertexAttribute, VertexFormat, VertexState, VertexStepMode,
 };
 use bevy::render::view::ViewTarget;
 use bevy::shader::{ShaderCacheError, ShaderDefVal};
 
-use super::once::{SURFACE_FORMAT, surfaces_layout};
 use super::traits::{DrawShader, DrawTraits};
 use super::variants::{Look, Target, shadow_defs};
 use crate::layout::{
     EVALUATED_BYTES, GeometryDraw, MATERIAL_ROWS, MaterialRow, PREVIOUS_BYTES, VERTEX_BYTES,
 };
+
+/// Of the four words that are kept of a surface, see `shaders/src/geometry/once.wgsl`.
+pub const SURFACE_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
+
+/// Layout of the group by which surfaces are read.
+pub fn surfaces_layout() -> BindGroupLayoutDescriptor {
+    BindGroupLayoutDescriptor::new(
+        "geometry_surfaces",
+        &BindGroupLayoutEntries::single(
+            ShaderStages::FRAGMENT,
+            texture_2d(TextureSampleType::Uint),
+        ),
+    )
+}
 
 /// What the pipeline of a view's draw is specialised by.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
