@@ -3,6 +3,7 @@
 
 use std::collections::HashMap;
 
+use bevy::core_pipeline::prepass::ViewPrepassTextures;
 use bevy::prelude::*;
 use bevy::render::render_resource::{
     BindGroup, BindGroupEntries, LoadOp, Operations, PipelineCache, RenderPassColorAttachment,
@@ -52,15 +53,16 @@ fn is_once(producer: &Producer, view: Entity) -> bool {
 /// The textures that this frame needs; none where no producer draws so.
 pub fn keep(
     producers: Res<Producers>,
-    views: Query<(Entity, &ViewDepthTexture)>,
+    views: Query<(Entity, &ViewDepthTexture, &ViewPrepassTextures)>,
     mut surfaces: ResMut<Surfaces>,
     mut textures: ResMut<TextureCache>,
     cache: Res<PipelineCache>,
     device: Res<RenderDevice>,
 ) {
     surfaces.0.clear();
-    for (view, depth) in &views {
-        if !producers.iter().any(|producer| is_once(producer, view)) {
+    for (view, depth, prepass) in &views {
+        // Without a G-buffer the draws shade.
+        if prepass.deferred.is_none() || !producers.iter().any(|producer| is_once(producer, view)) {
             continue;
         }
         let texture = textures.get(
